@@ -38,7 +38,7 @@ const MAX_UNITS: usize = 16;
 /// All diagnostics of a unit, by file and place.
 #[salsa::tracked(lru = 0)]
 pub(crate) fn unit_report<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<Diagnostic>> {
-    let mut report = Report {
+    let mut report = Reporter {
         db,
         visits: visits(db, unit),
         missing: Missing::default(),
@@ -115,7 +115,7 @@ pub(crate) fn sort_and_dedup(diagnostics: &mut Vec<Diagnostic>) {
     diagnostics.dedup_by(|a, b| a.sort_key() == b.sort_key());
 }
 
-struct Report<'db> {
+struct Reporter<'db> {
     db: &'db dyn Db,
     visits: &'db Visits<'db>,
     /// What could not be read.
@@ -123,7 +123,7 @@ struct Report<'db> {
     out: Vec<Diagnostic>,
 }
 
-impl<'db> Report<'db> {
+impl<'db> Reporter<'db> {
     /// What the text of one file gives.
     fn text(&mut self, visit: usize, key: FileKey<'db>) {
         for it in text_report(self.db, key).iter() {

@@ -65,7 +65,7 @@ pub struct Measured {
 
 /// What logs tell of specifications.
 #[derive(Debug, Default)]
-pub struct Found {
+pub struct Measurements {
     /// Of each codel in each of its states: what was measured, with no runs where it was never seen.
     pub sites: Vec<(Site, Measure)>,
     /// Lines about no codel of the specifications, by kind, with their number.
@@ -93,13 +93,13 @@ impl Measured {
     }
 
     /// Brings what was measured to the codels of specifications.
-    pub fn found(&self, names: &Names<'_>) -> Found {
+    pub fn found(&self, names: &Names<'_>) -> Measurements {
         let sites = sites(names);
         let mut places: FxHashMap<(usize, _, Option<String>), usize> = FxHashMap::default();
         for (place, it) in sites.iter().enumerate() {
             places.insert((it.component, it.codel, it.state.clone()), place);
         }
-        let mut found = Found {
+        let mut found = Measurements {
             sites: sites
                 .into_iter()
                 .map(|it| (it, Measure::default()))

@@ -149,7 +149,7 @@ pub struct Never {
 /// What came of it.
 #[derive(Debug, Clone, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub struct Report {
+pub struct MonitorReport {
     /// Version of the form.
     pub format: u32,
     /// Runs of codels that were compared.
@@ -435,7 +435,7 @@ impl<'s> Monitor<'s> {
     }
 
     /// What was seen so far.
-    pub fn report_so_far(&self) -> Report {
+    pub fn report_so_far(&self) -> MonitorReport {
         let system = self.model.system;
         let tasks = (0..system.tasks.len()).map(|task| {
             let limits = self.model.of_task(task);
@@ -469,7 +469,7 @@ impl<'s> Monitor<'s> {
         let mut never: Vec<String> = never.map(|it| self.model.path(it)).collect();
         never.sort();
         never.dedup();
-        Report {
+        MonitorReport {
             format: 1,
             runs: self.runs,
             tasks: tasks.collect(),

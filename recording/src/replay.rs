@@ -59,7 +59,7 @@ pub struct Difference {
 /// What came of it.
 #[derive(Debug, Clone, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub struct Report {
+pub struct ReplayReport {
     /// Version of the form.
     pub format: u32,
     /// Steps of the recording.
@@ -95,7 +95,7 @@ pub struct Replay<'s> {
     seen: Vec<Seen>,
     /// Nobody knows any more which state the run is in.
     lost: bool,
-    report: Report,
+    report: ReplayReport,
 }
 
 /// A system in which every codel may throw: that some must not is looked at by [`Replay`].
@@ -123,7 +123,7 @@ impl<'s> Replay<'s> {
             waited: vec![false; executors],
             possible: Possible::default(),
             lost: false,
-            report: Report {
+            report: ReplayReport {
                 format: 1,
                 steps: 0,
                 followed: 0,
@@ -176,7 +176,7 @@ impl<'s> Replay<'s> {
     }
 
     /// The recording has ended, at a time.
-    pub fn end(mut self, time: u64) -> Report {
+    pub fn end(mut self, time: u64) -> ReplayReport {
         if !self.lost {
             let end = Step {
                 time,

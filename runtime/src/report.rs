@@ -19,7 +19,7 @@ pub const FORMAT: u32 = 1;
 /// What a run found. All times are in the unit of the report.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub struct Report {
+pub struct RunReport {
     /// Version of the form.
     pub format: u32,
     /// Name of the scenario.
@@ -188,14 +188,14 @@ pub enum Violated {
     },
 }
 
-impl Report {
+impl RunReport {
     /// Of runs that are over.
     pub fn new(
         prepared: &Prepared,
         plan: &Plan,
         outcome: &Outcome,
         bounds: &[Option<Ticks>],
-    ) -> Report {
+    ) -> RunReport {
         let make = Maker { prepared, plan };
         let system = &prepared.built.system;
         let services = (0..system.services.len()).map(|service| {
@@ -219,7 +219,7 @@ impl Report {
             let path = system.service_path(it);
             format!("a request of {path} was refused because all its slots were in use")
         }));
-        Report {
+        RunReport {
             format: FORMAT,
             scenario: prepared.report.scenario.clone(),
             semantics: prepared.report.semantics.clone(),

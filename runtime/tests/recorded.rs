@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use dotgen_analysis::host::UnitResult;
 use dotgen_recording::log;
-use dotgen_recording::monitor::{Monitor, Report};
+use dotgen_recording::monitor::{Monitor, MonitorReport};
 use dotgen_runtime::decide::Durations;
 use dotgen_runtime::profile::{Profile, functions};
 use dotgen_runtime::simulation::{Plan, simulate};
@@ -84,11 +84,16 @@ impl Recorder {
         bounds
     }
 
-    fn monitor(&self, prepared: &Prepared, log: &str) -> Report {
+    fn monitor(&self, prepared: &Prepared, log: &str) -> MonitorReport {
         self.monitor_with(prepared, response_bounds(&prepared.built.system), log)
     }
 
-    fn monitor_with(&self, prepared: &Prepared, bounds: Vec<Option<Ticks>>, log: &str) -> Report {
+    fn monitor_with(
+        &self,
+        prepared: &Prepared,
+        bounds: Vec<Option<Ticks>>,
+        log: &str,
+    ) -> MonitorReport {
         let system = &prepared.built.system;
         let input = self.input();
         let names = Names::new(&input.specs);

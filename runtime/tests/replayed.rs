@@ -2,7 +2,7 @@
 //! named.
 
 use dotgen_analysis::host::UnitResult;
-use dotgen_recording::replay::{Replay, Report, Rule, Step, What, opened};
+use dotgen_recording::replay::{Replay, ReplayReport, Rule, Step, What, opened};
 use dotgen_runtime::decide::Durations;
 use dotgen_runtime::profile::Profile;
 use dotgen_runtime::simulation::{Plan, Record, simulate_recorded};
@@ -70,7 +70,7 @@ fn record(prepared: &Prepared, until: u64, seed: u64, durations: Durations) -> (
     (recording.steps, recording.end)
 }
 
-fn replay(verified: &TimedSystem, steps: &[Step], end: u64) -> Report {
+fn replay(verified: &TimedSystem, steps: &[Step], end: u64) -> ReplayReport {
     let system = opened(verified);
     let mut replay = Replay::new(&system, verified, None);
     for it in steps {

@@ -315,7 +315,7 @@ pub fn check(all: &[Expected<'_>], sources: &Sources, options: &DriftOptions) ->
         }
         members::check(expected, sources, options, &mut out);
     }
-    let alone = |it: &&Found<'_>| !renamed.contains(&it.place());
+    let alone = |it: &&FunctionIn<'_>| !renamed.contains(&it.place());
     let certain = orphan::are_certain(all, options);
     for orphan in orphans.iter().filter(|_| certain).filter(alone) {
         out.extend(orphan::report(orphan, all));
@@ -359,12 +359,12 @@ struct Check<'a> {
 
 /// A function and its file.
 #[derive(Clone, Copy)]
-struct Found<'a> {
+struct FunctionIn<'a> {
     file: &'a IndexedFile,
     function: &'a Function,
 }
 
-impl Found<'_> {
+impl FunctionIn<'_> {
     fn place(&self) -> (Utf8PathBuf, usize) {
         (self.file.path.clone(), self.function.span.start)
     }
@@ -378,12 +378,12 @@ impl Found<'_> {
 }
 
 impl<'a> Check<'a> {
-    fn definitions(&self) -> Vec<Found<'a>> {
+    fn definitions(&self) -> Vec<FunctionIn<'a>> {
         let files = self.sources.all();
         files
             .flat_map(|file| {
                 let functions = file.index.definitions(&self.function.name);
-                functions.map(move |function| Found { file, function })
+                functions.map(move |function| FunctionIn { file, function })
             })
             .collect()
     }
@@ -457,7 +457,7 @@ impl<'a> Check<'a> {
         self.sources.all().any(paste)
     }
 
-    fn renamed(&self, orphan: Found<'_>) -> Drift {
+    fn renamed(&self, orphan: FunctionIn<'_>) -> Drift {
         let (from, to) = (&orphan.function.name, &self.function.name);
         let mut drift = self.drift(Differing::Renamed {
             function: from.as_str().into(),

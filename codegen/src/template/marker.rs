@@ -110,7 +110,7 @@ struct Translator {
 }
 
 /// A complete marker in a buffer: indexes of `<`, of the closing quote, and the two quotes.
-struct Found {
+struct Marker {
     open: usize,
     close: usize,
     quotes: (char, char),
@@ -175,11 +175,11 @@ impl Translator {
         }
     }
 
-    fn find_marker(&self) -> Option<Found> {
+    fn find_marker(&self) -> Option<Marker> {
         let text = &self.source[..self.read];
         let open = self.find_open(self.start, self.read)?;
         let close = self.find_close(open + 2, self.read)?;
-        Some(Found {
+        Some(Marker {
             open,
             close,
             quotes: (text[open + 1], text[close]),
@@ -203,7 +203,7 @@ impl Translator {
         }
     }
 
-    fn translate_marker(&mut self, found: &Found) -> Result<(), MarkerError> {
+    fn translate_marker(&mut self, found: &Marker) -> Result<(), MarkerError> {
         if found.open > self.start {
             if let Some(at) = self.find_close(self.start, found.open) {
                 self.line += newlines(&self.source[self.start..=at]);

@@ -24,7 +24,7 @@ pub(crate) fn codel_mutex(
         Owner::Service(service) => Some(service),
         Owner::Task(_) => None,
     };
-    let mut found = Found::new(component);
+    let mut found = SeenCodels::new(component);
     let conflict = |other: &Codel| conflicts(spec, &codel.params, &other.params, Against::Codel);
     for other in (0..component.tasks.len() as u32).filter(|it| Some(*it) != task) {
         found.add_state_machine(Owner::Task(other), conflict);
@@ -57,7 +57,7 @@ pub(crate) fn codel_mutex(
 /// Codels that exclude a service.
 pub(crate) fn service_mutex(spec: &Spec, component: &Component, service: u32) -> Vec<CodelRef> {
     let service = &component.services[service as usize];
-    let mut found = Found::new(component);
+    let mut found = SeenCodels::new(component);
     let conflict =
         |other: &Codel| conflicts(spec, &other.params, &service.params, Against::Service);
     for other in (0..component.tasks.len() as u32).filter(|it| Some(*it) != service.task) {
@@ -72,15 +72,15 @@ pub(crate) fn service_mutex(spec: &Spec, component: &Component, service: u32) ->
 }
 
 /// Codels found so far, each once; a codel is known by task, service and name.
-struct Found<'a> {
+struct SeenCodels<'a> {
     component: &'a Component,
     codels: Vec<CodelRef>,
     seen: FxHashSet<(Option<u32>, Option<u32>, &'a str)>,
 }
 
-impl<'a> Found<'a> {
-    fn new(component: &'a Component) -> Found<'a> {
-        Found {
+impl<'a> SeenCodels<'a> {
+    fn new(component: &'a Component) -> SeenCodels<'a> {
+        SeenCodels {
             component,
             codels: Vec::new(),
             seen: FxHashSet::default(),

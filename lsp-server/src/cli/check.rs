@@ -9,14 +9,14 @@ use dotgen_analysis::host::Analysis;
 use dotgen_timing::scn::names::Names;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::report::{self, Format, Report};
+use super::report::{self, FileReports, Format};
 use super::session::{self, ConfigProblems, Session, SourceFile, Texts, Trouble};
 use super::{Outcome, Reading};
 use crate::files::vfs;
 use crate::protocol::convert::{Encoding, Lines};
 use crate::verification::Problem;
 
-/// Report what is wrong with specifications
+/// FileReports what is wrong with specifications
 ///
 /// Exit status: 0 without errors (warnings do not count), 1 with errors, with --diff if there is something to
 /// fix, 2 if a file cannot be read or written.
@@ -51,7 +51,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     if files.is_empty() {
         return Ok(trouble.outcome(Outcome::Fine));
     }
-    let mut report = Report::default();
+    let mut report = FileReports::default();
     let mut changed = fix::Changed::new();
     for mut session in session::open(files, &arguments.reading)? {
         if arguments.verbose {
@@ -75,7 +75,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
 }
 
 /// Adds what is wrong with the files of a session. A file that cannot be read is told, and the others go on.
-fn check(session: &mut Session, report: &mut Report, trouble: &mut Trouble) {
+fn check(session: &mut Session, report: &mut FileReports, trouble: &mut Trouble) {
     if let Some(config) = &session.config {
         add_config_problems(config, &mut report.diagnostics, &mut report.texts);
     }
@@ -89,7 +89,7 @@ fn check(session: &mut Session, report: &mut Report, trouble: &mut Trouble) {
     }
 }
 
-fn check_specifications(session: &mut Session, report: &mut Report) -> anyhow::Result<()> {
+fn check_specifications(session: &mut Session, report: &mut FileReports) -> anyhow::Result<()> {
     let specifications = session.files.iter().filter(|it| !it.is_scenario());
     let specifications: Vec<Utf8PathBuf> = specifications.map(|it| it.path.clone()).collect();
     // What each includes has to be known before what is included anywhere.

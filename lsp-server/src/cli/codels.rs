@@ -20,7 +20,7 @@ use dotgen_codegen::codels::{
 use dotgen_syntax::encoding;
 use std::io::Write as _;
 
-use super::report::{self, Compared, Format, Report};
+use super::report::{self, Compared, FileReports, Format};
 use super::session::{self, Session};
 use super::{Outcome, Reading};
 use crate::features::codels::Disk;
@@ -44,7 +44,7 @@ enum Command {
     Build(build::Build),
 }
 
-/// Report codels that do not fit their specification
+/// FileReports codels that do not fit their specification
 ///
 /// Exit status: 0 when they do (hints do not count), 1 when not or when a specification has errors in its
 /// text, 2 if something cannot be read.
@@ -162,7 +162,7 @@ fn roots(session: &Session) -> Vec<Utf8PathBuf> {
 
 fn check(arguments: &Check) -> anyhow::Result<Outcome> {
     let (files, mut trouble) = session::specifications(&arguments.paths);
-    let mut report = Report::default();
+    let mut report = FileReports::default();
     let mut errors = Vec::new();
     let mut broken = false;
     for mut session in session::open(files, &arguments.reading)? {

@@ -12,7 +12,7 @@ use anyhow::{Context, bail};
 use camino::{Utf8Path, Utf8PathBuf};
 use clap::{Args, ValueEnum};
 use dotgen_recording::log::Lines;
-use dotgen_recording::monitor::{Monitor, Report};
+use dotgen_recording::monitor::{Monitor, MonitorReport};
 use dotgen_recording::trace::Trace;
 use dotgen_timing::remark::together;
 use dotgen_timing::scn::names::Names;
@@ -161,7 +161,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     if let (Some(path), Some(trace)) = (&arguments.trace, trace) {
         write_trace(path, &trace.finish(Some(&names)))?;
     }
-    let empty = |it: &(Utf8PathBuf, Report)| it.1.runs == 0 && it.1.deviation_count == 0;
+    let empty = |it: &(Utf8PathBuf, MonitorReport)| it.1.runs == 0 && it.1.deviation_count == 0;
     let title = match problem.scenario.name.as_str() {
         "" => display(&problem.path),
         name => name.to_owned(),
@@ -258,7 +258,7 @@ fn write_trace(path: &Utf8Path, bytes: &[u8]) -> anyhow::Result<()> {
 }
 
 /// One document: an object for one log, a list for several.
-fn print_json(title: &str, reports: &[(Utf8PathBuf, Report)]) -> anyhow::Result<()> {
+fn print_json(title: &str, reports: &[(Utf8PathBuf, MonitorReport)]) -> anyhow::Result<()> {
     let mut documents = Vec::new();
     for (log, report) in reports {
         let mut document = serde_json::to_value(report)?;

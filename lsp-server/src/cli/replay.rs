@@ -7,7 +7,7 @@ use camino::Utf8PathBuf;
 use clap::{Args, ValueEnum};
 use dotgen_analysis::terminal;
 use dotgen_recording::record;
-use dotgen_recording::replay::{Difference, Replay, Report, What, opened};
+use dotgen_recording::replay::{Difference, Replay, ReplayReport, What, opened};
 use dotgen_runtime::refine;
 use dotgen_timing::remark::together;
 use dotgen_timing::verify::{Options, Prepared, SystemInput, prepare};
@@ -150,7 +150,7 @@ fn print_text(
     title: &str,
     recorded: &str,
     prepared: &Prepared,
-    report: &Report,
+    report: &ReplayReport,
 ) -> anyhow::Result<()> {
     let mut out = anstream::AutoStream::auto(std::io::stdout().lock());
     let time = |units: u64| {

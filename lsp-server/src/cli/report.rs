@@ -20,7 +20,7 @@ use crate::files::disk::SystemDisk;
 
 /// Diagnostics of all files checked.
 #[derive(Default)]
-pub(super) struct Report {
+pub(super) struct FileReports {
     pub(super) diagnostics: Vec<Diagnostic>,
     /// The texts they talk about.
     pub(super) texts: Texts,
@@ -40,7 +40,7 @@ pub(super) struct Compared {
     pub(super) coverage: Coverage,
 }
 
-impl Report {
+impl FileReports {
     /// What several units say about a file they share is said once.
     pub(super) fn finish(&mut self) {
         let mut seen = HashSet::new();
@@ -69,7 +69,7 @@ pub(super) enum Format {
 }
 
 /// Prints a report.
-pub(super) fn print(report: &Report, format: Format) -> anyhow::Result<()> {
+pub(super) fn print(report: &FileReports, format: Format) -> anyhow::Result<()> {
     match format {
         Format::Text => text::print(report),
         Format::Json => json::print(report),

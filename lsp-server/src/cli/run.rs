@@ -17,7 +17,7 @@ use clap::{Args, ValueEnum};
 use dotgen_analysis::model::Seconds;
 use dotgen_runtime::decide;
 use dotgen_runtime::engine::End;
-use dotgen_runtime::report::Report;
+use dotgen_runtime::report::RunReport;
 use dotgen_runtime::simulation::Plan;
 use dotgen_timing::remark::together;
 use dotgen_timing::scn;
@@ -223,7 +223,7 @@ enum Contents {
 struct Answer {
     problem: Problem,
     options: Options,
-    report: Report,
+    report: RunReport,
     clock: Clock,
     /// How many codels were executed, of how many.
     executed: (usize, usize),

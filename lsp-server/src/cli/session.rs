@@ -64,7 +64,7 @@ pub(super) struct ConfigProblems {
 /// The files that the arguments name: files themselves, directories all `.gen` below them. The first that
 /// cannot be used is an error.
 pub(super) fn files(arguments: &[Utf8PathBuf]) -> anyhow::Result<Vec<SourceFile>> {
-    let mut found = Found::default();
+    let mut found = NamedFiles::default();
     for argument in arguments {
         found.add(argument, &["gen"])?;
     }
@@ -73,7 +73,7 @@ pub(super) fn files(arguments: &[Utf8PathBuf]) -> anyhow::Result<Vec<SourceFile>
 
 /// As [`files`], for commands that go on without what cannot be used.
 pub(super) fn usable(arguments: &[Utf8PathBuf], extensions: &[&str]) -> (Vec<SourceFile>, Trouble) {
-    let (mut found, mut trouble) = (Found::default(), Trouble::default());
+    let (mut found, mut trouble) = (NamedFiles::default(), Trouble::default());
     for argument in arguments {
         match found.add(argument, extensions) {
             Ok(skipped) => skipped.iter().for_each(|it| trouble.tell(it)),
@@ -106,12 +106,12 @@ fn no_scenario(file: &SourceFile) -> anyhow::Result<()> {
 
 /// The files that arguments name, each once.
 #[derive(Default)]
-struct Found {
+struct NamedFiles {
     files: Vec<SourceFile>,
     known: FxHashSet<Utf8PathBuf>,
 }
 
-impl Found {
+impl NamedFiles {
     fn push(&mut self, path: Utf8PathBuf, named: bool, text: Option<Arc<str>>) {
         if self.known.insert(path.clone()) {
             self.files.push(SourceFile { path, named, text });

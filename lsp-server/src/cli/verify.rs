@@ -185,7 +185,7 @@ enum DurationsName {
 const UNASKED_STATES: usize = 2_000_000;
 
 /// What `--sensitivity` finds.
-struct Found {
+struct Slacks {
     /// Where something is missed, the changes that repair it, each with its edit.
     repairs: Repairs,
     edits: Vec<Option<FileEdit>>,
@@ -205,7 +205,7 @@ struct Answer {
     /// What was said beside it, for programs.
     diagnostics: serde_json::Value,
     /// What repairs it, and how far it is from missing deadlines.
-    limits: Option<Found>,
+    limits: Option<Slacks>,
 }
 
 pub(super) fn cores(text: &str) -> Result<Cores, String> {

@@ -19,7 +19,7 @@ const INACTIVE_CODE: &str = "inactive-code";
 
 /// Diagnostics of a document, or that they are what the client has.
 #[derive(Default)]
-pub(crate) struct Report {
+pub(crate) struct DocumentReport {
     result_id: String,
     /// `None`: unchanged.
     items: Option<Vec<Diagnostic>>,
@@ -30,9 +30,12 @@ pub(crate) fn document(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &DocumentDiagnosticParams,
-) -> Cancellable<Report> {
+) -> Cancellable<DocumentReport> {
     let items = file_diagnostics(snapshot, &subject.path, Severity::Hint)?;
-    Ok(Report::new(items, params.previous_result_id.as_deref()))
+    Ok(DocumentReport::new(
+        items,
+        params.previous_result_id.as_deref(),
+    ))
 }
 
 /// Some files of the workspace, and what the client has of them.
@@ -53,7 +56,7 @@ pub(crate) fn part(
         };
         let found = panic::isolate(|| file_diagnostics(snapshot, path, least(snapshot, path)));
         let items = survived(path, found)?.unwrap_or_default();
-        let report = Report::new(items, part.known.get(path).map(String::as_str));
+        let report = DocumentReport::new(items, part.known.get(path).map(String::as_str));
         let version = snapshot.open.get(path).map(|it| i64::from(it.version));
         Ok(Some(report.into_workspace(uri, version)))
     });
@@ -63,7 +66,7 @@ pub(crate) fn part(
 
 /// A file that left the workspace is in order now.
 pub(crate) fn gone(known: PreviousResultId) -> WorkspaceDocumentDiagnosticReport {
-    Report::new(Vec::new(), Some(&known.value)).into_workspace(known.uri, None)
+    DocumentReport::new(Vec::new(), Some(&known.value)).into_workspace(known.uri, None)
 }
 
 /// Whether a report says nothing new.
@@ -71,14 +74,14 @@ pub(crate) fn is_unchanged(report: &WorkspaceDocumentDiagnosticReport) -> bool {
     matches!(report, WorkspaceDocumentDiagnosticReport::Unchanged(_))
 }
 
-impl Report {
-    fn new(items: Vec<Diagnostic>, known: Option<&str>) -> Report {
+impl DocumentReport {
+    fn new(items: Vec<Diagnostic>, known: Option<&str>) -> DocumentReport {
         let mut hasher = FxHasher::default();
         // The protocol's types do not hash; their text does.
         format!("{items:?}").hash(&mut hasher);
         let result_id = format!("{:016x}", hasher.finish());
         let unchanged = known == Some(result_id.as_str());
-        Report {
+        DocumentReport {
             items: (!unchanged).then_some(items),
             result_id,
         }

@@ -136,7 +136,7 @@ struct State {
     next: u64,
     /// How many have connected.
     clients: u64,
-    requests: HashMap<u64, Asked>,
+    requests: HashMap<u64, PendingRequest>,
     watchers: Vec<Watcher>,
     /// Who follows the runs of codels, with their numbers of that request.
     followers: Vec<(Client, Value)>,
@@ -148,7 +148,7 @@ struct State {
     gone: HashMap<usize, String>,
 }
 
-struct Asked {
+struct PendingRequest {
     client: Client,
     /// Its own number of the request.
     id: Value,
@@ -461,7 +461,7 @@ fn call(
     let number = state.next;
     state.requests.insert(
         number,
-        Asked {
+        PendingRequest {
             client: client.clone(),
             id: id.clone(),
             component: at,

@@ -19,7 +19,7 @@ use crate::protocol::messages::{VerificationStatus, VerificationStatusParams};
 use crate::protocol::outbox::Outbox;
 use crate::session::post::Post;
 use crate::verification::results::{Answer, Entry, Results, Status};
-use crate::verification::run::Found;
+use crate::verification::run::Interim;
 
 pub(crate) use job::Verified;
 
@@ -187,11 +187,11 @@ impl Verifier {
             return false;
         };
         match it.found {
-            Found::Bounds(bounds) => entry.bounds = bounds,
+            Interim::Bounds(bounds) => entry.bounds = bounds,
             // On its way when the whole answer came.
-            Found::SoFar(_) if entry.status != Status::Running => return false,
-            Found::SoFar(answer) => (entry.answer, entry.holds) = (Some(answer), true),
-            Found::Answer(answer) => {
+            Interim::SoFar(_) if entry.status != Status::Running => return false,
+            Interim::SoFar(answer) => (entry.answer, entry.holds) = (Some(answer), true),
+            Interim::Answer(answer) => {
                 self.remembered.retain(|it| {
                     !it.problem.is_same(&answer.problem) || it.options != answer.options
                 });

@@ -24,7 +24,7 @@ const REPAIRS: Duration = Duration::from_secs(2);
 static TURN: Mutex<()> = Mutex::new(());
 
 /// What was found on the way.
-pub(crate) enum Found {
+pub(crate) enum Interim {
     /// Quick bounds.
     Bounds(Arc<Vec<TaskBound>>),
     /// What is known of the exact answer.
@@ -39,7 +39,7 @@ pub(crate) fn run(
     options: Options,
     limit: Duration,
     cancel: &Cancel,
-    tell: impl Fn(Found) + Sync,
+    tell: impl Fn(Interim) + Sync,
 ) {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     if cancel.is_abandoned() {
@@ -47,7 +47,7 @@ pub(crate) fn run(
     }
     cancel.limit(limit);
     let bounds = Arc::new(quick_bounds(&problem, &options));
-    tell(Found::Bounds(bounds.clone()));
+    tell(Interim::Bounds(bounds.clone()));
     let answer = |report, why, repairs, cores| {
         Arc::new(Answer {
             problem: problem.clone(),
@@ -62,20 +62,20 @@ pub(crate) fn run(
     let report = problem.verify(&options, cancel, &|so_far| {
         let why = why::of_report(&problem, &options, so_far, None);
         let none = Repairs::default();
-        tell(Found::SoFar(answer(so_far.clone(), why, none, None)));
+        tell(Interim::SoFar(answer(so_far.clone(), why, none, None)));
     });
     if cancel.is_abandoned() {
         return;
     }
     let mut why = why::of_report(&problem, &options, &report, None);
     let with = |why: &Vec<_>, repairs| answer(report.clone(), why.clone(), repairs, None);
-    tell(Found::Answer(with(&why, Repairs::default())));
+    tell(Interim::Answer(with(&why, Repairs::default())));
     if why.iter().any(Option::is_some) && !cancel.is_over() {
         let found = why::of_report(&problem, &options, &report, Some(cancel));
         let helps = found.iter().flatten().any(|it| it.remedy.is_some());
         if helps && !cancel.is_abandoned() {
             why = found;
-            tell(Found::Answer(with(&why, Repairs::default())));
+            tell(Interim::Answer(with(&why, Repairs::default())));
         }
     }
     if report.seconds < QUICK_SECONDS && !cancel.is_over() {
@@ -83,7 +83,7 @@ pub(crate) fn run(
         let untold: Tell<'_, Repair> = (&|_| {}, &|_| {});
         let repairs = changes::repairs(&problem, &options, &report, until, untold);
         if !repairs.all.is_empty() && !cancel.is_abandoned() {
-            tell(Found::Answer(with(&why, repairs)));
+            tell(Interim::Answer(with(&why, repairs)));
         }
     }
     let deadlines = || {
@@ -106,7 +106,7 @@ pub(crate) fn run(
         if let Some(cores) = cores.ok().filter(decided)
             && !cancel.is_abandoned()
         {
-            tell(Found::Answer(answer(
+            tell(Interim::Answer(answer(
                 report,
                 why,
                 Repairs::default(),

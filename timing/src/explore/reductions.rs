@@ -36,7 +36,7 @@ use crate::system::{Ticks, TimedSystem};
 pub(crate) type Held = u128;
 
 /// What is asked of a system, as far as reductions have to respect it.
-pub(crate) struct Asked<'a> {
+pub(crate) struct Watched<'a> {
     /// Tasks with equal labels are asked the same.
     pub(crate) labels: Vec<Label>,
     /// What is said about single states.
@@ -45,10 +45,10 @@ pub(crate) struct Asked<'a> {
     pub(crate) measured: Vec<bool>,
 }
 
-impl<'a> Asked<'a> {
+impl<'a> Watched<'a> {
     /// Nothing but some predicates.
     pub(crate) fn only(system: &TimedSystem, predicates: Vec<&'a Predicate>) -> Self {
-        Asked {
+        Watched {
             labels: vec![Label::default(); system.tasks.len()],
             predicates,
             measured: vec![false; system.tasks.len()],
@@ -59,7 +59,7 @@ impl<'a> Asked<'a> {
 /// What a reduction may or may not be used for.
 pub(crate) struct Setting<'a, R> {
     pub(crate) rules: &'a R,
-    pub(super) asked: &'a Asked<'a>,
+    pub(super) asked: &'a Watched<'a>,
     /// What is known beforehand.
     pub(super) facts: &'a Facts,
     /// What is switched off.
@@ -99,7 +99,7 @@ pub(crate) trait Reduction<R>: Sized {
 /// it.
 pub(crate) trait Reductions<R: Rules>: Sized {
     /// Examines a system. Some are switched off.
-    fn new(rules: &R, asked: &Asked, without: Kinds) -> Self;
+    fn new(rules: &R, asked: &Watched, without: Kinds) -> Self;
 
     /// Which are used, and why others are not.
     fn activities(&self) -> &[Activity];
@@ -172,7 +172,7 @@ impl Waiters {
 pub(crate) struct NoReductions(Orbits, Vec<Activity>);
 
 impl<R: Rules> Reductions<R> for NoReductions {
-    fn new(rules: &R, _: &Asked, _: Kinds) -> Self {
+    fn new(rules: &R, _: &Watched, _: Kinds) -> Self {
         let unknown = |kind| Activity {
             kind,
             off: Some(Reason::RulesUnknown),

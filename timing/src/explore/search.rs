@@ -18,7 +18,7 @@ use self::zones::{Proof, Zones};
 use super::findings::Findings;
 use super::measure::{Diverging, Gauge, How, Timing};
 use super::observe::Observer;
-use super::reductions::{Activity, Asked, Kind, Label, Reason, Reductions};
+use super::reductions::{Activity, Kind, Label, Reason, Reductions, Watched};
 use super::rules::{Rules, with_rules};
 use super::state::{Clocks, Stages, State};
 use super::store::{Covering, Store, decode_to};
@@ -274,7 +274,7 @@ impl<'a, R: Rules> Search<'a, R> {
                 .map(|it| (it.limit, it.most, it.active()))
                 .collect(),
         };
-        let asked = Asked {
+        let asked = Watched {
             labels: (0..system.tasks.len()).map(label).collect(),
             predicates,
             measured: clocks.response,

@@ -25,7 +25,7 @@ const WAYS: usize = 6;
 const STEPS: usize = 20_000;
 
 /// A chain, and how it was found.
-pub(crate) struct Found {
+pub(crate) struct FoundChain {
     pub(crate) chain: Chain,
     /// Components that it leads through, numbered as in [`Names`].
     pub(crate) components: Vec<usize>,
@@ -47,7 +47,7 @@ enum Root {
 type Key = (Root, Vec<String>);
 
 /// What is asked: from a port to a port, by these codels and ports.
-pub(crate) struct Asked<'a> {
+pub(crate) struct ChainQuery<'a> {
     pub(crate) kind: ChainKind,
     pub(crate) from: &'a Path,
     pub(crate) to: &'a Path,
@@ -59,8 +59,8 @@ pub(crate) fn chain(
     names: &Names,
     settings: &Settings,
     built: &Built,
-    asked: &Asked,
-) -> Result<Found, Diagnostic> {
+    asked: &ChainQuery,
+) -> Result<FoundChain, Diagnostic> {
     let connections = connections(names, settings, &mut Vec::new());
     let flow = Flow {
         names,
@@ -131,7 +131,7 @@ pub(crate) fn chain(
     components.extend([first.0, last.0]);
     components.sort_unstable();
     components.dedup();
-    Ok(Found {
+    Ok(FoundChain {
         chain,
         components,
         ways,
@@ -139,7 +139,7 @@ pub(crate) fn chain(
     })
 }
 
-fn no_way(asked: &Asked) -> Diagnostic {
+fn no_way(asked: &ChainQuery) -> Diagnostic {
     let (from, to) = (asked.from.text(), asked.to.text());
     let via = match asked.via.is_empty() {
         true => "",

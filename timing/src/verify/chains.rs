@@ -8,7 +8,7 @@ use crate::analytic::reaction_bound;
 use crate::explore::{Measured, explore_chain, is_exact};
 use crate::report::{CheckReport, Report, Soundness, Verdict};
 use crate::system::chain::ChainKind;
-use crate::system::flow::{self, Found};
+use crate::system::flow::{self, FoundChain};
 
 impl Group<'_> {
     /// Answers a check of a chain, by exploring it with one token.
@@ -68,7 +68,7 @@ impl Group<'_> {
     }
 
     /// The ways of the data, in words.
-    fn ways(&self, found: &Found) -> String {
+    fn ways(&self, found: &FoundChain) -> String {
         let codels = &self.built.system.codels;
         let one = |way: &Vec<usize>| {
             let names: Vec<&str> = way.iter().map(|&it| &*codels[it].path).collect();

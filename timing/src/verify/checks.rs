@@ -78,8 +78,8 @@ pub(super) struct ChainOf<'c> {
 }
 
 impl<'c> ChainOf<'c> {
-    pub(super) fn asked(&self) -> flow::Asked<'c> {
-        flow::Asked {
+    pub(super) fn asked(&self) -> flow::ChainQuery<'c> {
+        flow::ChainQuery {
             kind: self.kind,
             from: &self.path.from,
             to: &self.path.to,

@@ -3,14 +3,14 @@
 use dotgen_analysis::model::{CodelKind, CodelRef};
 
 use super::finding::{Clauses, Differing};
-use super::{Check, Drift, Found, Repair};
+use super::{Check, Drift, FunctionIn, Repair};
 use crate::codels::{
     expected::{cut_tag, owner_words, state_text},
     source::Generated,
 };
 use crate::lang::text;
 
-pub(super) fn check(check: &Check<'_>, definitions: &[Found<'_>], out: &mut Vec<Drift>) {
+pub(super) fn check(check: &Check<'_>, definitions: &[FunctionIn<'_>], out: &mut Vec<Drift>) {
     for found in definitions {
         for (distance, comment) in found.function.comments.iter().enumerate() {
             let Some(generated) = &comment.generated else {

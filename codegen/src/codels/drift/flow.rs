@@ -7,7 +7,7 @@ use rustc_hash::FxHashSet;
 use smol_str::SmolStr;
 
 use super::finding::{Differing, States};
-use super::{Check, Drift, Found, Repair, Respelling};
+use super::{Check, Drift, FunctionIn, Repair, Respelling};
 use crate::codels::{
     expected::{Expected, cut_tag, state_text},
     source::{Body, Call, Span, Value},
@@ -31,7 +31,7 @@ struct Outcome {
     raised: FxHashSet<(SmolStr, TypeId)>,
 }
 
-pub(super) fn check(check: &Check<'_>, definitions: &[Found<'_>], out: &mut Vec<Drift>) {
+pub(super) fn check(check: &Check<'_>, definitions: &[FunctionIn<'_>], out: &mut Vec<Drift>) {
     let mut outcome = Outcome::default();
     for found in definitions {
         let Some(body) = &found.function.body else {
@@ -52,7 +52,7 @@ pub(super) fn check(check: &Check<'_>, definitions: &[Found<'_>], out: &mut Vec<
 
 struct Flow<'a> {
     check: &'a Check<'a>,
-    found: Found<'a>,
+    found: FunctionIn<'a>,
     body: &'a Body,
 }
 
@@ -529,7 +529,7 @@ fn yields(expected: &Expected<'_>, at: CodelRef) -> Vec<String> {
 
 fn never_yielded(
     check: &Check<'_>,
-    definitions: &[Found<'_>],
+    definitions: &[FunctionIn<'_>],
     outcome: &Outcome,
     out: &mut Vec<Drift>,
 ) {

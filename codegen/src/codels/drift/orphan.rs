@@ -5,7 +5,7 @@ use dotgen_syntax::near::nearest;
 use rustc_hash::FxHashSet;
 
 use super::finding::Differing;
-use super::{Drift, DriftCode, DriftOptions, Found, Repair};
+use super::{Drift, DriftCode, DriftOptions, FunctionIn, Repair};
 use crate::codels::{
     expected::{Expected, ExpectedFunction, cut_tag, owner_words},
     files::Sources,
@@ -18,7 +18,7 @@ pub(super) fn find<'a>(
     all: &[Expected<'_>],
     sources: &'a Sources,
     options: &DriftOptions,
-) -> Vec<Found<'a>> {
+) -> Vec<FunctionIn<'a>> {
     let named = |name: &str| {
         options.also_named.contains(name)
             || options.trust.may_declare(name)
@@ -30,7 +30,7 @@ pub(super) fn find<'a>(
     let mut out = Vec::new();
     for file in &sources.sources {
         for function in &file.index.functions {
-            let found = Found { file, function };
+            let found = FunctionIn { file, function };
             if function.body.is_some()
                 && function.is_global()
                 && !function.is_static
@@ -75,7 +75,7 @@ fn speaks_of_codel(function: &Function) -> bool {
 }
 
 /// Used by other functions, or declared for them.
-fn is_helper(it: Found<'_>, sources: &Sources) -> bool {
+fn is_helper(it: FunctionIn<'_>, sources: &Sources) -> bool {
     let name = &it.function.name;
     let declared = |function: &Function| function.body.is_none() && function.name == *name;
     sources.all().any(|file| {
@@ -90,11 +90,11 @@ fn is_helper(it: Found<'_>, sources: &Sources) -> bool {
 /// The orphan that a codel without function most likely is: the one whose comment speaks of the
 /// same place in the specification, else the one whose name is nearest.
 pub(super) fn renamed<'a>(
-    orphans: &[Found<'a>],
+    orphans: &[FunctionIn<'a>],
     function: &ExpectedFunction,
     expected: &Expected<'_>,
     sources: &Sources,
-) -> Option<Found<'a>> {
+) -> Option<FunctionIn<'a>> {
     let mut said = orphans.iter().filter(|it| {
         let mut uses = function.uses.iter();
         uses.any(|&at| speaks_of(it.function, expected, at))
@@ -135,7 +135,7 @@ fn speaks_of(function: &Function, expected: &Expected<'_>, at: CodelRef) -> bool
     })
 }
 
-pub(super) fn report(orphan: &Found<'_>, all: &[Expected<'_>]) -> Option<Drift> {
+pub(super) fn report(orphan: &FunctionIn<'_>, all: &[Expected<'_>]) -> Option<Drift> {
     let function = orphan.function;
     let expected = all
         .iter()

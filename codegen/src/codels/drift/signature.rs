@@ -3,7 +3,7 @@
 use dotgen_analysis::model::Awaited;
 
 use super::finding::{Clauses, Differing};
-use super::{Check, Drift, Found, Repair};
+use super::{Check, Drift, FunctionIn, Repair};
 use crate::codels::{
     files::Sources,
     source::{CType, Function, Layer, Parameter, compact},
@@ -20,7 +20,7 @@ enum Verdict {
     Unknown,
 }
 
-pub(super) fn check(check: &Check<'_>, definitions: &[Found<'_>], out: &mut Vec<Drift>) {
+pub(super) fn check(check: &Check<'_>, definitions: &[FunctionIn<'_>], out: &mut Vec<Drift>) {
     let Some(shape) = &check.function.shape else {
         return;
     };
@@ -45,13 +45,13 @@ pub(super) fn check(check: &Check<'_>, definitions: &[Found<'_>], out: &mut Vec<
             }
             let differences = differences(check, shape, function);
             if !differences.is_empty() {
-                out.push(report(check, Found { file, function }, &differences));
+                out.push(report(check, FunctionIn { file, function }, &differences));
             }
         }
     }
 }
 
-fn report(check: &Check<'_>, found: Found<'_>, differences: &[String]) -> Drift {
+fn report(check: &Check<'_>, found: FunctionIn<'_>, differences: &[String]) -> Drift {
     let name = &check.function.name;
     let mut drift = check.drift(Differing::Signature {
         function: name.clone(),

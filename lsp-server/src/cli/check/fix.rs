@@ -6,7 +6,7 @@ use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::{FileEdit, Fix};
 use dotgen_analysis::host::Change;
 
-use super::{Outcome, Report, Session, Trouble, check};
+use super::{FileReports, Outcome, Session, Trouble, check};
 use crate::cli::{fmt, report, session};
 use crate::views::fixes::together;
 
@@ -19,7 +19,7 @@ pub(super) type Changed = BTreeMap<Utf8PathBuf, (String, String)>;
 /// Repairs the texts that a session reads, in memory.
 pub(super) fn mend(session: &mut Session, changed: &mut Changed) -> anyhow::Result<()> {
     for _ in 0..MOST_ROUNDS {
-        let mut report = Report::default();
+        let mut report = FileReports::default();
         // What cannot be read is told once, with the report.
         check(session, &mut report, &mut Trouble::silent());
         let first = report.diagnostics.iter().filter_map(|it| it.fixes.first());

@@ -21,7 +21,7 @@ use dotgen_codegen::process::Processes as _;
 use dotgen_timing::verify::Interrupt;
 
 use super::{has_place, project, roots};
-use crate::cli::report::{self, Format, Report};
+use crate::cli::report::{self, FileReports, Format};
 use crate::cli::{Outcome, Reading, session};
 use crate::features::codels::Disk;
 use crate::features::codels::headers::{FOLDER, IGNORED};
@@ -67,7 +67,7 @@ pub(super) fn run(arguments: &Build) -> anyhow::Result<Outcome> {
     has_place(&arguments.paths)?;
     let (files, mut trouble) = session::specifications(&arguments.paths);
     let tools = tools()?;
-    let mut report = Report::default();
+    let mut report = FileReports::default();
     let mut errors = Vec::new();
     let mut whole = true;
     for mut session in session::open(files, &arguments.reading)? {

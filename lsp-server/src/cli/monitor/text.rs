@@ -6,7 +6,7 @@ use camino::Utf8PathBuf;
 use clap::builder::styling::{AnsiColor, Style};
 use dotgen_analysis::terminal;
 use dotgen_recording::matching::Stray;
-use dotgen_recording::monitor::{Deviation, Report, What};
+use dotgen_recording::monitor::{Deviation, MonitorReport, What};
 
 use crate::cli::wcet::stats::{nanos, table, told};
 
@@ -17,7 +17,7 @@ const BAD: Style = AnsiColor::Red.on_default().bold();
 /// More of a list are counted only.
 const MOST: usize = 20;
 
-pub(super) fn print(title: &str, reports: &[(Utf8PathBuf, Report)]) -> anyhow::Result<()> {
+pub(super) fn print(title: &str, reports: &[(Utf8PathBuf, MonitorReport)]) -> anyhow::Result<()> {
     let mut out = anstream::AutoStream::auto(std::io::stdout().lock());
     for (i, (log, report)) in reports.iter().enumerate() {
         if i > 0 {
@@ -34,7 +34,7 @@ pub(super) fn print(title: &str, reports: &[(Utf8PathBuf, Report)]) -> anyhow::R
     Ok(())
 }
 
-fn one(out: &mut impl Write, report: &Report) -> anyhow::Result<()> {
+fn one(out: &mut impl Write, report: &MonitorReport) -> anyhow::Result<()> {
     let or_none = |time: Option<i64>| time.map_or("-".to_owned(), nanos);
     let head = ["task", "chains", "greatest response", "bound", "period"];
     let mut rows = vec![head.map(str::to_owned)];

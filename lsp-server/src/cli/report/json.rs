@@ -7,7 +7,7 @@ use dotgen_analysis::diagnostic::{Diagnostic, Fix, Severity};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::Report;
+use super::FileReports;
 use crate::cli::session::{self, Texts};
 use crate::protocol::types::{Position, Range};
 
@@ -202,7 +202,7 @@ fn mending(fix: &Fix, texts: &Texts) -> Mending {
     }
 }
 
-pub(in crate::cli) fn print(report: &Report) -> anyhow::Result<()> {
+pub(in crate::cli) fn print(report: &FileReports) -> anyhow::Result<()> {
     let document = Document {
         version: VERSION,
         diagnostics: entries(&report.diagnostics, &report.texts),

@@ -7,18 +7,18 @@ use camino::Utf8Path;
 use dotgen_analysis::diagnostic::{Diagnostic, Fix, Severity};
 use serde_json::{Value, json};
 
-use super::Report;
+use super::FileReports;
 use crate::cli::session;
 use crate::protocol::convert::uri;
 use crate::views::manual;
 
-pub(in crate::cli) fn print(report: &Report) -> anyhow::Result<()> {
+pub(in crate::cli) fn print(report: &FileReports) -> anyhow::Result<()> {
     let mut text = serde_json::to_string_pretty(&document(report))?;
     text.push('\n');
     Ok(std::io::stdout().write_all(dotgen_syntax::encoding::shown(&text).as_bytes())?)
 }
 
-fn document(report: &Report) -> Value {
+fn document(report: &FileReports) -> Value {
     let codes: BTreeSet<&str> = report.diagnostics.iter().map(|it| it.code).collect();
     let rules = codes.iter().map(|code| match manual::page(code) {
         Some(page) => json!({ "id": code, "helpUri": page.as_str() }),
@@ -40,7 +40,7 @@ fn document(report: &Report) -> Value {
     })
 }
 
-fn result(report: &Report, it: &Diagnostic) -> Value {
+fn result(report: &FileReports, it: &Diagnostic) -> Value {
     let level = match it.severity {
         Severity::Error => "error",
         Severity::Warning => "warning",
@@ -67,7 +67,7 @@ fn result(report: &Report, it: &Diagnostic) -> Value {
 }
 
 /// A fix; whether it can be applied unasked is a property of ours.
-fn fix(report: &Report, it: &Fix) -> Value {
+fn fix(report: &FileReports, it: &Fix) -> Value {
     let changes = it.edits.iter().map(|it| {
         json!({
             "artifactLocation": { "uri": artifact(&it.path) },
@@ -84,7 +84,7 @@ fn fix(report: &Report, it: &Fix) -> Value {
     })
 }
 
-fn location(report: &Report, path: &Utf8Path, range: &std::ops::Range<usize>) -> Value {
+fn location(report: &FileReports, path: &Utf8Path, range: &std::ops::Range<usize>) -> Value {
     json!({
         "physicalLocation": {
             "artifactLocation": { "uri": artifact(path) },
@@ -93,7 +93,7 @@ fn location(report: &Report, path: &Utf8Path, range: &std::ops::Range<usize>) ->
     })
 }
 
-fn region(report: &Report, path: &Utf8Path, range: &std::ops::Range<usize>) -> Value {
+fn region(report: &FileReports, path: &Utf8Path, range: &std::ops::Range<usize>) -> Value {
     let range = super::json::range(&report.texts, path, range);
     json!({
         "startLine": range.start.line + 1,

@@ -12,7 +12,7 @@ use dotgen_analysis::parallel;
 use dotgen_analysis::terminal;
 use dotgen_syntax::encoding;
 
-use super::{Compared, Report};
+use super::{Compared, FileReports};
 use crate::cli::session::{self, Texts};
 use crate::panic;
 use crate::protocol::convert::Lines;
@@ -23,7 +23,7 @@ const LONGEST_LINE: usize = 1000;
 const NEAR: u32 = 40;
 
 /// Diagnostics and a line that sums them up.
-pub(in crate::cli) fn print(report: &Report) -> anyhow::Result<()> {
+pub(in crate::cli) fn print(report: &FileReports) -> anyhow::Result<()> {
     let mut out = std::io::BufWriter::new(anstream::AutoStream::auto(std::io::stdout().lock()));
     let (texts, cores) = (&report.texts, parallel::cores());
     // Not all at once: the texts may be many.
@@ -70,7 +70,7 @@ pub(in crate::cli) fn print_to_stderr<'d>(
 }
 
 /// `checked 3 files: 2 errors, 1 warning`
-fn summary(report: &Report) -> String {
+fn summary(report: &FileReports) -> String {
     let counted = |count: usize, one: &str, many: &str| match count {
         1 => format!("1 {one}"),
         _ => format!("{count} {many}"),

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use dotgen_runtime::profile::{Profile, functions};
-use dotgen_runtime::report::Report;
+use dotgen_runtime::report::RunReport;
 use dotgen_runtime::simulation::{Outcome, Record, simulate_recorded};
 use dotgen_timing::report::Event;
 use dotgen_timing::scn::names::Names;
@@ -29,7 +29,7 @@ pub(super) struct Context<'c, 's> {
 
 /// What came of it.
 pub(super) struct Run {
-    pub(super) report: Report,
+    pub(super) report: RunReport,
     /// How many codels were executed, and how many simulated.
     pub(super) executed: (usize, usize),
     /// Lines of the profile; the first error where they could not be written.
@@ -86,7 +86,7 @@ impl Context<'_, '_> {
             None,
             &interrupted,
         );
-        let report = Report::new(prepared, &plan, &outcome, &self.bounds);
+        let report = RunReport::new(prepared, &plan, &outcome, &self.bounds);
         Ok(Run {
             lines: lines(profile),
             messages: messages(recording),
@@ -245,7 +245,7 @@ impl Context<'_, '_> {
             let why = live.fault().unwrap_or("a component could not be started");
             anyhow::bail!("{why}");
         }
-        let mut report = Report::new(&opened, &plan, &outcome, &bounds);
+        let mut report = RunReport::new(&opened, &plan, &outcome, &bounds);
         let told = self.told(&opened, &outcome);
         let (lines, messages) = (lines(profile), messages(recording));
         drop(outcome);

@@ -16,7 +16,7 @@ use dotgen_timing::system::settings::Settings;
 use dotgen_timing::verify::{Interrupt, Prepared};
 
 use crate::cli::codels::build;
-use crate::cli::report::{self, Report};
+use crate::cli::report::{self, FileReports};
 use crate::cli::session::Session;
 use crate::features::codels::Disk;
 use crate::protocol::convert::{Encoding, Lines};
@@ -44,7 +44,7 @@ pub(super) fn build<'s>(
         libraries: vec![None; names.components.len()],
         notes: Vec::new(),
     };
-    let mut said = Report::default();
+    let mut said = FileReports::default();
     let mut failed = false;
     let config = session.codels();
     for (number, unit) in problem.units.iter().enumerate() {

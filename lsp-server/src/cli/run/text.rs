@@ -6,7 +6,7 @@ use clap::builder::styling::{AnsiColor, Style};
 use dotgen_analysis::terminal;
 use dotgen_runtime::engine::End;
 use dotgen_runtime::judge::Verdict;
-use dotgen_runtime::report::{At, OfCheck, Report, Violated};
+use dotgen_runtime::report::{At, OfCheck, RunReport, Violated};
 use dotgen_timing::report::Value;
 use dotgen_timing::verify::settings;
 
@@ -111,7 +111,7 @@ fn executed(answer: &Answer) -> String {
     }
 }
 
-fn durations(report: &Report) -> &'static str {
+fn durations(report: &RunReport) -> &'static str {
     use dotgen_runtime::decide::Durations::{Best, Random, Worst};
     match report.durations {
         Worst => "worst",
@@ -139,7 +139,7 @@ fn value(it: Option<Value>, scale: Scale) -> String {
     it.map_or_else(String::new, |it| scale.show_value(it))
 }
 
-fn tasks(out: &mut impl Write, report: &Report, scale: Scale) -> std::io::Result<()> {
+fn tasks(out: &mut impl Write, report: &RunReport, scale: Scale) -> std::io::Result<()> {
     let rows = report.tasks.iter().map(|it| {
         let missed = if it.period.is_some() {
             it.missed.to_string()
@@ -162,7 +162,7 @@ fn tasks(out: &mut impl Write, report: &Report, scale: Scale) -> std::io::Result
     table(out, &head, &rows.collect::<Vec<_>>())
 }
 
-fn services(out: &mut impl Write, report: &Report) -> std::io::Result<()> {
+fn services(out: &mut impl Write, report: &RunReport) -> std::io::Result<()> {
     let rows = report.services.iter().filter(|it| it.requests > 0);
     let rows = rows.map(|it| {
         vec![
@@ -176,7 +176,7 @@ fn services(out: &mut impl Write, report: &Report) -> std::io::Result<()> {
     table(out, &["service", "requests", "refused", "ended"], &rows)
 }
 
-fn transitions(out: &mut impl Write, report: &Report) -> std::io::Result<()> {
+fn transitions(out: &mut impl Write, report: &RunReport) -> std::io::Result<()> {
     let all = report.machines.iter().flat_map(|machine| {
         let of = machine.transitions.iter();
         of.map(move |it| (&machine.machine, it))
@@ -215,7 +215,7 @@ fn word(it: Verdict) -> (&'static str, Style) {
     }
 }
 
-fn checks(out: &mut impl Write, report: &Report, scale: Scale) -> std::io::Result<()> {
+fn checks(out: &mut impl Write, report: &RunReport, scale: Scale) -> std::io::Result<()> {
     let rows = report.checks.iter().map(|it| {
         vec![
             word(it.verdict).0.to_owned(),
@@ -240,7 +240,7 @@ fn title(it: &OfCheck) -> String {
     format!("{named}{}{of}", it.check)
 }
 
-fn violations(out: &mut impl Write, report: &Report, scale: Scale) -> std::io::Result<()> {
+fn violations(out: &mut impl Write, report: &RunReport, scale: Scale) -> std::io::Result<()> {
     for it in &report.violations {
         let at = moment(&it.at, report, scale);
         let (what, more) = match &it.what {
@@ -312,7 +312,7 @@ fn times(count: u64) -> String {
 }
 
 /// When it was, and how to come there again.
-fn moment(at: &At, report: &Report, scale: Scale) -> String {
+fn moment(at: &At, report: &RunReport, scale: Scale) -> String {
     let time = scale.show_value(at.time);
     match report.runs {
         1 => format!("first at {time}"),

@@ -8,7 +8,7 @@ use dotgen_timing::derive::Told;
 use dotgen_timing::verify::Cancel;
 
 use super::progress::{self, Doing};
-use super::{Answer, Found, Session, text};
+use super::{Answer, Session, Slacks, text};
 use crate::verification::changes::{self, Repair};
 
 /// Looks for all of it, and prints what is found if that is wanted.
@@ -17,7 +17,7 @@ pub(super) fn found(
     answer: &Answer,
     cancel: &Cancel,
     prints: bool,
-) -> anyhow::Result<Found> {
+) -> anyhow::Result<Slacks> {
     let lines = text::Limits::of(answer);
     let print = |text: &dyn Fn(&mut dyn Write) -> std::io::Result<()>| {
         if prints {
@@ -69,7 +69,7 @@ pub(super) fn found(
             changes::edit(analysis, problem, &it.change)
         })
     };
-    Ok(Found {
+    Ok(Slacks {
         edits: repairs
             .all
             .iter()

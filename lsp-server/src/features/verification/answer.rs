@@ -20,7 +20,7 @@ use crate::verification::advice;
 use crate::verification::blocking::{self, CodelAt};
 use crate::verification::folded::{Part, folded, words as again};
 use crate::verification::results::{Answer, Status};
-use crate::verification::run::{self, Found};
+use crate::verification::run::{self, Interim};
 use crate::verification::runs;
 use crate::verification::summary;
 use crate::verification::timeline::{first_shown, left_out, of_end};
@@ -327,8 +327,8 @@ impl Prepared {
         let (problem, limit) = (Arc::new(problem), self.limit);
         let work = tokio::task::spawn_blocking(move || {
             let last: Mutex<Option<Arc<Answer>>> = Mutex::default();
-            let tell = |found: Found| {
-                if let Found::Answer(answer) = found {
+            let tell = |found: Interim| {
+                if let Interim::Answer(answer) = found {
                     *last.lock().unwrap_or_else(PoisonError::into_inner) = Some(answer);
                 }
             };

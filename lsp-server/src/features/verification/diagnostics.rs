@@ -34,7 +34,7 @@ pub(super) const GAVE_UP: &str = "timing/gave-up";
 const RELATED: usize = 8;
 
 /// A diagnostic and the check it is about.
-pub(super) struct Found {
+pub(super) struct AboutCheck {
     /// What would help, as far as it is known.
     pub(super) changes: Vec<Change>,
     /// What it is about.
@@ -48,9 +48,9 @@ pub(super) fn at(
     snapshot: &Snapshot,
     path: &Utf8Path,
     range: &Range<usize>,
-) -> Cancellable<Vec<(Uri, Found)>> {
+) -> Cancellable<Vec<(Uri, AboutCheck)>> {
     let mut out = Vec::new();
-    let touches = |it: &Found| {
+    let touches = |it: &AboutCheck| {
         it.diagnostic.range.start <= range.end && range.start <= it.diagnostic.range.end
     };
     for (of, entry) in about(snapshot, path) {
@@ -90,7 +90,7 @@ fn of_model(entry: &Entry, path: &Utf8Path) -> Vec<Diagnostic> {
     found.filter(|it| it.path == path).collect()
 }
 
-fn specification(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Found> {
+fn specification(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<AboutCheck> {
     // What was found in an earlier version says nothing about this one.
     let Some(answer) = entry.known() else {
         return Vec::new();
@@ -108,10 +108,12 @@ fn specification(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Fou
             let given_up = it.outcome == Outcome::GaveUp
                 && it.report.kind == PropertyKind::Schedulable
                 && !entry.problem.is_written()
-                && !out.iter().any(|it: &Found| it.diagnostic.code == GAVE_UP);
+                && !out
+                    .iter()
+                    .any(|it: &AboutCheck| it.diagnostic.code == GAVE_UP);
             if given_up || (asked && it.report.verdict == Verdict::Refuted) {
                 let found = diagnostic(snapshot, entry, answer, it, path, &task.range);
-                out.extend(found.map(|diagnostic| Found {
+                out.extend(found.map(|diagnostic| AboutCheck {
                     changes: changes(answer, it),
                     problem: entry.places().clone(),
                     diagnostic,
@@ -155,7 +157,7 @@ fn at_use(problem: &Problem, it: &scn::Diagnostic) -> Diagnostic {
     out
 }
 
-fn scenario(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Found> {
+fn scenario(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<AboutCheck> {
     let Some(answer) = entry.known() else {
         return Vec::new();
     };
@@ -165,7 +167,7 @@ fn scenario(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Found> {
             continue;
         };
         let found = diagnostic(snapshot, entry, answer, it, path, written);
-        out.extend(found.map(|diagnostic| Found {
+        out.extend(found.map(|diagnostic| AboutCheck {
             changes: changes(answer, it),
             problem: entry.places().clone(),
             diagnostic,

@@ -73,7 +73,7 @@ struct ExtremeShown {
 }
 
 /// What was found out about a document.
-pub(crate) struct Asked {
+pub(crate) struct SensitivityAnswer {
     version: Option<i32>,
     problem: Arc<Problem>,
     options: Options,
@@ -81,12 +81,16 @@ pub(crate) struct Asked {
 }
 
 /// Asks. Dropping the future ends the work.
-pub(crate) async fn ask(prepared: Prepared, token: Option<ProgressToken>, to: &Outbox) -> Asked {
+pub(crate) async fn ask(
+    prepared: Prepared,
+    token: Option<ProgressToken>,
+    to: &Outbox,
+) -> SensitivityAnswer {
     let version = prepared.version();
     let (problem, options) = match prepared.varied() {
         Ok((problem, options)) => (Arc::new(problem), options),
         Err(errors) => {
-            return Asked {
+            return SensitivityAnswer {
                 version,
                 problem: prepared.problem(),
                 options: Options::default(),
@@ -121,7 +125,7 @@ pub(crate) async fn ask(prepared: Prepared, token: Option<ProgressToken>, to: &O
             Err(vec!["the search failed; the log says more".to_owned()])
         }
     };
-    Asked {
+    SensitivityAnswer {
         version,
         problem,
         options,
@@ -133,7 +137,7 @@ pub(crate) async fn ask(prepared: Prepared, token: Option<ProgressToken>, to: &O
 pub(crate) fn shown(
     snapshot: &Snapshot,
     _: &Subject,
-    asked: &Asked,
+    asked: &SensitivityAnswer,
 ) -> Cancellable<SensitivityResult> {
     let mut out = SensitivityResult {
         version: asked.version,

@@ -11,7 +11,7 @@ use super::News;
 use crate::panic;
 use crate::session::post::Post;
 use crate::verification::Problem;
-use crate::verification::run::{Found, run};
+use crate::verification::run::{Interim, run};
 
 /// Answers that come sooner after others than this are told with them.
 const PACE: Duration = Duration::from_millis(50);
@@ -20,7 +20,7 @@ const PACE: Duration = Duration::from_millis(50);
 pub(crate) struct Verified {
     pub(crate) path: Utf8PathBuf,
     pub(crate) number: u64,
-    pub(crate) found: Found,
+    pub(crate) found: Interim,
 }
 
 pub(super) struct Job {
@@ -47,8 +47,8 @@ impl Job {
             let send = |events: &Post<News>, it: Verified| {
                 events.send(News::Verified(Box::new(it)));
             };
-            let tell = |found: Found| {
-                let part = matches!(found, Found::SoFar(_));
+            let tell = |found: Interim| {
+                let part = matches!(found, Interim::SoFar(_));
                 let it = Verified {
                     path: path.clone(),
                     number,

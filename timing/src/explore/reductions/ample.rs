@@ -79,7 +79,7 @@ impl Ample {
     ) {
         out.clear();
         if !enabled.committed && enabled.actions.len() > 1 {
-            let moment = Moment {
+            let moment = AmpleState {
                 ample: self,
                 facts,
                 rules,
@@ -96,7 +96,7 @@ impl Ample {
 }
 
 /// One state, and what can happen in it before time passes.
-struct Moment<'m, 's> {
+struct AmpleState<'m, 's> {
     ample: &'m Ample,
     facts: &'m Facts,
     rules: &'m Published<'s>,
@@ -104,7 +104,7 @@ struct Moment<'m, 's> {
     enabled: &'m Enabled,
 }
 
-impl Moment<'_, '_> {
+impl AmpleState<'_, '_> {
     fn select(&self, out: &mut Vec<Action>) -> bool {
         let actions = &self.enabled.actions;
         for &action in actions {

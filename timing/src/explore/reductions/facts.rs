@@ -1,7 +1,7 @@
 //! What is known beforehand about the tasks of a system, and about what is asked: several reductions build on
 //! it.
 
-use super::Asked;
+use super::Watched;
 use crate::property::Atom;
 use crate::system::{CodelSet, Machine, TimedSystem, Yield};
 
@@ -104,7 +104,7 @@ pub(crate) struct Facts {
 
 impl Facts {
     /// Examines a system, and what is asked of it.
-    pub(crate) fn new(system: &TimedSystem, asked: &Asked) -> Self {
+    pub(crate) fn new(system: &TimedSystem, asked: &Watched) -> Self {
         let visible = Visible::new(system, asked.predicates.iter().copied());
         let requested = system.requested();
         let plain = |task: usize| {

@@ -115,7 +115,7 @@ impl Overtake {
     ) {
         out.clear();
         let enabled = now.enabled;
-        let moment = Moment {
+        let moment = DueState {
             overtake: self,
             now,
             held,
@@ -196,13 +196,13 @@ fn members(tasks: Tasks) -> impl Iterator<Item = usize> {
 }
 
 /// One state in which something is due.
-struct Moment<'m, 's> {
+struct DueState<'m, 's> {
     overtake: &'m Overtake,
     now: Now<'m, 's>,
     held: Held,
 }
 
-impl<'m, 's> std::ops::Deref for Moment<'m, 's> {
+impl<'m, 's> std::ops::Deref for DueState<'m, 's> {
     type Target = Now<'m, 's>;
 
     fn deref(&self) -> &Now<'m, 's> {
@@ -210,7 +210,7 @@ impl<'m, 's> std::ops::Deref for Moment<'m, 's> {
     }
 }
 
-impl Moment<'_, '_> {
+impl DueState<'_, '_> {
     /// Whether the order of more than what the rule knows may matter: a job that waits for a core has
     /// something to do or not, depending on its start-up.
     fn undecided(&self) -> bool {

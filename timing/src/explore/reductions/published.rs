@@ -5,7 +5,9 @@ use super::facts::Facts;
 use super::lazy::Lazy;
 use super::overtake::{Now, Overtake};
 use super::symmetry::{Orbits, Renaming, Symmetry};
-use super::{Activity, Asked, Held, Kind, Kinds, Reason, Reduction, Reductions, Setting, Waiters};
+use super::{
+    Activity, Held, Kind, Kinds, Reason, Reduction, Reductions, Setting, Waiters, Watched,
+};
 use crate::explore::rules::published::Published;
 use crate::explore::rules::{Action, Enabled};
 use crate::explore::state::State;
@@ -25,7 +27,7 @@ pub(crate) struct OfPublished {
 }
 
 impl Reductions<Published<'_>> for OfPublished {
-    fn new(rules: &Published, asked: &Asked, without: Kinds) -> Self {
+    fn new(rules: &Published, asked: &Watched, without: Kinds) -> Self {
         let facts = Facts::new(rules.system, asked);
         let setting = Setting {
             rules,

@@ -24,7 +24,7 @@ use rustc_hash::FxHashSet;
 use smallvec::SmallVec;
 
 use super::lazy::rest;
-use super::{Activity, Asked, Held, Kind, Kinds, Orbits, Reason, Reductions, Renaming, Waiters};
+use super::{Activity, Held, Kind, Kinds, Orbits, Reason, Reductions, Renaming, Waiters, Watched};
 use crate::explore::rules::servers::Servers;
 use crate::explore::rules::{Action, Enabled, Rules};
 use crate::explore::state::State;
@@ -128,7 +128,7 @@ impl OfServers {
 }
 
 impl Reductions<Servers<'_>> for OfServers {
-    fn new(rules: &Servers, asked: &Asked, without: Kinds) -> Self {
+    fn new(rules: &Servers, asked: &Watched, without: Kinds) -> Self {
         let system = rules.system();
         let apart = system.platform.semantics.ports == PortRule::Copy
             && !rules.preempts()
@@ -317,7 +317,7 @@ fn mark(system: &TimedSystem, predicate: &Predicate, about: &mut [bool]) {
 /// The executors of lazy groups, and the polling loops that may rest: task and state.
 fn lazy_groups(
     system: &TimedSystem,
-    asked: &Asked,
+    asked: &Watched,
     about: &[bool],
     addressed: &[Vec<usize>],
 ) -> (Vec<bool>, Vec<(usize, usize)>) {

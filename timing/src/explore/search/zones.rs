@@ -17,7 +17,7 @@ use smallvec::SmallVec;
 use self::zone::{GREATEST, Zone};
 use super::Search;
 use crate::explore::observe;
-use crate::explore::reductions::{Asked, Kind, Kinds, Reason, Reductions};
+use crate::explore::reductions::{Kind, Kinds, Reason, Reductions, Watched};
 use crate::explore::rules::{Action, Enabled, Rules, with_rules};
 use crate::explore::state::{Clocks, State};
 use crate::explore::watch::{Limits, Watch};
@@ -63,7 +63,7 @@ pub(super) struct Zones<'a, R: Rules> {
 impl<'a, R: Rules> Zones<'a, R> {
     fn new(rules: &R, goals: &'a [Predicate], without: Kinds) -> Self {
         let system = rules.system();
-        let asked = Asked::only(system, goals.iter().collect());
+        let asked = Watched::only(system, goals.iter().collect());
         let rules = rules.with_clocks(&Clocks::none(system.tasks.len()));
         let mut out = Zones {
             reductions: R::Reductions::new(&rules, &asked, without),

@@ -17,7 +17,7 @@
 //! They cannot follow each other for ever in no time if every round of a client has a delay that may take
 //! time.
 
-use super::Moment;
+use super::AmpleState;
 use crate::explore::reductions::facts::{Parts, loops_in_no_time};
 use crate::explore::reductions::{Kind, Reason, Setting};
 use crate::explore::rules::Action;
@@ -165,7 +165,7 @@ fn after(client: &Client) -> Vec<Services> {
     }
 }
 
-impl Moment<'_, '_> {
+impl AmpleState<'_, '_> {
     /// Whether a request can be handled before anything else.
     pub(super) fn request_alone(&self, client: usize) -> bool {
         let known = &self.ample.requests;

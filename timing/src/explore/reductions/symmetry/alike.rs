@@ -4,7 +4,7 @@
 //! believed only after the whole system has been compared with itself under it.
 
 use super::Unit;
-use crate::explore::reductions::Asked;
+use crate::explore::reductions::Watched;
 use crate::property::{Atom, Predicate};
 use crate::system::{ClientAction, CodelSet, TimedSystem};
 
@@ -18,7 +18,7 @@ pub(crate) struct Label {
 }
 
 /// Classes of units that are alike, each of at least two.
-pub(super) fn classes(system: &TimedSystem, asked: &Asked) -> Vec<Vec<Unit>> {
+pub(super) fn classes(system: &TimedSystem, asked: &Watched) -> Vec<Vec<Unit>> {
     let seeds = (0..system.components.len())
         .map(Seed::Component)
         .chain((0..system.clients.len()).map(Seed::Client))
@@ -108,7 +108,7 @@ impl Seed {
 }
 
 /// The two units around two seeds, if exchanging them changes nothing.
-fn exchange(system: &TimedSystem, asked: &Asked, one: Seed, other: Seed) -> Option<(Unit, Unit)> {
+fn exchange(system: &TimedSystem, asked: &Watched, one: Seed, other: Seed) -> Option<(Unit, Unit)> {
     let mut it = Exchange::new(system);
     match (one, other) {
         (Seed::Component(one), Seed::Component(other)) => it.component(one, other),
@@ -303,7 +303,7 @@ impl<'s> Exchange<'s> {
 
     // ---- Whether it changes anything -------------------------------------------------------
 
-    fn changes_nothing(&self, asked: &Asked) -> bool {
+    fn changes_nothing(&self, asked: &Watched) -> bool {
         let parts = [
             (&self.one.tasks, &self.other.tasks),
             (&self.one.automata, &self.other.automata),
@@ -351,7 +351,7 @@ impl<'s> Exchange<'s> {
         })
     }
 
-    fn keeps_tasks(&self, asked: &Asked) -> bool {
+    fn keeps_tasks(&self, asked: &Watched) -> bool {
         let system = self.system;
         let tasks = (0..system.tasks.len()).all(|t| {
             let (from, to) = (&system.tasks[t], &system.tasks[self.tasks[t]]);
