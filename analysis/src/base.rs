@@ -112,6 +112,9 @@ pub struct Workspace {
     pub lints: LintConfig,
     /// Files and the roots they are to be shown as included by.
     pub chosen: Vec<(Utf8PathBuf, Utf8PathBuf)>,
+    /// Whether it may be asked who includes a file: that takes a look at every root. Until then a root counts
+    /// for itself.
+    pub indexed: bool,
 }
 
 impl Workspace {
@@ -184,6 +187,7 @@ impl RootDatabase {
             Vec::new(),
             LintConfig::default(),
             Vec::new(),
+            true,
         )
         .durability(Durability::MEDIUM)
         // They change with every document that is shown.

@@ -140,6 +140,9 @@ pub struct Change {
     pub config: Option<Config>,
     /// Ask the package tool again.
     pub reload_packages: bool,
+    /// Whether it is known who includes a file (see [`Analysis::index`]); at first it is. Until then a root
+    /// counts for itself.
+    pub indexed: Option<bool>,
 }
 
 /// Why there is no answer.
@@ -286,6 +289,9 @@ impl AnalysisHost {
             if *workspace.roots(db) != roots {
                 workspace.set_roots(db).to(roots);
             }
+        }
+        if let Some(indexed) = change.indexed.filter(|it| it != workspace.indexed(db)) {
+            workspace.set_indexed(db).to(indexed);
         }
         if let Some(config) = change.config {
             db.set_max_bytes(config.max_file_bytes.unwrap_or(MAX_FILE_BYTES));
@@ -520,6 +526,11 @@ impl Analysis {
     /// [`Analysis::root_unit`] as it would be with some edits, which do not overlap.
     pub fn edited_root_unit(&self, path: &Utf8Path, edits: &[FileEdit]) -> Cancellable<UnitResult> {
         self.with(|db| ide::speculate::edited_unit(db, db.file(path), edits))
+    }
+
+    /// Looks at every root for what it includes. What belongs to which unit is known at once afterwards.
+    pub fn index(&self) -> Cancellable<()> {
+        self.with(unit::index)
     }
 
     /// The diagnostics of [`Analysis::root_unit`] alone.

@@ -31,6 +31,7 @@ use crate::{
         ItemTree,
         lower::{self, Lowered, PtrRanges},
     },
+    parallel,
 };
 pub(crate) use walk::{STANDINS, walk_unit};
 
@@ -198,15 +199,27 @@ fn includers(db: &dyn Db) -> FxHashMap<SourceFile, Vec<SourceFile>> {
     out
 }
 
+/// Looks at every root, by as many threads as there are cores, so that nobody waits for [`roots_of`].
+pub(crate) fn index(db: &dyn Db) {
+    let roots = db.workspace().roots(db);
+    parallel::over(db, roots, |db, path| {
+        walk_unit(db, unit_of_root(db, db.file(path)));
+    });
+    includers(db);
+}
+
 /// The roots of the units that a file is in: those of the others that include it or, when nobody
 /// does, the file itself. Never empty; the one that serves the file comes first.
 #[salsa::tracked(returns(deref))]
 pub(crate) fn roots_of(db: &dyn Db, file: SourceFile) -> Vec<SourceFile> {
+    let workspace = db.workspace();
+    if !workspace.indexed(db) && workspace.roots(db).contains(file.path(db)) {
+        return vec![file];
+    }
     let mut roots = includers(db).get(&file).cloned().unwrap_or_default();
     if roots.is_empty() {
         roots.push(file);
     }
-    let workspace = db.workspace();
     let chosen = workspace
         .chosen(db)
         .iter()

@@ -1,5 +1,7 @@
 //! Which files a unit visits, and what is said about those it cannot.
 
+use camino::Utf8Path;
+
 use crate::progress::Progress;
 use crate::{
     host::{BatchInput, Change, Config, Input, PackageFlags},
@@ -405,4 +407,36 @@ fn a_file_that_becomes_too_large_is_forgotten() {
         ..Change::default()
     });
     assert_eq!(codes(&fixture), ["pp-input"]);
+}
+
+#[test]
+fn the_first_answer_about_a_root_looks_at_no_other_root() {
+    let mut text = "//- /whole.gen\ntypedef long t;\n#include \"part.gen\"\n".to_owned();
+    text += "//- /part.gen\ntypedef t u;\n";
+    for it in 0..20 {
+        text += &format!("//- /other{it}.gen\nconst long n = {it};\n");
+    }
+    let mut fixture = Fixture::new(&text);
+    let part = Utf8Path::new("/part.gen");
+    let indexed = |fixture: &mut Fixture, indexed| {
+        fixture.host.apply(Change {
+            indexed: Some(indexed),
+            ..Change::default()
+        });
+    };
+    indexed(&mut fixture, false);
+    fixture.take_log();
+    let alone = fixture.analysis().diagnostics(part).unwrap();
+    assert_eq!(alone.len(), 1, "nobody is known who includes it: {alone:?}");
+    let walked = |fixture: &Fixture| {
+        let log = fixture.take_log();
+        log.iter().filter(|it| *it == "walk_unit").count()
+    };
+    assert_eq!(walked(&fixture), 1);
+    fixture.analysis().index().unwrap();
+    assert!(walked(&fixture) >= 20);
+    indexed(&mut fixture, true);
+    let included = fixture.analysis().diagnostics(part).unwrap();
+    assert_eq!(included, []);
+    assert_eq!(walked(&fixture), 0);
 }

@@ -117,6 +117,8 @@ pub(crate) struct State {
     foreign: ForeignDocuments,
     /// How many times the files of the workspace are being listed.
     listings: usize,
+    /// They were listed once.
+    listed: bool,
     /// The number of the listing that was asked for last.
     last_listing: u64,
     /// Requests that wait until they are listed.
@@ -157,6 +159,7 @@ impl State {
             worked: false,
             foreign: ForeignDocuments::default(),
             listings: 0,
+            listed: false,
             last_listing: 0,
             waiting: Vec::new(),
         }

@@ -1,8 +1,10 @@
 //! What changes: documents, files on disk, folders, settings, the root a file is shown as included by.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::host::Cancelled;
 use dotgen_codegen::template::files::SCRIPT;
 use serde_json::Value;
 
@@ -41,6 +43,8 @@ pub(crate) enum Mutation {
     Folders(DidChangeWorkspaceFoldersParams),
     /// The files of the workspace were listed, for the request of that number.
     Scanned(u64, Vec<Utf8PathBuf>),
+    /// Every root was looked at for what it includes; else a change has come in between.
+    Indexed(bool),
     /// A file is to be shown as included by a root; `None` lets dotgen choose.
     Choose(Utf8PathBuf, Option<Utf8PathBuf>),
 }
@@ -125,7 +129,12 @@ impl State {
             Mutation::Scanned(number, files) => {
                 // A listing that began before the folders changed has files of folders that are gone, and
                 // lacks others.
-                if number == self.last_listing {
+                let counts = number == self.last_listing;
+                if counts {
+                    // Nobody waits for the first look at all files but who asks about all.
+                    if !std::mem::replace(&mut self.listed, true) {
+                        self.pending.indexed = Some(false);
+                    }
                     let configured = self.workspace.set_files(files);
                     self.pending.roots = true;
                     match configured {
@@ -133,11 +142,15 @@ impl State {
                         false => self.register_documents(),
                     }
                 }
-                self.listings = self.listings.saturating_sub(1);
-                if self.listings == 0 {
-                    for read in std::mem::take(&mut self.waiting) {
-                        self.admit(read);
-                    }
+                if !(counts && self.index()) {
+                    self.settle_listing();
+                }
+            }
+            Mutation::Indexed(whole) => {
+                if whole || !self.index() {
+                    self.pending.indexed = Some(true);
+                    self.publisher.refresh_wanted = true;
+                    self.settle_listing();
                 }
             }
         }
@@ -231,6 +244,33 @@ impl State {
         self.pending.roots |= found;
         self.pending.files.extend(known);
         found
+    }
+
+    /// Looks at every root, elsewhere. Whether it has begun.
+    fn index(&mut self) -> bool {
+        let Some(events) = self.events.upgrade() else {
+            return false;
+        };
+        self.flush();
+        let analysis = self.host.analysis();
+        self.outbox.runtime().spawn_blocking(move || {
+            let looked = catch_unwind(AssertUnwindSafe(|| analysis.index()));
+            drop(analysis);
+            // What made it panic is told by whoever asks for it.
+            let overtaken = matches!(looked, Ok(Err(Cancelled::PendingWrite)));
+            let _ = events.send(Event::Mutation(Mutation::Indexed(!overtaken)));
+        });
+        true
+    }
+
+    /// A listing is over: who waited for it is admitted.
+    fn settle_listing(&mut self) {
+        self.listings = self.listings.saturating_sub(1);
+        if self.listings == 0 {
+            for read in std::mem::take(&mut self.waiting) {
+                self.admit(read);
+            }
+        }
     }
 
     /// Lists the files of the workspace folders, with progress.

@@ -22,13 +22,15 @@ pub(super) struct Pending {
     pub(super) packages: bool,
     pub(super) active: bool,
     pub(super) chosen: bool,
+    pub(super) indexed: Option<bool>,
 }
 
 impl State {
     /// Brings the database up to date.
     pub(super) fn flush(&mut self) {
         let pending = std::mem::take(&mut self.pending);
-        if !(pending.roots || pending.config || pending.packages || !pending.files.is_empty()) {
+        let settings = pending.roots || pending.config || pending.packages;
+        if !(settings || pending.indexed.is_some() || !pending.files.is_empty()) {
             return;
         }
         if pending.roots {
@@ -74,6 +76,7 @@ impl State {
             chosen: pending.chosen.then(|| self.chosen.clone()),
             config: pending.config.then(|| self.config.for_analysis()),
             reload_packages: pending.packages,
+            indexed: pending.indexed,
         };
         {
             let _span = tracing::debug_span!("apply", files = change.files.len()).entered();
