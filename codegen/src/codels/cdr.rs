@@ -1,9 +1,9 @@
 //! Values in the Common Data Representation (CDR), as robots exchange them: ROS 2, DDS, MCAP.
 //!
-//! Numbers are aligned to their size, counted from behind the four bytes that say which representation it
-//! is (OMG, DDS-XTypes 1.3, 7.4 and 7.6.3.1.2). Written is the plain one of version 1, little-endian; read are
-//! the plain ones of both versions, in either order of bytes. An `optional` is a sequence of at most one, since
-//! ROS 2 has none.
+//! Numbers are aligned to their size, counted from behind the four bytes that say which representation it is
+//! (OMG, DDS-XTypes 1.3, 7.4 and 7.6.3.1.2). Written is the plain one of version 1, little-endian; read are
+//! the plain ones of both versions, in either order of bytes. An `optional` is a sequence of at most one,
+//! since ROS 2 has none.
 
 use dotgen_analysis::model::{TypeId, TypeKind};
 

@@ -76,8 +76,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "PORT")]
     listen: Option<u16>,
 
-    /// Exchange data of ports with other machines, with --clock real: be reached by Zenoh at this endpoint, for
-    /// example tcp/0.0.0.0:7447
+    /// Exchange data of ports with other machines, with --clock real: be reached by Zenoh at this endpoint,
+    /// for example tcp/0.0.0.0:7447
     #[arg(long, value_name = "ENDPOINT", action = clap::ArgAction::Append)]
     zenoh_listen: Vec<String>,
 
@@ -85,8 +85,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "ENDPOINT", action = clap::ArgAction::Append)]
     zenoh_connect: Vec<String>,
 
-    /// What an input port reads of other machines: pump.goal=planner/goal [default: an output port of the same
-    /// name]
+    /// What an input port reads of other machines: pump.goal=planner/goal [default: an output port of the
+    /// same name]
     #[arg(long = "zenoh-read", value_name = "PORT=KEY", action = clap::ArgAction::Append)]
     zenoh_reads: Vec<String>,
 

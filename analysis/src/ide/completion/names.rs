@@ -164,8 +164,8 @@ impl<'a, 'db> Names<'a, 'db> {
         })
     }
 
-    /// Whether what comes from an interface is there at the cursor: a `provides`, `uses` or `extends` above it
-    /// names the interface, or one that has it. Own parts are, and what a pragma or another file imports.
+    /// Whether what comes from an interface is there at the cursor: a `provides`, `uses` or `extends` above
+    /// it names the interface, or one that has it. Own parts are, and what a pragma or another file imports.
     pub(super) fn is_imported_above(&self, from: Option<u32>) -> bool {
         let Some(from) = from else { return true };
         let components = &self.spec().components;
