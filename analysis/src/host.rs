@@ -529,7 +529,8 @@ impl Analysis {
     }
 
     /// Looks at every root for what it includes. What belongs to which unit is known at once afterwards.
-    pub fn index(&self) -> Cancellable<()> {
+    /// Whether a root is included by another one, and so does not count for itself.
+    pub fn index(&self) -> Cancellable<bool> {
         self.with(unit::index)
     }
 

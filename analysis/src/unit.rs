@@ -199,13 +199,16 @@ fn includers(db: &dyn Db) -> FxHashMap<SourceFile, Vec<SourceFile>> {
     out
 }
 
-/// Looks at every root, by as many threads as there are cores, so that nobody waits for [`roots_of`].
-pub(crate) fn index(db: &dyn Db) {
+/// Looks at every root, by as many threads as there are cores, so that nobody waits for [`roots_of`]. Whether
+/// a root is included by another one, and so does not count for itself.
+pub(crate) fn index(db: &dyn Db) -> bool {
     let roots = db.workspace().roots(db);
     parallel::over(db, roots, |db, path| {
         walk_unit(db, unit_of_root(db, db.file(path)));
     });
-    includers(db);
+    let included = includers(db);
+    let mut roots = roots.iter();
+    roots.any(|it| included.get(&db.file(it)).is_some_and(|it| !it.is_empty()))
 }
 
 /// The roots of the units that a file is in: those of the others that include it or, when nobody

@@ -433,7 +433,7 @@ fn the_first_answer_about_a_root_looks_at_no_other_root() {
         log.iter().filter(|it| *it == "walk_unit").count()
     };
     assert_eq!(walked(&fixture), 1);
-    fixture.analysis().index().unwrap();
+    assert!(fixture.analysis().index().unwrap());
     assert!(walked(&fixture) >= 20);
     indexed(&mut fixture, true);
     let included = fixture.analysis().diagnostics(part).unwrap();

@@ -43,8 +43,9 @@ pub(crate) enum Mutation {
     Folders(DidChangeWorkspaceFoldersParams),
     /// The files of the workspace were listed, for the request of that number.
     Scanned(u64, Vec<Utf8PathBuf>),
-    /// Every root was looked at for what it includes; else a change has come in between.
-    Indexed(bool),
+    /// Every root was looked at for what it includes: whether that changes something. `None`: a change has
+    /// come in between.
+    Indexed(Option<bool>),
     /// A file is to be shown as included by a root; `None` lets dotgen choose.
     Choose(Utf8PathBuf, Option<Utf8PathBuf>),
 }
@@ -146,10 +147,10 @@ impl State {
                     self.settle_listing();
                 }
             }
-            Mutation::Indexed(whole) => {
-                if whole || !self.index() {
+            Mutation::Indexed(found) => {
+                if found.is_some() || !self.index() {
                     self.pending.indexed = Some(true);
-                    self.publisher.refresh_wanted = true;
+                    self.publisher.refresh_wanted |= found.unwrap_or(true);
                     self.settle_listing();
                 }
             }
@@ -256,9 +257,13 @@ impl State {
         self.outbox.runtime().spawn_blocking(move || {
             let looked = catch_unwind(AssertUnwindSafe(|| analysis.index()));
             drop(analysis);
-            // What made it panic is told by whoever asks for it.
-            let overtaken = matches!(looked, Ok(Err(Cancelled::PendingWrite)));
-            let _ = events.send(Event::Mutation(Mutation::Indexed(!overtaken)));
+            let found = match looked {
+                Ok(Ok(found)) => Some(found),
+                Ok(Err(Cancelled::PendingWrite)) => None,
+                // What made it panic is told by whoever asks for it.
+                _ => Some(true),
+            };
+            let _ = events.send(Event::Mutation(Mutation::Indexed(found)));
         });
         true
     }
