@@ -117,6 +117,8 @@ export function checks(wb) {
       mkdirSync(join(wb.folder, 'codels'));
       writeFileSync(join(wb.folder, 'codels/report.c'), SLOW);
       await wb.command('dotgen: Run');
+      // The run before may have violated something as well.
+      await state('running').waitFor();
       // It is told while the run goes on.
       await frame.locator('#state.violated').waitFor();
       await frame.locator('#stop').click();
