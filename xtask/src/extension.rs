@@ -21,7 +21,7 @@ pub(crate) fn directory() -> PathBuf {
     crate::root().join("vscode-extension")
 }
 
-/// What is released, and tested, has all of these.
+/// What is installed by the README's command, and tested, has all of these.
 pub(crate) const FEATURES: &str = "dotgen-lsp-server/zenoh";
 
 /// Compiles the server; returns the program.
@@ -33,11 +33,11 @@ pub(crate) fn build_server(profile: Profile) -> Result<PathBuf> {
         "dotgen-lsp-server",
         "--bin",
         "dotgen",
-        "--features",
-        FEATURES,
     ];
-    if profile == Profile::Dist {
-        arguments.push("--profile=dist");
+    // Nothing in the extension exchanges ports with other machines, and its package is to stay small.
+    match profile {
+        Profile::Dist => arguments.push("--profile=dist"),
+        Profile::Dev => arguments.extend(["--features", FEATURES]),
     }
     step("Building the server (a first build takes some minutes)");
     run::run(run::cargo(&arguments))?;

@@ -76,7 +76,8 @@ pub(super) fn start(
     if arguments.has_network() {
         let _ = parts;
         anyhow::bail!(
-            "this build of dotgen has no Zenoh: take a released one, or build with `--features zenoh`"
+            "this build of dotgen has no Zenoh: install it with `cargo install --path lsp-server --features \
+             zenoh`"
         );
     }
     let (server, outside) = listen(&path, known, children.door()).map_err(anyhow::Error::msg)?;
