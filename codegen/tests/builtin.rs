@@ -114,34 +114,60 @@ fn the_skeleton_has_the_files_of_the_reference() {
     );
 }
 
-/// What is required stands in one place of what newer releases write.
+/// The build files of a release, and of a specification that requires these packages: `configure.ac` and the
+/// two files for pkg-config.
+fn build_files(release: Release, required: &str) -> [String; 3] {
+    let dir = folder();
+    let text = SPECIFICATION.replace("requires \"genom3 >= 2.99.26\";", required);
+    std::fs::write(dir.path().join("lamp.gen"), text).unwrap();
+    let (status, _, err) = run_as(release, dir.path(), &["skeleton", "DIR/lamp.gen"]);
+    assert_eq!((status, err.as_str()), (0, ""));
+    [
+        "configure.ac",
+        "lamp-genom3.pc.in",
+        "lamp-genom3-uninstalled.pc.in",
+    ]
+    .map(|name| std::fs::read_to_string(dir.path().join(name)).unwrap())
+}
+
+/// The lines of `configure.ac` about packages.
+fn packages_of(configure: &str) -> &str {
+    let from = configure.find("# What the component").unwrap();
+    configure[from..].split("\n\nAG_TEMPLATES").next().unwrap()
+}
+
 #[test]
-fn build_files_are_those_of_the_release() {
-    let of = |release: Release| {
-        let dir = folder();
-        let (status, _, err) = run_as(release, dir.path(), &["skeleton", "DIR/lamp.gen"]);
-        assert_eq!((status, err.as_str()), (0, ""));
-        let read = |name: &str| std::fs::read_to_string(dir.path().join(name)).unwrap();
-        [
-            read("configure.ac"),
-            read("lamp-genom3.pc.in"),
-            read("lamp-genom3-uninstalled.pc.in"),
-        ]
-    };
-    let [configure, package, uninstalled] = of(Release::V2_99_43);
-    assert!(!configure.contains("_SPEC"), "{configure}");
-    assert!(
-        package.contains("Requires.private: @requires@\n"),
-        "{package}"
-    );
-    assert!(!uninstalled.contains("_SPEC"), "{uninstalled}");
+fn build_files_have_packages_in_variables_since_2_99_44() {
     for release in [Release::V2_99_44, Release::V3] {
-        let [configure, package, uninstalled] = of(release);
+        let required = "requires \"openrobots2-idl >= 2.0\", \"genom3 >= 2.99.41\";";
+        let [configure, package, uninstalled] = build_files(release, required);
         insta::assert_snapshot!("configure_with_variables", configure);
-        let required = "Requires.private: @requires_SPEC@\nLibs.private: @codels_requires_LIBS@\n";
-        assert!(package.contains(required), "{package}");
-        assert!(uninstalled.contains(required), "{uninstalled}");
+        let both = "Requires: @requires_SPEC@\n";
+        assert!(package.contains(both) && uninstalled.contains(both));
+        let required = &format!("{required} codels-requires \"eigen3\", \"urdfdom >= 1.0\";");
+        let [configure, package, uninstalled] = build_files(release, required);
+        insta::assert_snapshot!(
+            "configure_with_variables_of_codels",
+            packages_of(&configure)
+        );
+        let both = "Libs.private: @codels_requires_LIBS@\n";
+        assert!(package.contains(both) && uninstalled.contains(both));
     }
+}
+
+#[test]
+fn build_files_of_older_releases_name_packages_in_place() {
+    let required = "requires \"openrobots2-idl >= 2.0\"; codels-requires \"eigen3\";";
+    let [configure, package, uninstalled] = build_files(Release::V2_99_43, required);
+    insta::assert_snapshot!("configure_with_packages", packages_of(&configure));
+    let both = "Requires: openrobots2-idl >= 2.0\n";
+    assert!(
+        package.contains(both) && uninstalled.contains(both),
+        "{package}{uninstalled}"
+    );
+    let [configure, package, _] = build_files(Release::V2_99_43, "");
+    assert!(!configure.contains("codels_requires"), "{configure}");
+    assert!(!package.contains("require"), "{package}");
 }
 
 #[test]

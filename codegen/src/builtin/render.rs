@@ -273,6 +273,9 @@ fn options(
     Ok(files.map(|inputs| Options { inputs, ..options }))
 }
 
+/// What build files require where the specification does not say which GenoM3 it needs, as those of GenoM3.
+const LEAST_GENOM: &str = "genom3 >= 2.99.4";
+
 /// What the texts see.
 struct Data {
     /// All of them.
@@ -338,6 +341,10 @@ impl Data {
             }
             out
         };
+        let mut requires = unique(regular.iter().map(|(_, it)| &it.requires).collect());
+        if !requires.iter().any(|it| it.starts_with("genom3 ")) {
+            requires.insert(0, LEAST_GENOM.to_owned());
+        }
         let first = regular.first().map(|(_, it)| *it);
         let input = Path::new(&options.inputs[0])
             .file_name()
@@ -356,7 +363,7 @@ impl Data {
             name => first.map(|it| it.name.to_string()),
             release => first.and_then(|it| it.version.clone()),
             email => first.and_then(|it| it.email.clone()),
-            requires => unique(regular.iter().map(|(_, it)| &it.requires).collect()),
+            requires,
             codels_requires => unique(regular.iter().map(|(_, it)| &it.codels_requires).collect()),
             input => input.to_string_lossy(),
             inputs,
