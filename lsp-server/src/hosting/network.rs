@@ -18,6 +18,10 @@ use zenoh::{Config, Session, Wait as _};
 use super::children::{Door, Newest, Outside};
 use super::known::Known;
 
+/// Sources of a `multiple` port, and keys of which something is told: others are left, so that nobody else
+/// fills the memory of this machine.
+const SOURCES: usize = 256;
+
 /// Whom to reach, and what to read there.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Wanted<'a> {
@@ -106,6 +110,10 @@ fn config(wanted: Wanted<'_>) -> zenoh::Result<Config> {
     let mut config = Config::default();
     config.insert_json5("mode", "\"peer\"")?;
     config.insert_json5("scouting/multicast/enabled", "false")?;
+    // The engine does not wait where the network does not take more.
+    let drop = "transport/link/tx/queue/congestion_control/drop";
+    config.insert_json5(&format!("{drop}/wait_before_drop"), "0")?;
+    config.insert_json5(&format!("{drop}/max_wait_before_drop_fragments"), "0")?;
     config.insert_json5("listen/endpoints", &list(wanted.listen))?;
     config.insert_json5("connect/endpoints", &list(wanted.connect))?;
     Ok(config)
@@ -148,7 +156,7 @@ impl Input {
         let data = from_cdr(Values::new(&self.spec), self.ty, &bytes);
         let mut heard = self.state.lock().unwrap_or_else(|it| it.into_inner());
         let tell_once = |told: &mut BTreeSet<String>, what: &str| {
-            if told.insert(key.to_owned()) {
+            if told.len() < SOURCES && told.insert(key.to_owned()) {
                 (self.tell)(what);
             }
         };
@@ -170,6 +178,11 @@ impl Input {
                 "`{path}` reads `{source}`, so `{key}` is not read: say which with \
                  `--zenoh-read {path}=KEY`"
             );
+            tell_once(&mut heard.told, &what);
+            return;
+        }
+        if heard.newest.len() >= SOURCES && !heard.newest.contains_key(name) {
+            let what = format!("`{}` has {SOURCES} sources: `{key}` is not read", self.path);
             tell_once(&mut heard.told, &what);
             return;
         }
