@@ -124,6 +124,9 @@ pub(crate) fn test(options: &Options) -> Result<bool> {
         step(&format!("[{}/{}] {}", i + 1, suites.len(), suite.name));
         let started = Instant::now();
         let outcome = (suite.run)();
+        if let Err(error) = &outcome {
+            eprintln!("{}: {error:#}", suite.name);
+        }
         rows.push((suite.name, outcome, started.elapsed()));
     }
     Ok(summary(&rows))

@@ -15,6 +15,14 @@ case $(uname -s)-$(uname -m) in
 esac
 rm -rf "$T/env" "$T/stamp" "$T/node" "$T/code-server"
 export npm_config_audit=false npm_config_fund=false npm_config_update_notifier=false npm_config_loglevel=error
+# A registry that fails once is asked again: some 300 packages are fetched.
+export npm_config_fetch_retries=6 npm_config_fetch_retry_mintimeout=2000
+
+free=$(df -Pm "$T" | awk 'NR == 2 { print $4 }')
+if [ "${free:-9999}" -lt 2000 ]; then
+  echo "setup.sh: $T has $free MB free; 2,000 MB are needed (remove target/ of other clones, or set DOTGEN_WORKBENCH)" >&2
+  exit 1
+fi
 
 # This code-server asks for Node 24, which npm carries as well, headers included.
 npm install --no-save --prefix "$T/node" --ignore-scripts "$node_package@$NODE_V"
