@@ -20,9 +20,9 @@ use salsa::{Database as _, Durability, Setter};
 use smol_str::SmolStr;
 
 use crate::{
+    config::{LintConfig, MAX_FILE_BYTES, Project},
     diagnostic::Severity,
-    host::{FileContent, Loader, MAX_FILE_BYTES, PackageFlags, Project},
-    lint::LintConfig,
+    loader::{FileContent, Loader, PackageFlags},
     release::ReleaseChoice,
 };
 

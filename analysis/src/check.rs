@@ -4,15 +4,11 @@
 //! for every component on its own. [`component`] runs them all; a body that was reopened later is
 //! checked as it was when it ended, from [`crate::elab::Closing::snapshot`].
 
-pub mod codes;
 mod concurrency;
 mod machine;
 mod usage;
 
-use rustc_hash::FxHashSet;
-
 use crate::{
-    elab::Elaborated,
     finding::Finding,
     model::{Component, Spec},
 };
@@ -29,26 +25,5 @@ pub fn component(spec: &Spec, component: &Component) -> Vec<Finding> {
 pub(crate) fn lints(component: &Component) -> Vec<Finding> {
     let mut found = Vec::new();
     usage::check(component, &mut found);
-    found
-}
-
-/// Every diagnostic of a unit: those of elaboration, then those of each body that ended, without
-/// repetitions.
-pub fn all(elaborated: &Elaborated) -> Vec<Finding> {
-    let spec = &elaborated.spec;
-    let mut found = elaborated.diagnostics.clone();
-    let mut seen = FxHashSet::default();
-    let mut add = |it: Finding| {
-        if seen.insert((it.at, it.kind.clone())) {
-            found.push(it);
-        }
-    };
-    for closing in &elaborated.closings {
-        let last = spec.components.get(closing.component as usize);
-        let it = closing.snapshot.as_deref().or(last);
-        it.into_iter()
-            .flat_map(|it| component(spec, it))
-            .for_each(&mut add);
-    }
     found
 }

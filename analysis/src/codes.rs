@@ -1,15 +1,16 @@
 //! All diagnostic codes, whatever layer reports them.
 //!
-//! Each layer has a table of its own, beside the code that reports: [`dotgen_syntax::codes`],
-//! [`crate::check::codes`] and [`crate::lint::codes`]; that of verification is [`verification`]. The
-//! manual and the configuration see them as one. The layer above, which compares specifications with
+//! Each layer has a table of its own: [`dotgen_syntax::codes`], [`checks`], [`lints`] and [`verification`].
+//! The manual and the configuration see them as one. The layer above, which compares specifications with
 //! their codels, adds its own: those that begin with [`CODEL`].
 
+pub mod checks;
+pub mod lints;
 pub mod verification;
 
 use dotgen_syntax::{codes as syntax, preproc};
 
-use crate::{check, diagnostic::Severity, lint};
+use crate::diagnostic::Severity;
 
 /// A diagnostic code as its users know it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,7 +58,7 @@ pub fn all() -> impl Iterator<Item = Code> {
         fix: None,
         reference: it.reference,
     });
-    let checks = check::codes::CODES.iter().map(|it| Code {
+    let checks = checks::CODES.iter().map(|it| Code {
         id: it.id,
         severity: it.severity,
         on: true,
@@ -67,7 +68,7 @@ pub fn all() -> impl Iterator<Item = Code> {
         fix: None,
         reference: it.reference,
     });
-    let lints = lint::codes::CODES
+    let lints = lints::CODES
         .iter()
         .chain(verification::CODES)
         .map(|it| Code {

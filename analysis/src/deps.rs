@@ -10,7 +10,7 @@ use crate::base::{Db, SourceFile};
 use crate::model::{ComponentKind, Missing, Name, Spec};
 use crate::queries::elaborated;
 use crate::source_map::{Locations, UnitLocations, bytes};
-use crate::unit::{UnitKey, preprocessed, unit_of_root, visits, walk_unit};
+use crate::unit::{UnitKey, is_standin, preprocessed, unit_of_root, visits, walk_unit};
 
 pub mod standin;
 
@@ -196,7 +196,7 @@ fn includes(db: &dyn Db, unit: UnitKey<'_>) -> Vec<Include> {
                 by: by.clone(),
                 searched: walk.places(db, number, ordinal, request),
                 at: bytes(include.range),
-                stand_in: found.as_ref().is_some_and(|it| standin::is_standin(it)),
+                stand_in: found.as_ref().is_some_and(|it| is_standin(it)),
                 found,
             });
         }

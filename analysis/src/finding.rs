@@ -27,9 +27,8 @@ use self::{
 };
 pub use crate::diagnostic::Severity;
 use crate::{
-    check,
+    codes,
     fixes::{Place, TextFix},
-    lint,
     model::Src,
 };
 
@@ -121,8 +120,8 @@ impl Kind {
             dotgen_syntax::Severity::Hint => Severity::Hint,
         });
         let severity = syntax
-            .or_else(|| check::codes::find(code).map(|it| it.severity))
-            .or_else(|| lint::codes::find(code).map(|it| it.severity));
+            .or_else(|| codes::checks::find(code).map(|it| it.severity))
+            .or_else(|| codes::lints::find(code).map(|it| it.severity));
         debug_assert!(severity.is_some(), "{code} is not in the table of codes");
         severity.unwrap_or(Severity::Error)
     }

@@ -16,114 +16,22 @@ use smol_str::SmolStr;
 
 use crate::{
     base::{Db, FileStatus, RootDatabase, SourceFile, line_index, normalize},
-    codes,
     deps::{self, Dependencies, standin::StandIn},
-    diagnostic::{Diagnostic, FileEdit, Severity},
+    diagnostic::{Diagnostic, FileEdit},
     ide::{self, *},
-    lint::LintConfig,
-    model::Spec,
     queries::{self, elaborated},
-    release::{self, ReleaseChoice},
-    report,
-    source_map::UnitLocations,
+    release::ReleaseChoice,
+    report, requirement,
     unit::{self, UnitKey},
+    unit_result::unit_result,
 };
 
-/// What a path leads to.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum FileContent {
-    /// A readable text.
-    Text(String),
-    /// Nothing is there.
-    Missing,
-    /// A directory.
-    Directory,
-    /// A file that is not UTF-8: its text as of `dotgen_syntax::encoding::decode`.
-    NotUtf8(String),
-    /// It cannot be read: why.
-    Unreadable(String),
-}
-
-/// What the package tool says about packages.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct PackageFlags {
-    /// From `-I`, in order.
-    pub include_dirs: Vec<Utf8PathBuf>,
-    /// From `-D`, in order: name and value.
-    pub defines: Vec<(SmolStr, SmolStr)>,
-}
-
-/// All input and output of analysis. Called at most once per path or question until a [`Change`]
-/// says otherwise.
-pub trait Loader: Send + Sync {
-    /// Reads a file.
-    fn read(&self, path: &Utf8Path) -> FileContent;
-    /// The flags of packages, all arguments in one query, as `pkg-config --cflags` answers it.
-    /// The error is a message for the user.
-    fn packages(&self, arguments: &[String]) -> Result<PackageFlags, String>;
-    /// The size of a file in bytes, if that can be told without reading it.
-    fn size(&self, _path: &Utf8Path) -> Option<u64> {
-        None
-    }
-    /// What a directory holds, for the completion of paths; empty if it cannot be read.
-    fn list_dir(&self, _path: &Utf8Path) -> Vec<DirEntry> {
-        Vec::new()
-    }
-    /// The release of the GenoM3 that is installed, if one is found.
-    fn installed_release(&self) -> Option<ReleaseChoice> {
-        None
-    }
-    /// Names of the packages that can be asked for, for completion.
-    fn package_names(&self) -> Vec<String> {
-        Vec::new()
-    }
-}
-
-/// An entry of a directory.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub struct DirEntry {
-    /// Its name.
-    pub name: String,
-    /// Whether it is a directory.
-    pub is_dir: bool,
-}
-
-/// Settings that change what a specification means or how it is reported.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Config {
-    /// `-I`, in order.
-    pub include_dirs: Vec<Utf8PathBuf>,
-    /// `-D`, in order: name and value (`1` when none was given).
-    pub defines: Vec<(SmolStr, SmolStr)>,
-    /// The release of GenoM3 that specifications are read as; `None` if the user says nothing of it.
-    pub release: Option<ReleaseChoice>,
-    /// Directories whose specifications are read in another way.
-    pub projects: Vec<Project>,
-    /// Severity per code; `None` switches a code off. Errors stay errors: the configuration changes
-    /// warnings, information and hints only.
-    pub severities: Vec<(String, Option<Severity>)>,
-    /// What the lints need to know.
-    pub lints: LintConfig,
-    /// Larger files are not read, and a diagnostic says so; [`MAX_FILE_BYTES`] unless given.
-    pub max_file_bytes: Option<u64>,
-}
-
-/// Files of more bytes are no specifications that somebody wrote.
-pub const MAX_FILE_BYTES: u64 = 4 << 20;
-
-/// How the specifications below a directory are read, instead of what [`Config`] says for all. The innermost
-/// counts.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Project {
-    /// Absolute.
-    pub directory: Utf8PathBuf,
-    /// `-I`, in order.
-    pub include_dirs: Vec<Utf8PathBuf>,
-    /// `-D`, in order.
-    pub defines: Vec<(SmolStr, SmolStr)>,
-    /// The release of GenoM3.
-    pub release: Option<ReleaseChoice>,
-}
+pub use crate::{
+    config::{Config, LintConfig, MAX_FILE_BYTES, Project},
+    loader::{DirEntry, FileContent, Loader, PackageFlags},
+    requirement::required_release,
+    unit_result::UnitResult,
+};
 
 /// One batch of changes.
 #[derive(Debug, Clone, Default)]
@@ -186,57 +94,6 @@ pub struct BatchInput {
     pub include_dirs: Vec<Utf8PathBuf>,
     /// Defined after those of [`Config`].
     pub defines: Vec<(SmolStr, SmolStr)>,
-}
-
-/// Everything known about one translation unit. Independent of the snapshot it came from.
-#[derive(Clone)]
-pub struct UnitResult {
-    /// The resolved model.
-    pub spec: Arc<Spec>,
-    /// Diagnostics of all its files, by file and place.
-    pub diagnostics: Arc<Vec<Diagnostic>>,
-    /// Every file it read, in order of first visit.
-    pub files: Vec<Utf8PathBuf>,
-    /// From ids to places.
-    pub locations: Arc<UnitLocations>,
-    /// Every word of its files, if it has errors: a declaration may be lost in what was not understood.
-    pub words: Arc<FxHashSet<SmolStr>>,
-    /// Whether a file ends where an error is: what was to follow is not there.
-    pub is_cut: bool,
-}
-
-impl UnitResult {
-    /// Whether GenoM3 would accept it: it has no error.
-    pub fn accepted(&self) -> bool {
-        !self
-            .diagnostics
-            .iter()
-            .any(|it| it.severity == Severity::Error)
-    }
-
-    /// Whether its text has errors: what is missing on this machine is none.
-    pub fn has_errors_in_text(&self) -> bool {
-        let mut all = self.diagnostics.iter();
-        all.any(|it| it.severity == Severity::Error && !codes::is_environment(it.code))
-    }
-
-    /// Whether some text in it was not understood.
-    pub fn has_syntax_errors(&self) -> bool {
-        let mut errors = self
-            .diagnostics
-            .iter()
-            .filter(|it| it.severity == Severity::Error);
-        errors.any(|it| {
-            dotgen_syntax::codes::find(it.code).is_some() && !codes::is_environment(it.code)
-        })
-    }
-
-    /// Whether this machine lacks files or packages that it needs.
-    pub fn lacks_files(&self) -> bool {
-        self.diagnostics
-            .iter()
-            .any(|it| codes::is_environment(it.code))
-    }
 }
 
 /// Owner of the database.
@@ -564,7 +421,7 @@ impl Analysis {
 
     /// The release of GenoM3 that a specification is read as.
     pub fn release(&self, path: &Utf8Path) -> Cancellable<ReleaseChoice> {
-        self.with(|db| release::of_unit(db, unit::unit_of_root(db, db.file(path))))
+        self.with(|db| requirement::of_inputs(db, &[db.file(path)]))
     }
 
     /// Several inputs as one unit.
@@ -590,31 +447,5 @@ impl Analysis {
         self.in_file(path, |view| {
             format!("{:#?}", unit::item_tree(view.db, view.key))
         })
-    }
-}
-
-pub(crate) fn unit_result<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> UnitResult {
-    let diagnostics = report::unit_report(db, unit).clone();
-    let rejected = diagnostics.iter().any(|it| it.severity == Severity::Error);
-    let words = unit::files(db, unit).into_iter().filter(|_| rejected);
-    let words = words.flat_map(|it| unit::mentioned(db, it).words.iter().cloned());
-    let is_cut = unit::files(db, unit).into_iter().any(|file| {
-        let errors = diagnostics
-            .iter()
-            .filter(|it| it.severity == Severity::Error);
-        let mut here = errors.filter(|it| it.path == *file.path(db));
-        let end = file.text(db).trim_end().len();
-        here.any(|it| dotgen_syntax::codes::find(it.code).is_some() && it.range.end >= end)
-    });
-    UnitResult {
-        is_cut,
-        words: Arc::new(words.collect()),
-        spec: elaborated(db, unit).spec.clone(),
-        diagnostics,
-        files: unit::files(db, unit)
-            .iter()
-            .map(|it| it.path(db).clone())
-            .collect(),
-        locations: Arc::new(UnitLocations::new(db, unit)),
     }
 }

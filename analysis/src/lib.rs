@@ -1,8 +1,10 @@
 //! Names, types, component model, checks and editor features of GenoM3 specifications.
 
 mod base;
+mod body_view;
 pub mod check;
 pub mod codes;
+mod config;
 pub mod deps;
 pub mod diagnostic;
 pub mod elab;
@@ -13,6 +15,7 @@ pub mod ide;
 pub mod item_tree;
 pub mod lint;
 pub mod lists;
+mod loader;
 pub mod markdown;
 pub mod model;
 pub mod model_json;
@@ -22,6 +25,7 @@ pub mod quantity;
 mod queries;
 pub mod release;
 mod report;
+mod requirement;
 pub mod source_map;
 pub mod spelling;
 mod suppress;
@@ -31,4 +35,4 @@ mod test_support;
 #[cfg(test)]
 mod tests;
 mod unit;
-mod view;
+mod unit_result;

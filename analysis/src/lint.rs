@@ -5,7 +5,6 @@
 //! generated from there. The defaults are quiet on healthy specifications: a warning must be
 //! something its author would want to change, a hint may be a matter of taste.
 
-pub mod codes;
 mod data_flow;
 mod locks;
 mod services;
@@ -14,8 +13,7 @@ mod style;
 mod timing;
 mod unused;
 
-use num_rational::Ratio;
-
+use crate::config::LintConfig;
 use crate::finding::{
     Finding,
     codels::OwnerName,
@@ -24,36 +22,6 @@ use crate::finding::{
 use crate::model::{Codel, CodelRef, Component, ComponentKind, Owner, Seconds, Spec, Src};
 
 pub use unused::unused;
-
-/// What the rules need to know besides the model.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct LintConfig {
-    /// Cores of the platform, when known.
-    pub cores: Option<u32>,
-    /// Report codels without execution time even in components without any.
-    pub always_missing_wcet: bool,
-    /// Longest time the control task may be kept from other requests by one function, in seconds.
-    pub control_task_budget: Seconds,
-}
-
-impl LintConfig {
-    /// An exact time from a number of milliseconds in a configuration; `None` when it is not a time.
-    pub fn milliseconds(value: f64) -> Option<Seconds> {
-        let micros = (value * 1000.0).round();
-        (micros.is_finite() && (0.0..1e15).contains(&micros))
-            .then(|| Ratio::new(micros as i128, 1_000_000))
-    }
-}
-
-impl Default for LintConfig {
-    fn default() -> LintConfig {
-        LintConfig {
-            cores: None,
-            always_missing_wcet: false,
-            control_task_budget: Ratio::new(1, 100),
-        }
-    }
-}
 
 /// Checks one component (nothing is reported for interfaces, which are incomplete by nature).
 pub fn component(spec: &Spec, component: &Component, config: &LintConfig) -> Vec<Finding> {
@@ -131,9 +99,4 @@ impl<'a> Lint<'a> {
             .all_codels()
             .any(|it| self.codel(it).wcet.is_some())
     }
-}
-
-/// A duration as [`crate::quantity::time`] writes it.
-pub fn duration(seconds: Seconds) -> String {
-    crate::quantity::time(seconds)
 }

@@ -10,15 +10,15 @@ use smol_str::SmolStr;
 
 use crate::{
     base::Db,
+    body_view::BodyView,
     check,
     elab::{self, Elaborated, UnitInput},
     finding::Finding,
     item_tree::{Item, ItemTree, Ptr},
     lint,
     model::Component,
-    release,
+    requirement,
     unit::{UnitKey, item_tree, visits},
-    view::BodyView,
 };
 
 /// Visit of the elaborator that stands for the wrapper; those of the unit follow.
@@ -76,7 +76,7 @@ pub(crate) fn elaborate<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Elaborated 
     db.unwind_if_revision_cancelled();
     elab::elaborate(&UnitInput {
         visits: &input,
-        release: release::of_unit(db, unit).release,
+        release: requirement::of_inputs(db, unit.inputs(db)).release,
     })
 }
 

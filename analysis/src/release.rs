@@ -1,21 +1,9 @@
-//! Which release of GenoM3 a specification is read as, and why.
-//!
-//! What the user says counts first, then what is installed, then what the specifications require, and else it
-//! is the newest release that dotgen was compared with. What a specification requires is read from its
-//! tokens: what they mean depends on the release.
+//! A release of GenoM3 and who chose it. [`crate::requirement`] finds the one that a specification is read as.
 
 use std::fmt;
 
 use camino::Utf8PathBuf;
-use dotgen_syntax::SyntaxKind;
 pub use dotgen_syntax::release::{Area, CHANGES, Change, Entry, NoRelease, Release};
-use rustc_hash::FxHashSet;
-
-use crate::{
-    base::{Db, SourceFile, Workspace, normalize},
-    host::{FileContent, Loader},
-    unit::UnitKey,
-};
 
 /// A release, and who chose it.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
@@ -50,7 +38,7 @@ pub enum ReleaseOrigin {
 
 impl ReleaseOrigin {
     /// Whether the user or what is installed says it, rather than the specifications or nobody.
-    fn is_given(&self) -> bool {
+    pub(crate) fn is_given(&self) -> bool {
         !matches!(self, ReleaseOrigin::Required(_) | ReleaseOrigin::Default)
     }
 }
@@ -96,161 +84,5 @@ impl ReleaseChoice {
             },
             None => ReleaseChoice::default(),
         }
-    }
-}
-
-/// What the text of one file says about releases.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Requirement {
-    /// The greatest lower bound for the package `genom3` in it.
-    pub bound: Option<Release>,
-    /// Names in its `#include "…"`.
-    pub includes: Vec<String>,
-}
-
-impl Requirement {
-    /// Reads a text. Specifications are many, and all of them are asked: only what may be inside a comment is
-    /// read token by token.
-    pub fn of(text: &str) -> Requirement {
-        let mut found = Requirement::default();
-        let named = text.match_indices(PACKAGE).map(|it| it.0);
-        let bounds = named.filter_map(|at| {
-            let before = text[..at].trim_end_matches([' ', '\t']);
-            let start = before.strip_suffix('"')?.len();
-            let length = text[start + 1..].find(['"', '\n'])?;
-            let bound = Release::lower_bound(&text[start + 1..start + 1 + length])?;
-            is_string(text, start).then_some(bound)
-        });
-        found.bound = bounds.max();
-        for (at, word) in text.match_indices("include") {
-            let line = text[..at].rfind('\n').map_or(0, |it| it + 1);
-            if text[line..at].trim() != "#" {
-                continue;
-            }
-            let after = &text[at + word.len()..];
-            let name = after.trim_start_matches([' ', '\t']).strip_prefix('"');
-            if let Some((name, _)) = name.and_then(|it| it.split_once('"')) {
-                found.includes.push(name.to_owned());
-            }
-        }
-        found
-    }
-}
-
-/// The package whose version is the release.
-const PACKAGE: &str = "genom3";
-
-/// Whether the quote at an offset begins a string, rather than standing in a comment or in another string.
-fn is_string(text: &str, at: usize) -> bool {
-    let before = &text[..at];
-    let line = before.rfind('\n').map_or(0, |it| it + 1);
-    let plain = !before[line..].contains(['"', '\'']) && !before[line..].contains("//");
-    if plain
-        && before
-            .rfind("/*")
-            .is_none_or(|open| before[open + 2..].contains("*/"))
-    {
-        return true;
-    }
-    let raw = dotgen_syntax::lexer::lex(text);
-    let mut strings = (0..raw.len()).filter(|it| raw.kind(*it) == SyntaxKind::STRING);
-    strings.any(|it| raw.start(it) == at)
-}
-
-/// The greatest lower bound for the package `genom3` in some files and what they include beside them.
-pub fn required(
-    loader: &dyn Loader,
-    files: impl IntoIterator<Item = Utf8PathBuf>,
-) -> Option<Release> {
-    let mut seen = FxHashSet::default();
-    let mut todo: Vec<Utf8PathBuf> = files.into_iter().collect();
-    let mut bound = None;
-    while let Some(file) = todo.pop().map(|it| normalize(&it)) {
-        if seen.contains(&file) {
-            continue;
-        }
-        if let FileContent::Text(text) | FileContent::NotUtf8(text) = loader.read(&file) {
-            let found = Requirement::of(&text);
-            bound = bound.max(found.bound);
-            let directory = file.parent().unwrap_or(&file);
-            todo.extend(found.includes.iter().map(|it| directory.join(it)));
-        }
-        seen.insert(file);
-    }
-    bound
-}
-
-/// What a file says about releases.
-#[salsa::tracked]
-fn requirement(db: &dyn Db, file: SourceFile) -> Requirement {
-    Requirement::of(file.text(db))
-}
-
-/// The greatest lower bound in some files and what they include beside them.
-fn bound(db: &dyn Db, files: impl IntoIterator<Item = SourceFile>) -> Option<Release> {
-    let mut seen = FxHashSet::default();
-    let mut todo: Vec<SourceFile> = files.into_iter().collect();
-    let mut bound = None;
-    while let Some(file) = todo.pop() {
-        if !seen.insert(file) || !file.status(db).is_text() {
-            continue;
-        }
-        let found = requirement(db, file);
-        bound = bound.max(found.bound);
-        let Some(directory) = file.path(db).parent() else {
-            continue;
-        };
-        todo.extend(
-            found
-                .includes
-                .iter()
-                .map(|it| db.file(&normalize(&directory.join(it)))),
-        );
-    }
-    bound
-}
-
-/// The release of the specifications of a project, by its directory; `None` for those of no project.
-#[salsa::tracked]
-fn of_project(db: &dyn Db, workspace: Workspace, directory: Option<Utf8PathBuf>) -> ReleaseChoice {
-    let projects = workspace.projects(db);
-    let project = projects
-        .iter()
-        .find(|it| Some(&it.directory) == directory.as_ref());
-    let given = match project {
-        Some(project) => project.release.as_ref(),
-        None => workspace.release(db).as_ref(),
-    };
-    if let Some(given) = given.or(db.installed().release(db).as_ref()) {
-        return given.clone();
-    }
-    let of_project =
-        |it: &&Utf8PathBuf| workspace.project(db, it).map(|it| &it.directory) == directory.as_ref();
-    let roots = workspace.roots(db).iter().filter(of_project);
-    ReleaseChoice::required(bound(db, roots.map(|it| db.file(it))))
-}
-
-/// The release of the project that a path is in.
-pub(crate) fn of_path(db: &dyn Db, path: &camino::Utf8Path) -> ReleaseChoice {
-    let project = db.workspace().project(db, path);
-    let directory = project.map(|it| it.directory.clone());
-    of_project(db, db.workspace(), directory).clone()
-}
-
-/// The release of a unit: that of the project of its first file, or what its own files require when that is
-/// more and nobody says otherwise.
-pub(crate) fn of_unit(db: &dyn Db, unit: UnitKey<'_>) -> ReleaseChoice {
-    let inputs = unit.inputs(db);
-    let Some(first) = inputs.first() else {
-        return ReleaseChoice::default();
-    };
-    let choice = of_path(db, first.path(db));
-    if choice.origin.is_given() {
-        return choice;
-    }
-    let own = bound(db, inputs.iter().copied());
-    match &choice.origin {
-        ReleaseOrigin::Required(bound) if own <= Some(*bound) => choice,
-        _ => ReleaseChoice::required(own),
     }
 }

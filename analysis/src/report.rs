@@ -15,18 +15,19 @@ use rustc_hash::FxHashSet;
 
 use crate::{
     base::{Db, SourceFile},
-    check, codes,
+    codes,
     diagnostic::{Diagnostic, Fix, Reference, Severity, Tag},
     finding::{Finding, Kind, Near, files::Reading, lints::Noticing},
     fixes::{Place, TextFix},
-    ide::FileView,
-    lint,
     model::Src,
     queries::{WRAPPER, body_count, check_body, elab_findings, lint_body, lint_unused},
     source_map::{bytes, ptr},
     spelling::Spelling,
     suppress::suppressions,
-    unit::{self, FileKey, UnitKey, Visits, parsed, preprocessed, roots_of, unit_of_root, visits},
+    unit::{
+        self, FileKey, UnitKey, Visits, parsed, preprocessed, roots_of, serving_visit,
+        unit_of_root, visits,
+    },
 };
 
 use consequence::Missing;
@@ -90,8 +91,10 @@ pub(crate) fn file_diagnostics(db: &dyn Db, file: SourceFile) -> Vec<Diagnostic>
                 .cloned(),
         );
     }
-    if let Some(view) = FileView::new(db, file) {
-        out.extend(inactive_hints(db, view.key));
+    if file.status(db).is_text()
+        && let Some((_, key)) = serving_visit(db, unit::serving_unit(db, file), file)
+    {
+        out.extend(inactive_hints(db, key));
     }
     sort_and_dedup(&mut out);
     out
@@ -192,7 +195,7 @@ impl<'db> Reporter<'db> {
     /// In a rejected unit, what is missing may be what could not be read: rules about absence wait.
     fn lints(&mut self, found: &[Finding], rejected: bool) {
         for it in found {
-            let Some(code) = lint::codes::find(it.code()) else {
+            let Some(code) = codes::lints::find(it.code()) else {
                 continue;
             };
             if (rejected && code.absence) || (!code.on && !is_configured(self.db, it.code())) {
@@ -239,7 +242,7 @@ impl<'db> Reporter<'db> {
                         continue;
                     }
                     let known =
-                        lint::codes::find(code).is_some() || check::codes::find(code).is_some();
+                        codes::lints::find(code).is_some() || codes::checks::find(code).is_some();
                     self.remark(visit.key, unused_allowance(code, known), *range);
                 }
                 if !it.has_reason {

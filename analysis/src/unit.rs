@@ -33,7 +33,7 @@ use crate::{
     },
     parallel,
 };
-pub(crate) use walk::{STANDINS, walk_unit};
+pub(crate) use walk::{STANDINS, is_standin, walk_unit};
 
 /// A translation unit: the inputs in order, as one wrapper text that includes them.
 #[salsa::interned(debug)]

@@ -8,10 +8,12 @@ use std::{fs, path::Path, sync::Arc};
 
 use camino::Utf8Path;
 use dotgen_analysis::{
-    check::codes::{CODES, find},
+    codes::{
+        self,
+        checks::{CODES, find},
+    },
     diagnostic::{Diagnostic, Severity},
     host::{AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags},
-    lint,
 };
 
 /// Two header files, and nothing else.
@@ -45,7 +47,7 @@ fn diagnostics(text: &str) -> Vec<(usize, &'static str, String)> {
     let all = result.diagnostics.iter();
     // Lints have tests of their own.
     let is_hint = |it: &Diagnostic| it.severity == Severity::Hint && find(it.code).is_none();
-    all.filter(|it| !is_hint(it) && lint::codes::find(it.code).is_none())
+    all.filter(|it| !is_hint(it) && codes::lints::find(it.code).is_none())
         .map(|it| {
             let in_header = it.path.file_name() == Some("node.idl");
             let line = match in_header {

@@ -10,7 +10,7 @@ use std::{
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::{
-    check::codes,
+    codes::checks as codes,
     diagnostic::{Diagnostic, Severity},
     host::{
         AnalysisHost, BatchInput, Change, Config, FileContent, Input, Loader, PackageFlags,

@@ -9,8 +9,9 @@ use std::sync::Arc;
 
 use camino::Utf8PathBuf;
 use dotgen_analysis::host::Loader;
+use dotgen_analysis::host::required_release;
 use dotgen_analysis::model::Spec;
-use dotgen_analysis::release::{Release, ReleaseChoice, ReleaseOrigin, required};
+use dotgen_analysis::release::{Release, ReleaseChoice, ReleaseOrigin};
 use dotgen_syntax::encoding;
 
 use crate::compiler::Compiler;
@@ -197,7 +198,10 @@ impl Environment<'_> {
         let base = self.base.to_str().map_or(here.clone(), |it| here.join(it));
         let base = base.join(&options.directory);
         let files = options.rest.iter().map(|it| base.join(it));
-        Ok(ReleaseChoice::required(required(&*self.loader, files)))
+        Ok(ReleaseChoice::required(required_release(
+            &*self.loader,
+            files,
+        )))
     }
 
     fn compiler(&self, options: &Options, release: ReleaseChoice) -> Compiler {

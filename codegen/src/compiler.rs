@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use camino::Utf8PathBuf;
-use dotgen_analysis::check::codes;
+use dotgen_analysis::codes::checks as codes;
 use dotgen_analysis::diagnostic::{Diagnostic, Severity};
 use dotgen_analysis::host::{
     AnalysisHost, BatchInput, Change, Config, FileContent, Input, Loader, UnitResult,

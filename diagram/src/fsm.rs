@@ -3,12 +3,12 @@
 //! A node is a codel with the states that trigger it, so that a codel bound to several states is
 //! drawn once. `pause::` transitions are drawn differently because they wait for the next period.
 
-pub use dotgen_analysis::lint::duration;
 use dotgen_analysis::model::fsm;
 use dotgen_analysis::model::mutex;
 use dotgen_analysis::model::turn::Turn;
 use dotgen_analysis::model::way::Way;
 use dotgen_analysis::model::{Codel, CodelRef, Component, Owner, Seconds, Spec, Src};
+use dotgen_analysis::quantity;
 use dotgen_analysis::quantity::load;
 use rustc_hash::{FxHashMap, FxHashSet};
 use serde::{Deserialize, Serialize};
@@ -161,7 +161,7 @@ impl Machine<'_> {
         if let Some(wcet) = &codel.wcet {
             let mut parts: Vec<String> = Vec::new();
             if self.options.wcet {
-                let shown = duration(wcet.value);
+                let shown = quantity::time(wcet.value);
                 description.push_str(&format!(", at most {shown}"));
                 parts.push(format!("≤ {shown}"));
             }
@@ -301,7 +301,7 @@ impl Machine<'_> {
                 sum, incomplete, ..
             } => {
                 let open = if incomplete { " + unknown" } else { "" };
-                format!("Σ ≤ {}{open} to pause or end", duration(sum))
+                format!("Σ ≤ {}{open} to pause or end", quantity::time(sum))
             }
             Turn::Unbounded { .. } => "Σ unbounded: a cycle without pause".to_owned(),
         })
@@ -359,12 +359,14 @@ impl Machine<'_> {
         } = self.locks;
         if let (Owner::Service(_), Some(task)) = (owner, task) {
             let rate = match &task.period {
-                Some(period) => format!("every {}", duration(period.value)),
+                Some(period) => format!("every {}", quantity::time(period.value)),
                 None => "aperiodic".to_owned(),
             };
             self.graph.notes.push(format!("task {}, {rate}", task.name));
         } else if let Some(period) = self.period {
-            self.graph.notes.push(format!("every {}", duration(period)));
+            self.graph
+                .notes
+                .push(format!("every {}", quantity::time(period)));
         }
         let mut thrown: Vec<&str> = Vec::new();
         let service = match owner {
@@ -478,7 +480,7 @@ fn in_words(named: &[&str], way: &Way) -> String {
             };
             format!(
                 "{named}: at most {} of execution{open}{pauses}",
-                duration(*time)
+                quantity::time(*time)
             )
         }
         Way::Endless { cycle } => {

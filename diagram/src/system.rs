@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 use dotgen_analysis::model::system::{PortRef, System, type_name};
 use dotgen_analysis::model::{ParamSource, PortDir, Seconds, Src, Task};
 
-use crate::fsm::duration;
 use crate::graph::{Direction, Edge, Graph, Line, LineStyle, Node, Origin, Shape};
+use dotgen_analysis::quantity;
 
 /// What to show.
 #[derive(Debug, Clone, Default)]
@@ -208,7 +208,7 @@ fn task(task: &Task) -> Line {
     let rate = task
         .period
         .as_ref()
-        .map_or("aperiodic".to_owned(), |p| duration(p.value));
+        .map_or("aperiodic".to_owned(), |p| quantity::time(p.value));
     Line::new(LineStyle::Detail, format!("task {} · {rate}", task.name))
 }
 
@@ -317,7 +317,7 @@ fn locks(system: &System, graph: &mut Graph) {
         };
         let mut text = format!("{} codels take turns", users.codels.len());
         if let Some(longest) = users.longest {
-            text += &format!(", ≤ {} each", duration(longest));
+            text += &format!(", ≤ {} each", quantity::time(longest));
         }
         node.lines.push(Line::new(LineStyle::Detail, text));
         node.classes.push("contended".to_owned());

@@ -13,7 +13,7 @@ pub(crate) mod style;
 use std::collections::BTreeMap;
 
 use camino::{Utf8Path, Utf8PathBuf};
-use dotgen_analysis::lint::LintConfig;
+use dotgen_analysis::host::LintConfig;
 use dotgen_analysis::release::{ReleaseChoice, ReleaseOrigin};
 use dotgen_codegen::codels::files::FilesConfig;
 use dotgen_diagram::system::Connection;

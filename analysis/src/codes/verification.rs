@@ -1,8 +1,8 @@
 //! What verification reports (`dotgen_timing` computes it, the editor shows it). It stands here so that
 //! the manual and the configuration see one table.
 
+use crate::codes::lints::LintCode;
 use crate::diagnostic::Severity;
-use crate::lint::codes::LintCode;
 
 const fn code(
     id: &'static str,

@@ -40,11 +40,6 @@ pub fn folder(specification: &Utf8Path) -> Utf8PathBuf {
     beside.join(STANDINS)
 }
 
-/// Whether a file is where stand-ins are.
-pub fn is_standin(path: &Utf8Path) -> bool {
-    path.ancestors().any(|it| it.ends_with(STANDINS))
-}
-
 /// Stand-ins for all included files that are not found. Each name goes to the file that it seems to be of,
 /// the others to the first one.
 pub fn stand_ins(root: &Utf8Path, needs: &Dependencies, spec: &Spec) -> Vec<StandIn> {

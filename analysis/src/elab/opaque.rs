@@ -2,12 +2,12 @@
 
 use super::{context::Elaborator, param::direction, types::look_through};
 use crate::{
-    deps::standin::is_standin,
     item_tree::{Name, ParamDecl, ParamSpec, Path, PathStep, Source},
     model::{
         Gap, Missing, Name as Text, Param, ParamSource, PathElement, Scope, ScopeKind, SourceKind,
         Src, TypeId, TypeKind,
     },
+    unit::is_standin,
 };
 
 impl<'a> Elaborator<'a> {

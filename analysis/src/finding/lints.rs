@@ -7,7 +7,6 @@ use dotgen_syntax::findings;
 use super::codels::OwnerName;
 use crate::{
     fixes::{Place, TextFix},
-    lint::duration,
     model::{Name, Seconds},
 };
 
@@ -32,7 +31,7 @@ pub struct Time(pub Seconds);
 
 impl fmt::Display for Time {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&duration(self.0))
+        f.write_str(&crate::quantity::time(self.0))
     }
 }
 

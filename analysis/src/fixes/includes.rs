@@ -3,7 +3,7 @@
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_syntax::near::nearest;
 
-use crate::host::Loader;
+use crate::loader::Loader;
 
 /// Entries of a directory that are looked at.
 const MOST_ENTRIES: usize = 2000;

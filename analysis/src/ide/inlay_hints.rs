@@ -9,7 +9,6 @@ use rustc_hash::FxHashSet;
 use super::{FileView, render};
 use crate::{
     elab::DefKind,
-    lint::duration,
     model::{
         CodelKind, Component, ComponentKind, Owner, Param, Seconds, ServiceKind, Src, fsm::Machine,
         turn::Turn,
@@ -209,7 +208,7 @@ impl Hints<'_, '_> {
         if let Some(rate) = &component.clock_rate
             && rate.src == component.src
         {
-            all.push(format!("clock rate {}", duration(rate.value)));
+            all.push(format!("clock rate {}", quantity::time(rate.value)));
         }
         for (word, name, value, default) in [
             ("lang", "language", &component.lang, "c"),
@@ -296,7 +295,7 @@ impl Hints<'_, '_> {
                     if chain.len() == 1 && codel.wcet.is_some() {
                         continue;
                     }
-                    (format!(" ‹≤ {}{more}›", duration(sum)), tooltip)
+                    (format!(" ‹≤ {}{more}›", quantity::time(sum)), tooltip)
                 }
                 Some(Turn::Unbounded { cycle }) => {
                     let steps = cycle.iter().map(|&it| machine.at(it).name.to_string());
@@ -339,7 +338,7 @@ impl Hints<'_, '_> {
                     tooltip += &format!(
                         "\n- activity `{}` adds at most {} a turn",
                         service.name,
-                        duration(longest)
+                        quantity::time(longest)
                     );
                 }
             }

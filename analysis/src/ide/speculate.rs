@@ -17,11 +17,12 @@ use crate::{
     base::{Db, RootDatabase, SourceFile},
     diagnostic::{Diagnostic, FileEdit, Severity},
     elab::Elaborated,
-    host::{FileContent, Loader, PackageFlags, UnitResult, unit_result},
+    loader::{FileContent, Loader, PackageFlags},
     parallel,
     queries::elaborated,
     report::unit_report,
     unit::{UnitKey, files, roots_of, unit_of_root},
+    unit_result::{UnitResult, unit_result},
 };
 
 /// One unit before and after.

@@ -14,7 +14,7 @@ use smol_str::SmolStr;
 use super::{Outcome, UnitKey};
 use crate::{
     base::{Db, FileStatus, SourceFile, lexed, normalize},
-    release,
+    requirement,
 };
 
 const PRAGMA: &str = "_Pragma";
@@ -24,6 +24,11 @@ const MAX_DEPTH: usize = 100;
 
 /// Where stand-ins for interfaces are, relative to the folder of the root: searched last.
 pub(crate) const STANDINS: &str = ".dotgen/standins";
+
+/// Whether a file is where stand-ins are.
+pub(crate) fn is_standin(path: &Utf8Path) -> bool {
+    path.ancestors().any(|it| it.ends_with(STANDINS))
+}
 
 /// Visits after which a unit is cut off; far beyond what any real specification needs.
 const MAX_VISITS: usize = 4_000;
@@ -117,7 +122,7 @@ fn walk<'db>(db: &'db dyn Db, unit: UnitKey<'db>, whole_texts: bool) -> Result<W
     for dir in unit.include_dirs(db).iter().chain(include_dirs) {
         push_unique(&mut search, dir);
     }
-    let mut env = MacroEnv::of_release(release::of_unit(db, unit).release);
+    let mut env = MacroEnv::of_release(requirement::of_inputs(db, unit.inputs(db)).release);
     let mut pragmas_in_macros = false;
     for (name, value) in defines.iter().chain(unit.defines(db)) {
         define_in(&mut env, name, value);

@@ -7,9 +7,9 @@ use std::sync::Arc;
 
 use camino::Utf8PathBuf;
 use dotgen_analysis::{
+    codes::lints::CODES,
     diagnostic::{Diagnostic, Severity},
     host::{AnalysisHost, BatchInput, Change, Config, Input},
-    lint::codes::CODES,
 };
 use dotgen_loaders::Disk;
 use expect_test::expect;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use dotgen_analysis::diagnostic::{Diagnostic, Severity};
-use dotgen_analysis::lint::LintConfig;
+use dotgen_analysis::host::LintConfig;
 use dotgen_analysis::release::{Release, ReleaseOrigin};
 use dotgen_codegen::codels::files::FilesConfig;
 use dotgen_timing::explore::Limits;

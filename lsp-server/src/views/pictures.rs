@@ -8,6 +8,7 @@ use dotgen_analysis::model::system::parts;
 use dotgen_analysis::model::{
     CodelRef, Component, ComponentKind, Owner, ParamDir, ParamSource, Spec, Src,
 };
+use dotgen_analysis::quantity;
 use dotgen_analysis::source_map::{Location, Locations};
 use dotgen_diagram::graph::{Graph, Origin};
 use dotgen_diagram::layout::{Layout, Point, layout, moved};
@@ -332,7 +333,7 @@ fn codel_details(spec: &Spec, component: Option<&str>, src: Src) -> Option<Value
         "states": states,
         "async": codel.is_async,
         "params": params,
-        "wcet": codel.wcet.as_ref().map(|it| fsm::duration(it.value)),
+        "wcet": codel.wcet.as_ref().map(|it| quantity::time(it.value)),
         "excludes": excluded(spec, component, found),
     }))
 }

@@ -117,6 +117,29 @@ impl Imports {
         Module::new()
     }
 
+    /// The imports that tie the modules of a circle together, one in a line: who names what.
+    pub(crate) fn ties(&self, folder: &str, circle: &BTreeSet<String>) -> Vec<String> {
+        let folder: Module = match folder {
+            "" => Module::new(),
+            folder => folder.split("::").map(str::to_owned).collect(),
+        };
+        let mut out = BTreeSet::new();
+        for (module, named) in &self.named {
+            for path in named {
+                let home = self.home(path);
+                let in_circle = |it: &[String]| {
+                    it.strip_prefix(&folder[..])
+                        .and_then(|it| circle.get(it.first()?))
+                };
+                let (from, to) = (in_circle(module), in_circle(&home));
+                if from.is_some() && to.is_some() && from != to {
+                    out.insert(format!("{} -> {}", module.join("::"), path.join("::")));
+                }
+            }
+        }
+        out.into_iter().collect()
+    }
+
     /// The circles: modules of one folder that import each other, they or what is below them. An import
     /// between a module and what is below it is none.
     pub(crate) fn circles(&self) -> Vec<(String, BTreeSet<String>)> {

@@ -299,7 +299,7 @@ pub(super) fn tasks(names: &Names<'_, '_>, out: &mut Completions) {
         item.detail = task
             .period
             .as_ref()
-            .map(|it| format!("period {}", crate::lint::duration(it.value)));
+            .map(|it| format!("period {}", crate::quantity::time(it.value)));
     }
 }
 

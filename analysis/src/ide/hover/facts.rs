@@ -3,7 +3,6 @@
 
 use crate::{
     elab::{DefKind, Definition, Elaborated},
-    lint::duration,
     model::{
         Codel, CodelKind, CodelRef, Component, Owner, Seconds, ServiceList, Spec, State,
         fsm::Machine,
@@ -99,7 +98,7 @@ fn task(component: &Component, name: &str) -> Vec<Fact> {
         out.push(Fact::new(format!(
             "load {} of {}",
             quantity::load(share),
-            duration(period.value)
+            quantity::time(period.value)
         )));
     }
     let services = component.services.iter();
@@ -153,9 +152,9 @@ fn codel(spec: &Spec, component: &Component, name: &str) -> Vec<Fact> {
         {
             out.push(about(format!(
                 "at most {}, {} of the period of {}",
-                duration(wcet.value),
+                quantity::time(wcet.value),
                 quantity::load(wcet.value / period.value),
-                duration(period.value)
+                quantity::time(period.value)
             )));
         }
         let excluded = exclusions(spec, component, it);

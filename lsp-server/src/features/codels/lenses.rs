@@ -2,9 +2,9 @@
 
 use camino::Utf8Path;
 use dotgen_analysis::host::{Cancellable, UnitResult};
-use dotgen_analysis::lint::duration;
 use dotgen_analysis::model::system::{System, listed, parts};
 use dotgen_analysis::model::{Codel, CodelKind, CodelRef, Component, ParamSource, State, mutex};
+use dotgen_analysis::quantity;
 use dotgen_analysis::source_map::Locations;
 use dotgen_codegen::codels::expected::{Expected, owner_words, state_text};
 use dotgen_codegen::codels::links;
@@ -138,7 +138,7 @@ fn title(expected: &Expected<'_>, at: CodelRef, system: &System<'_>) -> String {
         out += " · async";
     }
     if let Some(wcet) = &codel.wcet {
-        out += &format!(" · wcet {}", duration(wcet.value));
+        out += &format!(" · wcet {}", quantity::time(wcet.value));
     }
     let excluded = mutex::excluded_names(expected.spec, component, at);
     match excluded.as_slice() {
