@@ -26,9 +26,12 @@ mod property;
 mod scope;
 mod service;
 mod signature;
+mod state;
 mod task;
 pub(crate) mod types;
 mod union;
+mod value;
+mod words;
 
 use std::sync::Arc;
 
@@ -211,5 +214,9 @@ impl Elaborated {
 
 /// Gives a translation unit its meaning. Total: bad input gives diagnostics.
 pub fn elaborate(unit: &UnitInput<'_>) -> Elaborated {
-    context::Elaborator::new(unit).run()
+    let mut elaborator = context::Elaborator::new(unit);
+    if let Some(root) = unit.visits.first() {
+        elaborator.for_each(&root.tree.items, |this, item| this.statement(item));
+    }
+    elaborator.finish()
 }

@@ -4,8 +4,12 @@ use crate::finding::role::Role;
 use num_rational::Ratio;
 
 use super::{
-    Access, DefId, DefKind, constant::Const, context::Elaborator, property::glued_microseconds,
-    scope::ScopeId, types,
+    Access, DefId, DefKind,
+    context::Elaborator,
+    property::glued_microseconds,
+    state::{CodelSource, KnownCodel},
+    types,
+    value::Const,
 };
 use crate::{
     finding::{Finding, codels::Using, values::Valuing},
@@ -15,25 +19,6 @@ use crate::{
         Src, State, TypeId, TypeKind,
     },
 };
-
-/// A codel as written, kept so that an importing component can resolve it again.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct CodelSource<'a> {
-    pub(super) decl: &'a CodelDecl,
-    pub(super) visit: u32,
-    /// Scope of the constants in its paths.
-    pub(super) scope: ScopeId,
-    pub(super) kind: CodelKind,
-}
-
-/// The first use of a codel name, which all others must agree with.
-#[derive(Debug)]
-pub(super) struct KnownCodel {
-    def: DefId,
-    src: Src,
-    /// `None` when a parameter could not be resolved.
-    signature: Option<Vec<(ParamDir, TypeId)>>,
-}
 
 /// Where an execution time is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

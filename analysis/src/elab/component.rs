@@ -5,10 +5,9 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{
     Closing, DefId, DefKind, Entity,
-    codel::CodelSource,
     context::Elaborator,
     scope::{Clash, ScopeId},
-    service::ServiceState,
+    state::ComponentState,
     types,
 };
 use crate::{
@@ -20,54 +19,6 @@ use crate::{
     },
     release::Change,
 };
-
-/// What is known about a component beyond the model.
-#[derive(Debug)]
-pub(super) struct ComponentState<'a> {
-    pub(super) def: DefId,
-    pub(super) scope: ScopeId,
-    /// The scope of paused states.
-    pub(super) pause: ScopeId,
-    /// The scope of the ids, once there are some.
-    pub(super) ids: Option<ScopeId>,
-    /// Properties that do not merge, with the place where they were given.
-    pub(super) given: FxHashMap<&'static str, Src>,
-    /// Parallel to [`Component::tasks`].
-    pub(super) tasks: Vec<TaskState<'a>>,
-    /// Parallel to [`Component::services`].
-    pub(super) services: Vec<ServiceState<'a>>,
-    /// Parallel to [`Component::ports`].
-    pub(super) ports: Vec<DefId>,
-    /// Parallel to [`Component::remotes`].
-    pub(super) remotes: Vec<DefId>,
-    pub(super) task_by_name: FxHashMap<Text, u32>,
-    pub(super) service_by_name: FxHashMap<Text, u32>,
-    pub(super) port_by_name: FxHashMap<Text, u32>,
-    pub(super) remote_by_name: FxHashMap<Text, u32>,
-    /// Names of ports, services and remotes that were refused: their uses are not reported again.
-    pub(super) lost: FxHashSet<Text>,
-    /// An interface could not be imported, so any name may be missing.
-    pub(super) incomplete: bool,
-    /// Interfaces whose contents it has, however they came.
-    pub(super) imported: Vec<u32>,
-    /// Interfaces in its `uses`, `extends` and `provides`, and in those of the interfaces it
-    /// imports.
-    pub(super) lists: [Vec<u32>; 3],
-    /// Index of its last closing.
-    pub(super) closing: Option<usize>,
-}
-
-/// What is known about a task beyond the model.
-#[derive(Debug)]
-pub(super) struct TaskState<'a> {
-    pub(super) def: DefId,
-    /// Properties that do not merge, with the place where they were given.
-    pub(super) given: FxHashMap<&'static str, Src>,
-    /// Parallel to the codels of the task.
-    pub(super) codels: Vec<CodelSource<'a>>,
-    /// It has codels that were refused, so nothing can be said about what it runs.
-    pub(super) incomplete: bool,
-}
 
 impl<'a> Elaborator<'a> {
     /// A declaration of a component or interface.

@@ -8,10 +8,9 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{
     Access, Closing, DefId, DefKind, Definition, Elaborated, Entity, Reference, UnitInput, Visit,
-    codel::KnownCodel,
-    component::ComponentState,
-    pragma::PragmaWcet,
     scope::{Clash, GLOBAL, ScopeId, Scopes},
+    state::{ComponentState, KnownCodel, Newer, PragmaWcet},
+    words,
 };
 use crate::{
     finding::{Finding, Kind, Near, Severity, names::Naming},
@@ -64,7 +63,7 @@ pub(super) struct Elaborator<'a> {
     pub(super) pragma_wcet: Vec<PragmaWcet>,
 
     /// What only newer releases accept, and what is required of the release.
-    pub(super) newer: super::newer::Newer,
+    pub(super) newer: Newer,
 
     diagnostics: Vec<Finding>,
     reported: FxHashSet<(Src, Kind)>,
@@ -128,7 +127,7 @@ impl<'a> Elaborator<'a> {
             pragma_provides: Vec::new(),
             pragma_unknown: Vec::new(),
             pragma_wcet: Vec::new(),
-            newer: super::newer::Newer::default(),
+            newer: Newer::default(),
             diagnostics: Vec::new(),
             reported: FxHashSet::default(),
             reported_at: FxHashSet::default(),
@@ -142,20 +141,15 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    pub(super) fn run(mut self) -> Elaborated {
-        if let Some(root) = self.visits.first() {
-            self.for_each(&root.tree.items, |this, item| this.statement(item));
-        }
-        self.finish();
-        let mut result = Elaborated {
+    /// What is known in the end.
+    pub(super) fn into_elaborated(self) -> Elaborated {
+        Elaborated {
             spec: Arc::new(self.spec),
             diagnostics: self.diagnostics,
             references: self.references,
             definitions: self.definitions,
             closings: self.closings,
-        };
-        super::finish::order_types(&mut result, &self.type_order);
-        result
+        }
     }
 
     /// Hands each item to `visit`, following includes in place.
@@ -392,7 +386,7 @@ impl<'a> Elaborator<'a> {
         }
         let diagnostic = match clash {
             Clash::Name(previous) => {
-                let what = super::types::describe(&self.spec, previous);
+                let what = words::describe(&self.spec, previous);
                 let place = self.type_place(previous);
                 let kind = match place {
                     Some(_) => Naming::Clash {

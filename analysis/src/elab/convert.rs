@@ -2,7 +2,7 @@
 
 use smol_str::format_smolstr;
 
-use super::{constant::Const, types};
+use super::{types, value::Const};
 use crate::{
     finding::values::{Purpose, Valuing},
     model::{Spec, TypeId, TypeKind, Value},

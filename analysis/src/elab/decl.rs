@@ -2,11 +2,11 @@
 
 use super::{
     DefId, DefKind,
-    constant::Const,
     context::{Elaborator, Forward},
     convert::{convert, explain_misfit},
     scope::{Clash, ScopeId},
     types,
+    value::Const,
 };
 use crate::finding::role::Role;
 use crate::{

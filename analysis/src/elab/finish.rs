@@ -13,7 +13,16 @@ use crate::model::{
 use crate::release::Change;
 
 impl Elaborator<'_> {
-    pub(super) fn finish(&mut self) {
+    /// Ends an elaboration: settles what had to wait for the end of the input.
+    pub(super) fn finish(mut self) -> Elaborated {
+        self.settle();
+        let order = std::mem::take(&mut self.type_order);
+        let mut result = self.into_elaborated();
+        order_types(&mut result, &order);
+        result
+    }
+
+    fn settle(&mut self) {
         self.check_forwards();
         self.apply_wcet_pragmas();
         for index in 0..self.spec.components.len() {
@@ -194,7 +203,7 @@ fn is_multiple(time: Seconds, rate: Seconds) -> bool {
 ///
 /// Types are numbered as they are made, so only the ids can be out of order: they move to the end
 /// each time members are added.
-pub(super) fn order_types(result: &mut Elaborated, order: &[u32]) {
+fn order_types(result: &mut Elaborated, order: &[u32]) {
     if order.is_sorted() {
         return;
     }

@@ -2,10 +2,10 @@
 //! section 16).
 
 use super::{
-    constant::Const,
     context::Elaborator,
     convert::{convert, explain_misfit},
     property, types,
+    value::Const,
 };
 use crate::finding::role::Role;
 use crate::{

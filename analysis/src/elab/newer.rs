@@ -1,7 +1,7 @@
 //! What only newer releases of GenoM3 accept: said as long as the specifications claim to work with older
 //! ones.
 
-use super::context::Elaborator;
+use super::{context::Elaborator, state::Newer};
 use crate::finding::role::Role;
 use crate::{
     finding::{Finding, Near, services::Declaring},
@@ -9,15 +9,6 @@ use crate::{
     model::Src,
     release::{Change, Release},
 };
-
-/// What is known of it while a unit is read.
-#[derive(Debug, Default)]
-pub(super) struct Newer {
-    /// What was used, and where.
-    uses: Vec<(Change, &'static str, Src)>,
-    /// The releases that `requires` properties name, and where.
-    requirements: Vec<(Release, Src)>,
-}
 
 impl<'a> Elaborator<'a> {
     /// Notes that something stands here that only releases with a change accept.

@@ -1,6 +1,6 @@
 //! The operators of constant expressions (language reference, section 7).
 
-use super::constant::Const;
+use super::value::Const;
 use crate::{
     finding::values::Valuing,
     item_tree::{BinaryOp, UnaryOp},

@@ -3,24 +3,11 @@
 use crate::finding::role::Role;
 use smol_str::SmolStr;
 
-use super::{codel::TimePlace, context::Elaborator, property::union};
+use super::{codel::TimePlace, context::Elaborator, property::union, state::PragmaWcet};
 use crate::{
     finding::{Finding, names::Naming, values::Valuing},
-    item_tree::{Duration, Name, Path, Pragma, Ptr, Unit},
-    model::{Name as Text, Seconds, Src},
+    item_tree::{Duration, Name, Path, Pragma, Ptr},
 };
-
-/// `#pragma wcet`, kept until all codels are known.
-#[derive(Debug)]
-pub(super) struct PragmaWcet {
-    pub(super) codel: Text,
-    /// The name of the codel.
-    pub(super) name: Src,
-    /// The directive.
-    pub(super) at: Src,
-    pub(super) number: Seconds,
-    pub(super) unit: Option<Unit>,
-}
 
 impl<'a> Elaborator<'a> {
     pub(super) fn pragma(&mut self, pragma: &'a Pragma) {

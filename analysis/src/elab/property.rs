@@ -4,10 +4,7 @@ use crate::finding::role::Role;
 use num_rational::Ratio;
 use rustc_hash::FxHashMap;
 
-use super::{
-    constant::{Const, string_content},
-    context::Elaborator,
-};
+use super::{constant::string_content, context::Elaborator, value::Const, words};
 use crate::{
     finding::{
         Finding,
@@ -276,7 +273,7 @@ impl<'a> Elaborator<'a> {
                 self.spec.gaps.push(Gap {
                     component: Some(component),
                     missing: Missing::Exception {
-                        name: super::types::path_text(path).into(),
+                        name: words::path_text(path).into(),
                         owner,
                     },
                 });
@@ -288,15 +285,15 @@ impl<'a> Elaborator<'a> {
                     self.spec.gaps.push(Gap {
                         component: Some(component),
                         missing: Missing::Exception {
-                            name: super::types::path_text(path).into(),
+                            name: words::path_text(path).into(),
                             owner,
                         },
                     });
                     continue;
                 }
                 _ => {
-                    let what = super::types::describe(&self.spec, ty);
-                    let name = super::types::path_text(path);
+                    let what = words::describe(&self.spec, ty);
+                    let name = words::path_text(path);
 
                     let mut diagnostic = Finding::new(
                         Naming::NotAnException {
@@ -313,7 +310,7 @@ impl<'a> Elaborator<'a> {
                 }
             }
             if exceptions.contains(&ty) {
-                let name = super::types::path_text(path);
+                let name = words::path_text(path);
 
                 self.error(at, Naming::ThrownTwice { path: name.into() });
             } else {

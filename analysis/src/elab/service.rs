@@ -5,11 +5,10 @@ use rustc_hash::FxHashMap;
 
 use super::{
     Access, DefId, DefKind, Entity,
-    codel::CodelSource,
     context::Elaborator,
     property::{self, keyword, union},
-    scope::ScopeId,
     signature::NewParam,
+    state::{NameList, PathSource, ServiceState},
 };
 use crate::{
     finding::{
@@ -17,45 +16,13 @@ use crate::{
         names::Naming,
         services::{Declaring, ImportedBy},
     },
-    item_tree::{CodelDecl, Item, Name, ParamDecl, Property, PropertyKind, ServiceDecl},
+    item_tree::{CodelDecl, Item, Name, Property, PropertyKind, ServiceDecl},
     model::{
         CodelKind, ComponentKind, Missing, Name as Text, Owner, OwnerBody, Service, ServiceKind,
         ServiceList, Src,
     },
     release::Change,
 };
-
-/// What is known about a service beyond the model.
-#[derive(Debug, Clone)]
-pub(super) struct ServiceState<'a> {
-    pub(super) def: DefId,
-    /// Parallel to the parameters and local variables.
-    pub(super) params: Vec<DefId>,
-    /// The parameters of an attribute as written, to be resolved again by importing components.
-    pub(super) paths: Vec<PathSource<'a>>,
-    /// Parallel to the codels.
-    pub(super) codels: Vec<CodelSource<'a>>,
-    /// Properties that do not merge, with the place where they were given.
-    pub(super) given: FxHashMap<&'static str, Src>,
-    /// `interrupts`, `before`, `after`, as far as named.
-    pub(super) lists: [NameList; 3],
-    /// The local variables in the declaration that is being read.
-    pub(super) locals_here: Vec<Text>,
-}
-
-/// A parameter of an attribute, as written.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct PathSource<'a> {
-    pub(super) decl: &'a ParamDecl,
-    pub(super) visit: u32,
-    pub(super) scope: ScopeId,
-}
-
-/// The names in `interrupts`, `before` or `after`. They are resolved when the body ends.
-#[derive(Debug, Clone, Default)]
-pub(super) struct NameList {
-    pub(super) names: Vec<(Text, Src)>,
-}
 
 /// Indexes into [`ServiceState::lists`].
 const INTERRUPTS: usize = 0;

@@ -5,7 +5,7 @@ use super::{
     Access, DefId, DefKind, Entity,
     context::Elaborator,
     param::{dir_text, direction},
-    types,
+    types, words,
 };
 use crate::finding::role::Role;
 use crate::{
@@ -117,7 +117,7 @@ impl<'a> Elaborator<'a> {
         self.retract("not-a-type");
         let kind = Declaring::SpecialParam {
             name: name.into(),
-            what: types::describe(&self.spec, ty),
+            what: words::describe(&self.spec, ty),
             ty: types::display(&self.spec, ty).into(),
         };
         let mut finding = Finding::new(kind, at);

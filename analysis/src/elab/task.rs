@@ -6,9 +6,9 @@ use rustc_hash::FxHashMap;
 
 use super::{
     Access, DefId, DefKind, Entity,
-    component::TaskState,
     context::Elaborator,
     property::{self, keyword, union},
+    state::TaskState,
 };
 use crate::{
     finding::{Finding, services::Declaring, values::Valuing},

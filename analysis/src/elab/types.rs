@@ -3,7 +3,7 @@
 use crate::finding::role::Role;
 use rustc_hash::FxHashSet;
 
-use super::{context::Elaborator, foreign};
+use super::{context::Elaborator, foreign, words};
 use crate::{
     finding::{
         Finding, Near,
@@ -61,7 +61,7 @@ impl<'a> Elaborator<'a> {
         let Some(ty) = self.resolve_path(path) else {
             self.report_unresolved(path, true);
             self.lack(Missing::Name {
-                name: path_text(path).into(),
+                name: words::path_text(path).into(),
                 constant: false,
             });
             return self.opaque_type(path, at);
@@ -76,10 +76,10 @@ impl<'a> Elaborator<'a> {
                 | TypeKind::Port { .. }
                 | TypeKind::Remote { .. }
         ) {
-            let what = describe(&self.spec, ty);
+            let what = words::describe(&self.spec, ty);
             let mut diagnostic = Finding::new(
                 Naming::NotAType {
-                    path: path_text(path).into(),
+                    path: words::path_text(path).into(),
                     what,
                 },
                 at,
@@ -95,7 +95,7 @@ impl<'a> Elaborator<'a> {
                 self.error(
                     at,
                     Naming::NoData {
-                        path: path_text(path).into(),
+                        path: words::path_text(path).into(),
                     },
                 );
                 self.unknown(at)
@@ -105,7 +105,7 @@ impl<'a> Elaborator<'a> {
             {
                 let mut diagnostic = Finding::new(
                     Naming::NotYetDefined {
-                        path: path_text(path).into(),
+                        path: words::path_text(path).into(),
                     },
                     at,
                 );
@@ -172,7 +172,7 @@ impl<'a> Elaborator<'a> {
                 _ => Inside::Scope(names[followed - 1].clone()),
             };
             let kind = Naming::UnknownScope {
-                path: path_text(path).into(),
+                path: words::path_text(path).into(),
                 noun,
                 missing: missing.clone(),
                 inside,
@@ -186,7 +186,7 @@ impl<'a> Elaborator<'a> {
                 .filter(|(_, ty)| wanted(&self.spec.ty(**ty).kind))
                 .map(|(name, _)| name.as_str());
             let near = self.near(self.src(last.ptr), &last.text, candidates);
-            let path = path_text(path).into();
+            let path = words::path_text(path).into();
             (Naming::UnknownPath { noun, path }, near)
         } else {
             let candidates = self
@@ -274,39 +274,6 @@ fn base_kind(base: BaseType) -> TypeKind {
         BaseType::UnsignedLong => TypeKind::UnsignedLong,
         BaseType::LongLong => TypeKind::LongLong,
         BaseType::UnsignedLongLong => TypeKind::UnsignedLongLong,
-    }
-}
-
-/// A path as text.
-pub(super) fn path_text(path: &Path) -> String {
-    let mut text = String::new();
-    for (index, segment) in path.segments.iter().enumerate() {
-        if index > 0 || path.absolute {
-            text.push_str("::");
-        }
-        text.push_str(&segment.text);
-    }
-    text
-}
-
-/// What a type object is, with an article: "a constant".
-pub(super) fn describe(spec: &Spec, ty: TypeId) -> &'static str {
-    match &spec.ty(ty).kind {
-        TypeKind::Enum { .. } => "an enum",
-        TypeKind::Enumerator { .. } => "an enumerator",
-        TypeKind::Struct { .. } => "a struct",
-        TypeKind::StructMember { .. } | TypeKind::UnionMember { .. } => "a member",
-        TypeKind::Union { .. } => "a union",
-        TypeKind::Exception { .. } => "an exception",
-        TypeKind::Native => "a native type",
-        TypeKind::Typedef { .. } => "a typedef",
-        TypeKind::Const { .. } => "a constant",
-        TypeKind::ForwardStruct { .. } => "a struct",
-        TypeKind::ForwardUnion { .. } => "a union",
-        TypeKind::Event | TypeKind::PauseEvent => "a state",
-        TypeKind::Port { .. } => "a port",
-        TypeKind::Remote { .. } => "a remote service",
-        _ => "a type",
     }
 }
 

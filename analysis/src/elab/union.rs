@@ -2,10 +2,10 @@
 
 use super::{
     DefKind,
-    constant::Const,
     context::Elaborator,
     convert::{Misfit, convert, explain_misfit},
     types,
+    value::Const,
 };
 use crate::finding::role::Role;
 use crate::{

@@ -6,10 +6,12 @@
 
 mod codel;
 mod directive;
+mod elements;
 pub(super) mod initializer;
 mod keywords;
 pub(super) mod names;
 pub(super) mod parameter;
+pub(super) mod parameter_list;
 mod pattern;
 mod scopes;
 mod sharing;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::{
     FileView,
-    completion::{initializer, names::Names, parameter},
+    completion::{initializer, names::Names, parameter_list},
     context::{Context, FrameKind, Place, Word, place},
     render,
 };
@@ -35,7 +35,7 @@ pub(crate) fn signature_help(view: &FileView<'_>, at: usize) -> Option<Signature
     while frame > 0
         && (context.frames[frame].kind == FrameKind::Bracket
             || context.frames[frame].kind == FrameKind::Paren
-                && parameter::list_kind(&context, frame).is_none())
+                && parameter_list::list_kind(&context, frame).is_none())
     {
         frame -= 1;
     }
@@ -102,11 +102,11 @@ fn list(names: &Names<'_, '_>, context: &Context, frame: usize) -> Option<Signat
     let it = &context.frames[frame];
     let head = context.head(it);
     let name = head.last().filter(|it| !it.is(">"))?;
-    let kind = parameter::list_kind(context, frame)?;
+    let kind = parameter_list::list_kind(context, frame)?;
     let spec = names.spec();
     let active = Some(it.commas);
     match kind {
-        parameter::List::Codel { .. } => {
+        parameter_list::List::Codel { .. } => {
             let codel = known_codel(spec, name)?;
             let mut out = Builder::new(format!("{}(", name.text));
             for param in &codel.params {
@@ -120,7 +120,7 @@ fn list(names: &Names<'_, '_>, context: &Context, frame: usize) -> Option<Signat
             }
             Some(help)
         }
-        parameter::List::Attribute | parameter::List::Service => {
+        parameter_list::List::Attribute | parameter_list::List::Service => {
             // Declared before, here or in an interface: the parameters have to be the same.
             let component = names.component()?;
             let service = component.services.iter().find(|it| it.name == name.text)?;

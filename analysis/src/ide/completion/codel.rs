@@ -3,12 +3,7 @@
 use rustc_hash::FxHashSet;
 use smol_str::SmolStr;
 
-use super::{
-    CodelPlace, CompletionKind, Completions,
-    names::Names,
-    pattern,
-    statement::{after_simple_codel, quantity},
-};
+use super::{CodelPlace, CompletionKind, Completions, elements::quantity, names::Names, pattern};
 use crate::{
     ide::{
         SymbolKind,
@@ -349,5 +344,20 @@ impl Names<'_, '_> {
                     .is_some_and(|it| self.elaborated.definition(it).name == *component)
         })?;
         Some(found.id.0)
+    }
+}
+
+/// After the parameters of a codel without states.
+pub(super) fn after_simple_codel(
+    names: &Names<'_, '_>,
+    context: &Context,
+    rest: &[Word],
+    out: &mut Completions,
+) {
+    let timed = context.after.rest.iter().any(|it| it.is("wcet"));
+    if let Some(wcet) = rest.iter().rposition(|it| it.is("wcet")) {
+        quantity(names, &rest[wcet + 1..], &["s", "ms", "us"], out);
+    } else if rest.last().is_some_and(|it| it.is(")")) && !timed {
+        out.wcet(context);
     }
 }

@@ -114,7 +114,7 @@ pub(in crate::ide) fn compound_type(
     let parent = context.frames.get(frame.checked_sub(1)?)?;
     let head = context.head(it);
     match parent.kind {
-        FrameKind::Paren => super::parameter::parameter_type(names, context, frame - 1, head),
+        FrameKind::Paren => super::parameter_list::parameter_type(names, context, frame - 1, head),
         FrameKind::Initializers => {
             let outer = compound_type(names, context, frame - 1)?;
             element_type(names, outer, head, parent.commas)

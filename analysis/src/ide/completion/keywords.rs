@@ -299,7 +299,7 @@ fn what(names: &Names<'_, '_>, context: &Context, body: BodyKind, wanted: &str) 
         "interface" => first(&|out| names.interfaces(&[], 0, out)),
         "task" => {
             let mut tasks = Completions::empty();
-            super::statement::tasks(names, &mut tasks);
+            super::elements::tasks(names, &mut tasks);
             tasks.finish().into_iter().next().map(|it| it.label)
         }
         "service" => {

@@ -5,7 +5,8 @@ use smol_str::SmolStr;
 
 use super::{
     CompletionKind, Completions, initializer,
-    names::{Names, Wanted, qualifier},
+    names::{Names, Wanted},
+    parameter_list::{DIRECTIONS, List, SOURCES, list_kind, parameter_type, service_around, walk},
     sharing::Shared,
     statement::type_or_nothing,
 };
@@ -13,14 +14,11 @@ use crate::{
     elab::Entity,
     ide::{
         SymbolKind,
-        context::{BodyKind, Context, FrameKind, Word},
+        context::{Context, Word},
         render,
     },
-    model::{Codel, Owner, ParamDir, ParamSource, PathElement, PortDir, Service, TypeId},
+    model::{Codel, Owner, ParamDir, ParamSource, PathElement, PortDir, TypeId},
 };
-
-const DIRECTIONS: &[&str] = &["in", "out", "inout"];
-const SOURCES: &[&str] = &["ids", "local", "port", "remote"];
 
 /// Between parentheses: of a codel, of a service, of a `switch`, of an expression.
 pub(super) fn in_parentheses(names: &Names<'_, '_>, context: &Context, out: &mut Completions) {
@@ -70,59 +68,6 @@ fn whole_path(context: &Context, out: &mut Completions) {
     if path.first().is_some_and(|it| it.is_any(&[".", "["])) {
         out.replaces_too(path);
     }
-}
-
-/// Parameter lists.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(in crate::ide) enum List {
-    /// Of a codel; `simple` ones have neither ports nor remotes.
-    Codel {
-        simple: bool,
-    },
-    Attribute,
-    /// Of a function or activity.
-    Service,
-}
-
-/// Which parameter list a frame is, if it is one.
-pub(in crate::ide) fn list_kind(context: &Context, frame: usize) -> Option<List> {
-    let it = context.frames.get(frame)?;
-    let parent = context.frames.get(frame.checked_sub(1)?)?;
-    if it.kind != FrameKind::Paren || !matches!(parent.kind, FrameKind::Body(_)) {
-        return None;
-    }
-    let head = context.head(it);
-    // Another parenthesis before it: the list is done, this is an execution time.
-    if head.iter().any(|it| it.is(")")) {
-        return None;
-    }
-    match head {
-        [first, _, ..] if first.is("attribute") => Some(List::Attribute),
-        [first, _, ..] if first.is_any(&["function", "activity"]) => Some(List::Service),
-        [first, _, ..] if first.is("validate") => Some(List::Codel { simple: true }),
-        [first, rest @ ..] if first.is_any(&["codel", "async"]) => Some(List::Codel {
-            simple: !rest.iter().any(|it| it.is("<")),
-        }),
-        _ => None,
-    }
-}
-
-/// The service around the cursor, as far as it is known.
-pub(in crate::ide) fn service_around<'a>(
-    names: &Names<'a, '_>,
-    context: &Context,
-) -> Option<(u32, &'a Service)> {
-    let (body, frame) = context.body();
-    if !matches!(
-        body,
-        BodyKind::Attribute | BodyKind::Function | BodyKind::Activity
-    ) {
-        return None;
-    }
-    let name = context.name_of(frame)?;
-    let all = names.component()?.services.iter();
-    let mut all = (0..).zip(all);
-    all.find(|(_, it)| it.name == name)
 }
 
 /// Something a codel parameter may refer to.
@@ -455,21 +400,6 @@ fn members(names: &Names<'_, '_>, ty: Option<TypeId>, out: &mut Completions) {
 }
 
 /// Follows `.a [ 0 ] .b`.
-fn walk(names: &Names<'_, '_>, mut ty: TypeId, steps: &[Word]) -> Option<TypeId> {
-    let mut steps = steps.iter();
-    while let Some(step) = steps.next() {
-        match step.text.as_str() {
-            "." => {}
-            "[" => {
-                ty = names.element(ty)?;
-                steps.by_ref().find(|it| it.is("]"));
-            }
-            name => ty = names.members(ty).into_iter().find(|it| it.0 == name)?.1,
-        }
-    }
-    Some(ty)
-}
-
 /// Names of the other parameters of the list that the cursor is in.
 fn used_names(names: &Names<'_, '_>, context: &Context) -> Vec<SmolStr> {
     let frame = context.top();
@@ -539,82 +469,4 @@ fn parameter_name(param: &[Word], is_local: &dyn Fn(&str) -> bool) -> Option<Smo
         false => names.last().unwrap_or(first),
     };
     Some(name.text.clone())
-}
-
-/// The type of the parameter whose first words are given, in the parameter list of a service.
-pub(in crate::ide) fn parameter_type(
-    names: &Names<'_, '_>,
-    context: &Context,
-    frame: usize,
-    words: &[Word],
-) -> Option<TypeId> {
-    let words = match words.iter().position(|it| it.is("=")) {
-        Some(eq) => &words[..eq],
-        None => words,
-    };
-    let (dir, rest) = words.split_first()?;
-    if !dir.is_any(DIRECTIONS) {
-        return None;
-    }
-    match list_kind(context, frame)? {
-        List::Attribute => {
-            let path = rest.iter().position(|it| it.is("::")).unwrap_or(rest.len());
-            let ids = names.component()?.ids?;
-            if path == 0 {
-                return Some(ids);
-            }
-            walk(names, ids, &rest[..path])
-        }
-        List::Service => names.type_before_name(rest),
-        List::Codel { .. } => None,
-    }
-}
-
-impl Names<'_, '_> {
-    /// The named type before the name of what is declared with it: `m::t name`.
-    /// What the union around the cursor switches on.
-    pub(super) fn switch_type(&self, context: &Context) -> Option<TypeId> {
-        let head = context.head(context.top());
-        let open = head.iter().position(|it| it.is("("))?;
-        let close = head.iter().rposition(|it| it.is(")"))?;
-        // The bracket stands where a name would.
-        self.type_before_name(head.get(open + 1..=close)?)
-    }
-
-    pub(in crate::ide) fn type_before_name(&self, words: &[Word]) -> Option<TypeId> {
-        let (name, path) = words.split_last()?;
-        // The bound of a string does not matter to its values.
-        let bound = path
-            .iter()
-            .position(|it| it.is("<"))
-            .filter(|_| path.last().is_some_and(|it| it.is(">")));
-        let path = &path[..bound.unwrap_or(path.len())];
-        let last = path.last()?;
-        if name.is("]") {
-            return None;
-        }
-        let (absolute, mut segments) = qualifier(&path[..path.len() - 1]);
-        segments.push(last.text.clone());
-        match self.resolve(absolute, &segments) {
-            Some(found) => found.ty,
-            None => self.base_type(&last.text),
-        }
-    }
-
-    fn base_type(&self, word: &str) -> Option<TypeId> {
-        use crate::model::TypeKind::*;
-        let fits = |kind: &crate::model::TypeKind| match word {
-            "boolean" => matches!(kind, Boolean),
-            "double" => matches!(kind, Double),
-            "float" => matches!(kind, Float),
-            "octet" => matches!(kind, Octet),
-            "short" => matches!(kind, Short | UnsignedShort),
-            "long" => matches!(kind, Long | UnsignedLong | LongLong | UnsignedLongLong),
-            "char" => matches!(kind, Char),
-            "string" => matches!(kind, String { .. }),
-            _ => false,
-        };
-        let found = self.spec().types.iter().position(|it| fits(&it.kind))?;
-        Some(TypeId(found as u32))
-    }
 }

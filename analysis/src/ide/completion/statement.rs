@@ -1,7 +1,10 @@
 //! Proposals in a statement of a body.
 
 use super::{
-    CompletionKind, Completions, codel, keywords,
+    CompletionKind, Completions,
+    codel::{self, after_simple_codel},
+    elements::{quantity, sizes, tasks},
+    keywords,
     names::{Names, Wanted},
 };
 use crate::{
@@ -247,11 +250,6 @@ fn type_at(names: &Names<'_, '_>, words: &[Word], wanted: Wanted, out: &mut Comp
     }
 }
 
-/// Constants that a size can be.
-pub(super) fn sizes(names: &Names<'_, '_>, out: &mut Completions) {
-    names.numbers(&[], true, out);
-}
-
 fn in_angles(words: &[Word]) -> bool {
     let depth = words
         .iter()
@@ -281,28 +279,6 @@ fn port(names: &Names<'_, '_>, context: &Context, rest: &[Word], out: &mut Compl
     }
 }
 
-pub(super) fn tasks(names: &Names<'_, '_>, out: &mut Completions) {
-    let Some(component) = names.component() else {
-        return;
-    };
-    for (i, task) in component.tasks.iter().enumerate() {
-        let definition = names.part(|c| Entity::Task(c, i as u32));
-        if !names.is_above(definition) || !names.is_imported_above(task.imported_from) {
-            continue;
-        }
-        let item = out.add(
-            task.name.as_str(),
-            CompletionKind::Symbol(SymbolKind::Task),
-            0,
-        );
-        item.definition = definition;
-        item.detail = task
-            .period
-            .as_ref()
-            .map(|it| format!("period {}", crate::quantity::time(it.value)));
-    }
-}
-
 fn services(names: &Names<'_, '_>, used: &[Word], context: &Context, out: &mut Completions) {
     let component = names.component();
     let behind: Vec<Word> = context.elements_behind().flatten().cloned().collect();
@@ -321,42 +297,5 @@ fn services(names: &Names<'_, '_>, used: &[Word], context: &Context, out: &mut C
     }
     if !used.iter().any(|it| it.is("all")) {
         out.keywords(&["all"], 1);
-    }
-}
-
-/// A number, then its unit.
-pub(super) fn quantity(
-    names: &Names<'_, '_>,
-    rest: &[Word],
-    units: &[&str],
-    out: &mut Completions,
-) {
-    use dotgen_syntax::SyntaxKind::*;
-    match rest.last().map(|it| it.kind) {
-        // The unit is there already.
-        Some(IDENT) if rest.len() > 1 && rest.last().is_some_and(|it| it.is_any(units)) => {}
-        Some(INT | FLOAT | IDENT | R_PAREN) => {
-            for it in units {
-                out.add(*it, CompletionKind::Unit, 0);
-            }
-        }
-        _ => {
-            names.numbers(rest, units.is_empty(), out);
-            super::directive::values(names.view, names.at(), 4, out);
-        }
-    }
-}
-
-pub(super) fn after_simple_codel(
-    names: &Names<'_, '_>,
-    context: &Context,
-    rest: &[Word],
-    out: &mut Completions,
-) {
-    let timed = context.after.rest.iter().any(|it| it.is("wcet"));
-    if let Some(wcet) = rest.iter().rposition(|it| it.is("wcet")) {
-        quantity(names, &rest[wcet + 1..], &["s", "ms", "us"], out);
-    } else if rest.last().is_some_and(|it| it.is(")")) && !timed {
-        out.wcet(context);
     }
 }

@@ -1,0 +1,131 @@
+//! What an elaboration knows beyond the model: of components, tasks, services and codels as written, and of
+//! what waits for the end of the input.
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::{DefId, scope::ScopeId};
+use crate::{
+    item_tree::{CodelDecl, ParamDecl, Unit},
+    model::{CodelKind, Name as Text, ParamDir, Seconds, Src, TypeId},
+    release::{Change, Release},
+};
+
+/// What is known about a component beyond the model.
+#[derive(Debug)]
+pub(super) struct ComponentState<'a> {
+    pub(super) def: DefId,
+    pub(super) scope: ScopeId,
+    /// The scope of paused states.
+    pub(super) pause: ScopeId,
+    /// The scope of the ids, once there are some.
+    pub(super) ids: Option<ScopeId>,
+    /// Properties that do not merge, with the place where they were given.
+    pub(super) given: FxHashMap<&'static str, Src>,
+    /// Parallel to [`Component::tasks`].
+    pub(super) tasks: Vec<TaskState<'a>>,
+    /// Parallel to [`Component::services`].
+    pub(super) services: Vec<ServiceState<'a>>,
+    /// Parallel to [`Component::ports`].
+    pub(super) ports: Vec<DefId>,
+    /// Parallel to [`Component::remotes`].
+    pub(super) remotes: Vec<DefId>,
+    pub(super) task_by_name: FxHashMap<Text, u32>,
+    pub(super) service_by_name: FxHashMap<Text, u32>,
+    pub(super) port_by_name: FxHashMap<Text, u32>,
+    pub(super) remote_by_name: FxHashMap<Text, u32>,
+    /// Names of ports, services and remotes that were refused: their uses are not reported again.
+    pub(super) lost: FxHashSet<Text>,
+    /// An interface could not be imported, so any name may be missing.
+    pub(super) incomplete: bool,
+    /// Interfaces whose contents it has, however they came.
+    pub(super) imported: Vec<u32>,
+    /// Interfaces in its `uses`, `extends` and `provides`, and in those of the interfaces it
+    /// imports.
+    pub(super) lists: [Vec<u32>; 3],
+    /// Index of its last closing.
+    pub(super) closing: Option<usize>,
+}
+
+/// What is known about a task beyond the model.
+#[derive(Debug)]
+pub(super) struct TaskState<'a> {
+    pub(super) def: DefId,
+    /// Properties that do not merge, with the place where they were given.
+    pub(super) given: FxHashMap<&'static str, Src>,
+    /// Parallel to the codels of the task.
+    pub(super) codels: Vec<CodelSource<'a>>,
+    /// It has codels that were refused, so nothing can be said about what it runs.
+    pub(super) incomplete: bool,
+}
+
+/// What is known about a service beyond the model.
+#[derive(Debug, Clone)]
+pub(super) struct ServiceState<'a> {
+    pub(super) def: DefId,
+    /// Parallel to the parameters and local variables.
+    pub(super) params: Vec<DefId>,
+    /// The parameters of an attribute as written, to be resolved again by importing components.
+    pub(super) paths: Vec<PathSource<'a>>,
+    /// Parallel to the codels.
+    pub(super) codels: Vec<CodelSource<'a>>,
+    /// Properties that do not merge, with the place where they were given.
+    pub(super) given: FxHashMap<&'static str, Src>,
+    /// `interrupts`, `before`, `after`, as far as named.
+    pub(super) lists: [NameList; 3],
+    /// The local variables in the declaration that is being read.
+    pub(super) locals_here: Vec<Text>,
+}
+
+/// A parameter of an attribute, as written.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PathSource<'a> {
+    pub(super) decl: &'a ParamDecl,
+    pub(super) visit: u32,
+    pub(super) scope: ScopeId,
+}
+
+/// The names in `interrupts`, `before` or `after`. They are resolved when the body ends.
+#[derive(Debug, Clone, Default)]
+pub(super) struct NameList {
+    pub(super) names: Vec<(Text, Src)>,
+}
+
+/// A codel as written, kept so that an importing component can resolve it again.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct CodelSource<'a> {
+    pub(super) decl: &'a CodelDecl,
+    pub(super) visit: u32,
+    /// Scope of the constants in its paths.
+    pub(super) scope: ScopeId,
+    pub(super) kind: CodelKind,
+}
+
+/// The first use of a codel name, which all others must agree with.
+#[derive(Debug)]
+pub(super) struct KnownCodel {
+    pub(super) def: DefId,
+    pub(super) src: Src,
+    /// `None` when a parameter could not be resolved.
+    pub(super) signature: Option<Vec<(ParamDir, TypeId)>>,
+}
+
+/// `#pragma wcet`, kept until all codels are known.
+#[derive(Debug)]
+pub(super) struct PragmaWcet {
+    pub(super) codel: Text,
+    /// The name of the codel.
+    pub(super) name: Src,
+    /// The directive.
+    pub(super) at: Src,
+    pub(super) number: Seconds,
+    pub(super) unit: Option<Unit>,
+}
+
+/// What is known of newer releases while a unit is read.
+#[derive(Debug, Default)]
+pub(super) struct Newer {
+    /// What was used, and where.
+    pub(super) uses: Vec<(Change, &'static str, Src)>,
+    /// The releases that `requires` properties name, and where.
+    pub(super) requirements: Vec<(Release, Src)>,
+}

@@ -1,0 +1,57 @@
+//! Proposals for what several statements have: tasks, sizes, quantities.
+
+use super::{CompletionKind, Completions, names::Names};
+use crate::{
+    elab::Entity,
+    ide::{SymbolKind, context::Word},
+};
+
+pub(super) fn tasks(names: &Names<'_, '_>, out: &mut Completions) {
+    let Some(component) = names.component() else {
+        return;
+    };
+    for (i, task) in component.tasks.iter().enumerate() {
+        let definition = names.part(|c| Entity::Task(c, i as u32));
+        if !names.is_above(definition) || !names.is_imported_above(task.imported_from) {
+            continue;
+        }
+        let item = out.add(
+            task.name.as_str(),
+            CompletionKind::Symbol(SymbolKind::Task),
+            0,
+        );
+        item.definition = definition;
+        item.detail = task
+            .period
+            .as_ref()
+            .map(|it| format!("period {}", crate::quantity::time(it.value)));
+    }
+}
+
+/// Constants that a size can be.
+pub(super) fn sizes(names: &Names<'_, '_>, out: &mut Completions) {
+    names.numbers(&[], true, out);
+}
+
+/// A number, then its unit.
+pub(super) fn quantity(
+    names: &Names<'_, '_>,
+    rest: &[Word],
+    units: &[&str],
+    out: &mut Completions,
+) {
+    use dotgen_syntax::SyntaxKind::*;
+    match rest.last().map(|it| it.kind) {
+        // The unit is there already.
+        Some(IDENT) if rest.len() > 1 && rest.last().is_some_and(|it| it.is_any(units)) => {}
+        Some(INT | FLOAT | IDENT | R_PAREN) => {
+            for it in units {
+                out.add(*it, CompletionKind::Unit, 0);
+            }
+        }
+        _ => {
+            names.numbers(rest, units.is_empty(), out);
+            super::directive::values(names.view, names.at(), 4, out);
+        }
+    }
+}
