@@ -16,7 +16,7 @@ use camino::Utf8PathBuf;
 use dotgen_syntax::{
     Fragment, Parse, TextSize,
     directive::{Define, DirectiveKind},
-    parser::parse,
+    parse,
     preproc::{
         self, Element, Host, IncludeError, IncludeRequest, MacroEnv, Mentioned, Preprocessed,
         preprocess,

@@ -17,9 +17,10 @@ use std::path::{Component, Path, PathBuf};
 
 use dotgen_analysis::release::Release;
 
-use crate::command::{Environment, Options};
 use crate::compiler::Compiler;
 use crate::disk::Disk;
+use crate::environment::Environment;
+use crate::options::Options;
 use crate::template::reach;
 
 pub use expand::serve as serve_renderer;

@@ -7,12 +7,13 @@
 //! how they come to run, and `value` reads what crosses. `command` holds what the command line
 //! does. Everything but `command` is a pure function of texts and models.
 
-pub mod allow;
+mod allow;
 pub mod build;
 pub mod cdr;
 pub mod codes;
 pub mod command;
 pub mod coverage;
+pub mod diagnostics;
 pub mod drift;
 pub mod edit;
 pub mod expected;

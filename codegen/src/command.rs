@@ -1,6 +1,5 @@
 //! The command line of the generator: `dotgen generate`, and `genom3` where it stands in for it.
 
-mod options;
 mod preprocess;
 mod project;
 
@@ -8,66 +7,17 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use camino::Utf8PathBuf;
-use dotgen_analysis::host::Loader;
-use dotgen_analysis::host::required_release;
-use dotgen_analysis::model::Spec;
-use dotgen_analysis::release::{Release, ReleaseChoice, ReleaseOrigin};
+use dotgen_analysis::release::{Release, ReleaseChoice};
 use dotgen_syntax::encoding;
 
-use crate::compiler::Compiler;
-use crate::disk::{Disk, NewContent};
+pub use crate::environment::{Environment, Pictures, search_path};
+
+use crate::disk::NewContent;
 use crate::frontend::Frontend;
-use crate::process::Processes;
-use crate::template::console::Console;
-use crate::template::discover::release_of;
-use crate::template::discover::{FindError, SearchPath};
-use crate::template::{Confined, Limits, OutputSink, Run, TemplatePlace};
-pub(crate) use options::Options;
-use options::{Mode, OptionError};
+use crate::options::{self, Mode, OptionError, Options};
+use crate::template::discover::FindError;
+use crate::template::{Confined, Limits, OutputSink, Run};
 pub use project::Project;
-
-/// Environment variable that says the release of GenoM3 to stand in for.
-const RELEASE_VARIABLE: &str = "DOTGEN_GENOM_RELEASE";
-
-/// What the command line needs of its surroundings.
-pub struct Environment<'a> {
-    /// Name for messages: `genom3`, or `dotgen generate`.
-    pub name: &'a str,
-    /// Absolute path of the program, as templates see it.
-    pub program: PathBuf,
-    /// Environment variables.
-    pub variables: &'a dyn Fn(&str) -> Option<String>,
-    /// All access to files but those of specifications.
-    pub disk: Arc<dyn Disk>,
-    /// Reads specifications and asks about packages.
-    pub loader: Arc<dyn Loader>,
-    /// What built-in templates and those of users have drawn.
-    pub pictures: Arc<Pictures>,
-    /// The standard channels.
-    pub console: &'a mut dyn Console,
-    /// What a template may use up.
-    pub limits: Limits,
-    /// Directory where relative paths start; empty for the current one.
-    pub base: PathBuf,
-    /// Where files go. Afterwards it has what was kept of them.
-    pub sink: OutputSink,
-    /// The release of GenoM3 that a project's settings say.
-    pub release: Option<ReleaseChoice>,
-    /// Starts interpreters and tools.
-    pub processes: Arc<dyn Processes>,
-    /// Keeps templates from what is not their business; `None` lets them do what their user can.
-    pub confined: Option<Confined>,
-    /// Where the template failed, if it did and that is known.
-    pub failed_at: Option<TemplatePlace>,
-}
-
-/// Draws the state machine of a task or activity of a component, both by name, in a form: `svg`, `mermaid` or
-/// `dot`. Empty when there is none. Pictures belong to another layer than templates, so the caller brings
-/// them.
-///
-/// # Errors
-/// When there is no such form, in words.
-pub type Pictures = dyn Fn(&Spec, &str, &str, &str) -> Result<String, String> + Send + Sync;
 
 /// Runs the generator with command line arguments (without the program's name); returns the exit
 /// status: 0; 1 for wrong options; 2 for what cannot be found or done, and for a failing template;
@@ -112,129 +62,6 @@ pub fn generate(args: &[String], env: &mut Environment<'_>) -> i32 {
         Mode::Template => template(&options, release, env),
         Mode::Parse | Mode::Dump => parse_only(&options, release, env),
         Mode::Preprocess => preprocess_only(&options, release.release, env),
-    }
-}
-
-impl Environment<'_> {
-    fn print(&mut self, text: &str) {
-        self.console.out(format!("{text}\n").as_bytes());
-    }
-
-    fn warn(&mut self, message: &str) {
-        self.console.err(&format!("{}: {message}", self.name));
-    }
-
-    fn variable(&self, name: &str) -> Option<String> {
-        (self.variables)(name).filter(|value| !value.is_empty())
-    }
-
-    /// Where templates are looked for.
-    fn search_path(&self, options: &Options) -> SearchPath {
-        search_path(options.templates.as_deref(), self.variables)
-    }
-
-    /// A folder with the files that templates expect in the built-in one. Kept between runs, since
-    /// build files come to depend on them.
-    fn support_dir(&self) -> Option<PathBuf> {
-        let home = || {
-            self.variable("HOME")
-                .map(|home| PathBuf::from(home).join(".cache"))
-        };
-        let cache = self.variable("XDG_CACHE_HOME").map(PathBuf::from);
-        let dir = cache
-            .or_else(home)?
-            .join("dotgen")
-            .join(concat!("templates-", env!("CARGO_PKG_VERSION")));
-        let all = crate::builtin::SUPPORT
-            .iter()
-            .map(|(name, text)| NewContent {
-                path: dir.join(name),
-                bytes: text.as_bytes().to_vec(),
-                mode: None,
-            });
-        let there = |it: &NewContent| {
-            self.disk
-                .read(&it.path)
-                .is_ok_and(|there| there == it.bytes)
-        };
-        let missing: Vec<NewContent> = all.filter(|it| !there(it)).collect();
-        self.disk.write(&missing).ok()?;
-        Some(dir)
-    }
-
-    /// The current directory.
-    fn here(&self) -> Utf8PathBuf {
-        Utf8PathBuf::from_path_buf(self.disk.current_dir()).unwrap_or_default()
-    }
-
-    /// The release of GenoM3 to stand in for: what the command line says, the environment, the project; that
-    /// of the templates in use, the installed one; what the inputs require; or the newest that was verified.
-    fn release(&self, options: &Options) -> Result<ReleaseChoice, String> {
-        if let Some(release) = options.release {
-            let origin = ReleaseOrigin::CommandLine;
-            return Ok(ReleaseChoice { release, origin });
-        }
-        if let Some(text) = self.variable(RELEASE_VARIABLE) {
-            let release = text
-                .parse()
-                .map_err(|error| format!("{RELEASE_VARIABLE}: {error}"))?;
-            let origin = ReleaseOrigin::Environment;
-            return Ok(ReleaseChoice { release, origin });
-        }
-        if let Some(release) = &self.release {
-            return Ok(release.clone());
-        }
-        let search = self.search_path(options);
-        let dirs: Vec<PathBuf> = search.dirs.into_iter().chain(search.builtin).collect();
-        if let Some((release, file)) = release_of(&*self.disk, &dirs) {
-            let file = Utf8PathBuf::from_path_buf(file).unwrap_or_default();
-            let origin = ReleaseOrigin::Templates(file);
-            return Ok(ReleaseChoice { release, origin });
-        }
-        if let Some(release) = self.loader.installed_release() {
-            return Ok(release);
-        }
-        let here = self.here();
-        let base = self.base.to_str().map_or(here.clone(), |it| here.join(it));
-        let base = base.join(&options.directory);
-        let files = options.rest.iter().map(|it| base.join(it));
-        Ok(ReleaseChoice::required(required_release(
-            &*self.loader,
-            files,
-        )))
-    }
-
-    fn compiler(&self, options: &Options, release: ReleaseChoice) -> Compiler {
-        let here = self.here();
-        let include_dirs = options.include_dirs.iter();
-        let defines = options.defines.iter();
-        let mut compiler = Compiler::new(
-            Arc::clone(&self.disk),
-            Arc::clone(&self.loader),
-            include_dirs
-                .map(|dir| here.join(Utf8PathBuf::from(dir)))
-                .collect(),
-            defines
-                .map(|(name, value)| (name.as_str().into(), value.as_str().into()))
-                .collect(),
-            release,
-        );
-        let base = self.base.join(&options.directory);
-        compiler.set_base(Utf8PathBuf::from_path_buf(base).unwrap_or_default());
-        compiler.set_program(self.name);
-        compiler
-    }
-}
-
-/// Where templates are looked for: the list given (`-t`), else that of `GENOM_TMPL_PATH`; and the
-/// folder of `DOTGEN_BUILTIN_TEMPLATES`.
-pub fn search_path(given: Option<&str>, variables: &dyn Fn(&str) -> Option<String>) -> SearchPath {
-    let variable = |name: &str| variables(name).filter(|it| !it.is_empty());
-    let given = given.map(str::to_owned);
-    let given = given.or_else(|| variable("GENOM_TMPL_PATH"));
-    SearchPath {
-        dirs: given.map(|it| SearchPath::parse(&it)).unwrap_or_default(),
-        builtin: variable("DOTGEN_BUILTIN_TEMPLATES").map(PathBuf::from),
     }
 }
 
@@ -289,6 +116,31 @@ fn confined(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>
     }
 }
 
+/// A folder with the files that templates expect in the built-in one. Kept between runs, since
+/// build files come to depend on them.
+fn support_dir(env: &Environment<'_>) -> Option<PathBuf> {
+    let home = || {
+        env.variable("HOME")
+            .map(|home| PathBuf::from(home).join(".cache"))
+    };
+    let cache = env.variable("XDG_CACHE_HOME").map(PathBuf::from);
+    let dir = cache
+        .or_else(home)?
+        .join("dotgen")
+        .join(concat!("templates-", env!("CARGO_PKG_VERSION")));
+    let all = crate::builtin::SUPPORT
+        .iter()
+        .map(|(name, text)| NewContent {
+            path: dir.join(name),
+            bytes: text.as_bytes().to_vec(),
+            mode: None,
+        });
+    let there = |it: &NewContent| env.disk.read(&it.path).is_ok_and(|there| there == it.bytes);
+    let missing: Vec<NewContent> = all.filter(|it| !there(it)).collect();
+    env.disk.write(&missing).ok()?;
+    Some(dir)
+}
+
 fn template(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>) -> i32 {
     let search = env.search_path(options);
     let (name, arguments) = match options.rest.split_first() {
@@ -332,7 +184,7 @@ fn template(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>
     let mut compiler = env.compiler(options, release);
     let mut search = search;
     if search.builtin.is_none() {
-        search.builtin = env.support_dir();
+        search.builtin = support_dir(env);
     }
     let run = Run {
         disk: Arc::clone(&env.disk),

@@ -16,6 +16,7 @@ pub mod files;
 pub(crate) mod host;
 pub(crate) mod marker;
 pub mod merge;
+pub(crate) mod model;
 mod mutex;
 mod notice;
 pub(crate) mod object;
@@ -48,7 +49,7 @@ pub use output::{Modes, OutputSink, PreviewFile};
 /// The digests of a component, and of its services by name.
 pub(crate) fn component_digests(spec: &Spec, component: u32) -> Vec<(Option<String>, String)> {
     let registry = object::Registry::default();
-    let model = api::Model {
+    let model = model::Model {
         spec,
         places: &NoPlaces,
         registry: &registry,

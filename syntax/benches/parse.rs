@@ -5,9 +5,9 @@ use divan::{
     counter::{BytesCount, ItemsCount},
 };
 use dotgen_syntax::{
+    Fragment,
     lexer::lex,
     parse, parse_text,
-    parser::Fragment,
     preproc::{MacroEnv, NoIncludes, preprocess},
 };
 

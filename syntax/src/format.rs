@@ -12,6 +12,7 @@
 
 mod chunks;
 mod columns;
+mod page;
 mod print;
 mod rules;
 mod unit;

@@ -8,11 +8,13 @@ pub mod encoding;
 mod expansion;
 pub mod finding;
 pub mod format;
+mod fragment;
 pub mod kind;
 pub mod lexer;
 pub mod line_index;
 pub mod near;
 pub mod packages;
+mod parse;
 pub mod parser;
 pub mod preproc;
 pub mod release;
@@ -20,8 +22,10 @@ mod sink;
 
 pub use dump::dump;
 pub use expansion::ExpansionMap;
+pub use fragment::Fragment;
 pub use kind::SyntaxKind;
-pub use parser::{Fragment, Parse, Severity, SyntaxError, parse, parse_text};
+pub use parse::{Parse, parse, parse_text};
+pub use parser::{Severity, SyntaxError};
 pub use rowan::{
     GreenNode, GreenNodeData, NodeOrToken, TextRange, TextSize, TokenAtOffset, WalkEvent,
 };

@@ -1,4 +1,4 @@
-//! From tokens to a tree.
+//! From tokens to what tree they make.
 //!
 //! The grammar (`grammar`) reads the kinds of the real and virtual tokens of a file (`input`) and
 //! says what tree they make as a list of events (`event`); [`crate::sink`] builds it, with all text
@@ -17,7 +17,6 @@ mod token_set;
 
 use std::cell::Cell;
 
-use rowan::GreenNode;
 use smol_str::SmolStr;
 
 use self::repair::RawRepair;
@@ -32,14 +31,13 @@ use self::{
 };
 pub use crate::preproc::Severity;
 use crate::{
-    ExpansionMap, SyntaxNode, TextRange, TextSize,
-    ast::{AstNode, SourceFile},
+    TextRange, TextSize,
     directive::DirectiveKind,
     finding::{Wording, parsing::Parsing},
+    fragment::Fragment,
     kind::SyntaxKind::{self, *},
-    lexer::{self, RawTokens},
-    preproc::{Element, MacroEnv, NoIncludes, Preprocessed, preprocess},
-    sink,
+    lexer::RawTokens,
+    preproc::{Element, Preprocessed},
 };
 
 /// How deep declarations, types, expressions and initializers may nest. Trees are walked and dropped
@@ -49,22 +47,40 @@ const MAX_DEPTH: u32 = 128;
 /// Errors kept for one file. A file with more is not a specification.
 const MAX_ERRORS: usize = 500;
 
-/// What a text holds: a whole specification, or the inside of one kind of body, when the file is
-/// included there.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Fragment {
-    /// A whole specification.
-    Specification,
-    /// The body of a module.
-    Module,
-    /// The body of a component or interface.
-    Component,
-    /// The body of a struct, an exception or `ids`.
-    Members,
-    /// The body of a union.
-    Cases,
-    /// The properties of a task, port or service.
-    Properties,
+/// What the grammar says of a file.
+pub(crate) struct Said {
+    /// How to build the tree.
+    pub(crate) events: Vec<Event>,
+    /// In text order, as far as they are kept.
+    pub(crate) errors: Vec<SyntaxError>,
+    /// Where texts seem to be taken for code and code for texts.
+    pub(crate) inside_out: Option<TextSize>,
+    /// Where the errors begin that are not kept.
+    pub(crate) unlisted: Option<TextSize>,
+}
+
+/// Lets the grammar read a file from its raw tokens and what the preprocessor made of them.
+pub(crate) fn read(text: &str, raw: &RawTokens, pre: &Preprocessed, fragment: Fragment) -> Said {
+    let is_include = |index: u32| {
+        pre.directives
+            .get(index as usize)
+            .is_some_and(|it| matches!(it.kind, DirectiveKind::Include(_)))
+    };
+    let input = Input::new(text, raw, &pre.elements, is_include);
+    let mut p = Parser::new(&input);
+    grammar::fragment(&mut p, fragment);
+    let inside_out = p.inside_out;
+    let (events, mut errors) = p.finish();
+    let unlisted = errors
+        .get(MAX_ERRORS)
+        .map(|it| input.range(it.token).start());
+    errors.retain(|it| inside_out.is_none_or(|from| it.token <= from));
+    Said {
+        events,
+        errors: locate(&input, errors),
+        inside_out: inside_out.map(|it| input.range(it).start()),
+        unlisted,
+    }
 }
 
 /// Something wrong with the text.
@@ -106,87 +122,6 @@ impl SyntaxError {
         }
         wording
     }
-}
-
-/// The result of parsing one file: always a tree whose text is the text of the file, and the errors.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Parse {
-    /// The tree.
-    pub green: GreenNode,
-    /// In text order.
-    pub errors: Vec<SyntaxError>,
-    /// Texts of the tokens that come out of macros.
-    pub expansion: ExpansionMap,
-    /// From here on texts seem to be taken for code and code for texts, because a quote is missing. What
-    /// does not parse there is not in `errors`.
-    pub inside_out: Option<TextSize>,
-    /// From here on errors are not listed: there are too many.
-    pub unlisted: Option<TextSize>,
-}
-
-impl Parse {
-    /// Where the text does not parse: the ranges of the errors, and what lies beyond the last one listed.
-    pub fn broken(&self) -> Vec<TextRange> {
-        let mut broken: Vec<TextRange> = self.errors.iter().map(|it| it.range).collect();
-        let from = self.inside_out.into_iter().chain(self.unlisted).min();
-        let end = self.syntax().text_range().end();
-        broken.extend(
-            from.filter(|from| *from < end)
-                .map(|from| TextRange::new(from, end)),
-        );
-        broken
-    }
-
-    /// The root of the tree, of kind [`SOURCE_FILE`].
-    pub fn syntax(&self) -> SyntaxNode {
-        SyntaxNode::new_root(self.green.clone())
-    }
-
-    /// The root as a typed node.
-    pub fn tree(&self) -> SourceFile {
-        SourceFile::cast(self.syntax()).expect("every parse makes a SOURCE_FILE")
-    }
-}
-
-/// Parses one file from its raw tokens and what the preprocessor made of them.
-///
-/// `raw` and `pre` have to be of this `text`. The errors of the preprocessor are not repeated.
-pub fn parse(text: &str, raw: &RawTokens, pre: &Preprocessed, fragment: Fragment) -> Parse {
-    let is_include = |index: u32| {
-        pre.directives
-            .get(index as usize)
-            .is_some_and(|it| matches!(it.kind, DirectiveKind::Include(_)))
-    };
-    let input = Input::new(text, raw, &pre.elements, is_include);
-    let mut p = Parser::new(&input);
-    grammar::fragment(&mut p, fragment);
-    let inside_out = p.inside_out;
-    let (events, mut errors) = p.finish();
-    let unlisted = errors
-        .get(MAX_ERRORS)
-        .map(|it| input.range(it.token).start());
-    errors.retain(|it| inside_out.is_none_or(|from| it.token <= from));
-    let mut errors = locate(&input, errors);
-    let (green, expansion, of_directives) = sink::build(text, raw, pre, events);
-    if !of_directives.is_empty() {
-        errors.extend(of_directives);
-        errors.sort_by_key(|it| it.range.start());
-    }
-    Parse {
-        green,
-        errors,
-        expansion,
-        inside_out: inside_out.map(|it| input.range(it).start()),
-        unlisted,
-    }
-}
-
-/// Parses a text on its own: its includes are not followed, and no macro is predefined beyond the
-/// standard ones. For tests and simple tools; the errors of the preprocessor are left out.
-pub fn parse_text(text: &str) -> Parse {
-    let raw = lexer::lex(text);
-    let pre = preprocess(&"".into(), text, &raw, MacroEnv::default(), &mut NoIncludes);
-    parse(text, &raw, &pre, Fragment::Specification)
 }
 
 /// Reads the words of a `#pragma wcet` after `wcet`: the name of a codel and a duration. What is

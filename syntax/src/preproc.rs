@@ -9,7 +9,8 @@
 
 mod body;
 mod cond;
-pub mod env;
+pub mod definition;
+mod env;
 mod expand;
 mod host;
 mod output;
@@ -20,7 +21,8 @@ use smol_str::SmolStr;
 
 use crate::kind::SyntaxKind;
 
-pub use env::{Macro, MacroEnv, MacroKind, Mentioned, mentioned};
+pub use definition::{Macro, MacroKind};
+pub use env::{MacroEnv, Mentioned, mentioned};
 pub use host::{Host, IncludeError, IncludeRequest, NoIncludes};
 pub use output::{ActiveInclude, MacroUse, PpError, Preprocessed, Severity};
 pub use walk::preprocess;

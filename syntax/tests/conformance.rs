@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use dotgen_syntax::{Parse, Severity, lexer, parse, parse_text, parser::Fragment, preproc};
+use dotgen_syntax::{Fragment, Parse, Severity, lexer, parse, parse_text, preproc};
 use serde_json::Value;
 
 /// The shared material next to the workspace.

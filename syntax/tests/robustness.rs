@@ -3,11 +3,9 @@
 use std::path::Path;
 
 use dotgen_syntax::{
-    Parse,
+    Fragment, Parse,
     ast::{self, AstNode, HasBody},
-    lexer, parse, parse_text,
-    parser::Fragment,
-    preproc,
+    lexer, parse, parse_text, preproc,
 };
 use proptest::{
     prelude::*,

@@ -14,14 +14,15 @@ use num_rational::Ratio;
 use serde::Serialize;
 
 use crate::analytic::{meets_deadlines, response_bounds};
+use crate::diagnostic::{Diagnostic, Severity};
 use crate::explore::{Findings, Limits, Stop, Watch, explore};
 use crate::property::resolve;
 use crate::report::{Value, Verdict};
 use crate::scn::ast::{CheckKind, Durations, Path, Scenario, Unit};
 use crate::scn::names::{Names, Target};
-use crate::scn::{Diagnostic, Severity};
 use crate::system::TimedSystem;
-use crate::system::build::{build, not_a};
+use crate::system::build::build;
+use crate::system::built::not_a;
 use crate::system::settings::Settings;
 use crate::verify::{Cancel, Options, SystemInput, settings, to_f64};
 pub use sensitivity::{NextToBreak, Progress, Quantity, Sensitivity, Told, sensitivity};

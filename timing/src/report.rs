@@ -4,12 +4,12 @@ use dotgen_analysis::model::Src;
 use serde::Serialize;
 use serde::ser::Serializer;
 
+use crate::diagnostic::{Diagnostic, Severity};
 use crate::explained::Explained;
 use crate::explore::Findings;
 use crate::explore::MomentKind;
 use crate::explore::Stop;
 use crate::property::PropertyKind;
-use crate::scn::{Diagnostic, Severity};
 
 /// Version of the JSON form: raised when a field changes its meaning or goes. `docs/verify.schema.json` is
 /// its schema.

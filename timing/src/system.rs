@@ -6,6 +6,7 @@
 //! described for users in `docs/verification.md`.
 
 pub mod build;
+pub mod built;
 pub mod chain;
 pub(crate) mod flow;
 mod locks;

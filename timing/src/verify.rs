@@ -26,14 +26,15 @@ pub use self::prepared::{Asked, Prepared, Question, prepare};
 use self::soon::Seen;
 pub(crate) use self::units::to_f64;
 pub use crate::cancel::{Cancel, Effort, Interrupt};
+use crate::diagnostic::Diagnostic;
+use crate::diagnostic::remark::Sighting;
 use crate::explore::{Findings, Kind, Limits, Stop, Watch, explore, explore_telling};
-use crate::remark::Sighting;
 use crate::report::Report;
-use crate::scn::Diagnostic;
 use crate::scn::ast::{Check, Durations, Policy, Scenario, Unit};
 use crate::scn::names::Names;
 use crate::scn::semantics::Preset;
-use crate::system::build::{Built, build};
+use crate::system::build::build;
+use crate::system::built::Built;
 use crate::system::settings::Settings;
 
 /// The specifications of a system.

@@ -21,6 +21,9 @@ pub(crate) fn directory() -> PathBuf {
     crate::root().join("vscode-extension")
 }
 
+/// Where the notices of licences are, from the root of the repository; the package has a copy.
+pub(crate) const NOTICES: &str = "THIRD-PARTY-NOTICES.txt";
+
 /// What is installed by the README's command, and tested, has all of these.
 pub(crate) const FEATURES: &str = "dotgen-lsp-server/zenoh";
 
@@ -91,7 +94,7 @@ pub(crate) fn package(server: &Path) -> Result<PathBuf> {
     std::fs::create_dir_all(&inside)?;
     std::fs::copy(server, inside.join(name))
         .with_context(|| format!("cannot copy {}", server.display()))?;
-    for it in ["LICENSE", crate::notices::FILE] {
+    for it in ["LICENSE", NOTICES] {
         std::fs::copy(crate::root().join(it), directory.join(it))?;
     }
     manual(&crate::root().join("docs"), &directory.join("docs"))?;

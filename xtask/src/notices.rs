@@ -15,7 +15,7 @@ use clap::Args;
 use serde_json::Value;
 use spdx::{Expression, LicenseItem};
 
-use crate::extension;
+use crate::extension::{self, NOTICES};
 use crate::run::step;
 
 /// Options of `cargo xtask notices`.
@@ -25,9 +25,6 @@ pub(crate) struct Options {
     #[arg(long)]
     pub(crate) check: bool,
 }
-
-/// Where the notices are, from the root of the repository; the package of the extension has a copy.
-pub(crate) const FILE: &str = "THIRD-PARTY-NOTICES.txt";
 
 /// What is distributed.
 const PROGRAM: &str = "dotgen-lsp-server";
@@ -78,7 +75,7 @@ pub(crate) fn notices(options: &Options) -> Result<bool> {
         );
     }
     let text = render(&parts)?;
-    let path = crate::root().join(FILE);
+    let path = crate::root().join(NOTICES);
     if !options.check {
         std::fs::write(&path, text)?;
         println!("{}: {} packages", path.display(), parts.len());
@@ -86,7 +83,7 @@ pub(crate) fn notices(options: &Options) -> Result<bool> {
     }
     let same = std::fs::read_to_string(&path).is_ok_and(|it| it == text);
     if !same {
-        eprintln!("{FILE} is out of date: run `cargo xtask notices` and commit it");
+        eprintln!("{NOTICES} is out of date: run `cargo xtask notices` and commit it");
     }
     Ok(same)
 }

@@ -5,10 +5,11 @@ use dotgen_analysis::release::Change;
 use dotgen_syntax::encoding;
 
 use super::words::{self, Next};
-use crate::command::{Environment, Options as General};
 use crate::compiler::Compiler;
+use crate::environment::Environment;
 use crate::frontend::Frontend;
 use crate::lang::{Language, MapObject, Mapper, text};
+use crate::options::Options as General;
 use crate::template::output::Staged;
 use crate::template::{OutputSink, notice_of, tcl};
 

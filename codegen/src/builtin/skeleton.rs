@@ -17,10 +17,11 @@ use rustc_hash::FxHashMap;
 use super::render::Files;
 use crate::codels::expected::Expected;
 use crate::codels::stub::{NewFile, StubOptions, Stubs};
-use crate::command::{Environment, Options as General};
 use crate::compiler::Compiler;
 use crate::disk::{Disk, Kind};
+use crate::environment::Environment;
 use crate::frontend::Frontend;
+use crate::options::Options as General;
 use crate::template::{Failure, Output, OutputSink, notice_of};
 use fill::{Facts, Walk};
 

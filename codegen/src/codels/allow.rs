@@ -3,30 +3,23 @@
 
 use std::ops::Range;
 
-use dotgen_analysis::codes::CODEL;
-use dotgen_analysis::diagnostic::Diagnostic;
-use dotgen_analysis::host::{Analysis, Cancellable};
-
-use super::command::{Side, diagnostics};
-use super::drift::{Drift, DriftCode};
-use super::expected::Expected;
 use super::files::IndexedFile;
-use super::folder::Folder;
 use super::source::Function;
 
 const MARK: &str = "dotgen:";
 
 /// A code that a comment allows.
-struct Allowance<'a> {
-    code: &'a str,
+pub(super) struct Allowance<'a> {
+    pub(super) code: &'a str,
     /// Where the code stands.
-    range: Range<usize>,
-    function: &'a Function,
+    pub(super) range: Range<usize>,
+    pub(super) function: &'a Function,
     /// Where findings are allowed.
-    scope: Range<usize>,
+    pub(super) scope: Range<usize>,
 }
 
-fn allowances(file: &IndexedFile) -> Vec<Allowance<'_>> {
+/// What the comments of a file allow.
+pub(super) fn allowances(file: &IndexedFile) -> Vec<Allowance<'_>> {
     let mut out = Vec::new();
     // Most files have none.
     if !file.text.contains(MARK) {
@@ -60,60 +53,10 @@ fn allowances(file: &IndexedFile) -> Vec<Allowance<'_>> {
 }
 
 /// Whether a comment of a source allows a code at an offset.
-pub fn is_allowed(file: &IndexedFile, offset: usize, code: &str) -> bool {
+pub(super) fn is_allowed(file: &IndexedFile, offset: usize, code: &str) -> bool {
     let all = allowances(file);
     let mut here = all.iter().filter(|it| it.scope.contains(&offset));
     here.any(|it| it.code == code)
-}
-
-/// Comments that allow what no finding is, in specifications and sources. `compared` are folders with
-/// all they differ in, allowed or not.
-///
-/// # Errors
-/// When the answer is not wanted any more.
-pub fn unused(
-    compared: &[(&Folder, &[Drift])],
-    analysis: &Analysis,
-) -> Cancellable<Vec<Diagnostic>> {
-    let mut out: Vec<Diagnostic> = Vec::new();
-    let known = DriftCode::ALL.map(DriftCode::as_str);
-    // What is not seen completely may have what a comment allows.
-    let seen = |it: &Folder| it.sources.exists && !it.sources.incomplete;
-    let compared = || compared.iter().filter(|it| seen(it.0));
-    for (folder, findings) in compared() {
-        let found = diagnostics(findings, &*folder.unit.locations, Side::Both);
-        let specification = &folder.specification;
-        let unused = analysis.unused_allowances(specification, CODEL, &known, &found)?;
-        out.extend(unused);
-        let expected = folder.expected();
-        for file in folder.sources.all() {
-            for it in allowances(file) {
-                let has = |found: &&Drift| {
-                    let place = found.source.as_ref().filter(|at| at.path == file.path);
-                    found.code.as_str() == it.code
-                        && place.is_some_and(|at| it.scope.contains(&at.range.start))
-                };
-                // A function that no specification here names may be the business of another.
-                let speaks = it.code.starts_with(CODEL) && names(&expected, &it.function.name);
-                if !speaks
-                    || analysis.is_off(it.code)?
-                    || compared().flat_map(|it| it.1).any(|it| has(&it))
-                {
-                    continue;
-                }
-                let known = known.contains(&it.code);
-                out.push(Analysis::unused_allowance(
-                    it.code, known, &file.path, it.range,
-                ));
-            }
-        }
-    }
-    analysis.adjusted(out)
-}
-
-fn names(expected: &[Expected<'_>], function: &str) -> bool {
-    let mut functions = expected.iter().flat_map(|it| &it.functions);
-    functions.any(|it| it.name == function)
 }
 
 #[cfg(test)]

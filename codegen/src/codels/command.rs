@@ -21,7 +21,7 @@ use super::{
 
 pub use super::folder::Folder;
 pub use project::Project;
-pub use report::{CheckReport, Finding, FolderSummary, Side, diagnostics};
+pub use report::{CheckReport, Finding, FolderSummary};
 
 /// Which codels get a stub.
 #[derive(Debug, Clone, PartialEq, Eq)]

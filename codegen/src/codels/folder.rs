@@ -4,16 +4,18 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::codes::CODEL;
+use dotgen_analysis::diagnostic::Diagnostic;
 use dotgen_analysis::host::{Analysis, Cancellable, UnitResult};
 use dotgen_analysis::model::{ComponentKind, Missing, Name};
 use dotgen_analysis::source_map::Locations;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{
-    allow,
-    command::{Side, diagnostics},
+    allow::{allowances, is_allowed},
     coverage::Coverage,
-    drift::{self, Drift, DriftOptions},
+    diagnostics::{Side, diagnostics},
+    drift::{self, Drift, DriftCode, DriftOptions},
     expected::Expected,
     files::{IndexedFile, Sources},
     source::Function,
@@ -95,7 +97,7 @@ impl Folder {
         for mut drift in findings {
             let source = drift.source.as_ref();
             let file = source.and_then(|it| Some((self.sources.file(&it.path)?, it.range.start)));
-            if file.is_some_and(|(file, at)| allow::is_allowed(file, at, drift.code.as_str())) {
+            if file.is_some_and(|(file, at)| is_allowed(file, at, drift.code.as_str())) {
                 continue;
             }
             let one = diagnostics(
@@ -151,4 +153,54 @@ pub fn share_names(folders: &mut [Folder]) {
             folder.also_named = names.clone();
         }
     }
+}
+
+/// Comments that allow what no finding is, in specifications and sources. `compared` are folders with
+/// all they differ in, allowed or not.
+///
+/// # Errors
+/// When the answer is not wanted any more.
+pub fn unused_allowances(
+    compared: &[(&Folder, &[Drift])],
+    analysis: &Analysis,
+) -> Cancellable<Vec<Diagnostic>> {
+    let mut out: Vec<Diagnostic> = Vec::new();
+    let known = DriftCode::ALL.map(DriftCode::as_str);
+    // What is not seen completely may have what a comment allows.
+    let seen = |it: &Folder| it.sources.exists && !it.sources.incomplete;
+    let compared = || compared.iter().filter(|it| seen(it.0));
+    for (folder, findings) in compared() {
+        let found = diagnostics(findings, &*folder.unit.locations, Side::Both);
+        let specification = &folder.specification;
+        let unused = analysis.unused_allowances(specification, CODEL, &known, &found)?;
+        out.extend(unused);
+        let expected = folder.expected();
+        for file in folder.sources.all() {
+            for it in allowances(file) {
+                let has = |found: &&Drift| {
+                    let place = found.source.as_ref().filter(|at| at.path == file.path);
+                    found.code.as_str() == it.code
+                        && place.is_some_and(|at| it.scope.contains(&at.range.start))
+                };
+                // A function that no specification here names may be the business of another.
+                let speaks = it.code.starts_with(CODEL) && names(&expected, &it.function.name);
+                if !speaks
+                    || analysis.is_off(it.code)?
+                    || compared().flat_map(|it| it.1).any(|it| has(&it))
+                {
+                    continue;
+                }
+                let known = known.contains(&it.code);
+                out.push(Analysis::unused_allowance(
+                    it.code, known, &file.path, it.range,
+                ));
+            }
+        }
+    }
+    analysis.adjusted(out)
+}
+
+fn names(expected: &[Expected<'_>], function: &str) -> bool {
+    let mut functions = expected.iter().flat_map(|it| &it.functions);
+    functions.any(|it| it.name == function)
 }

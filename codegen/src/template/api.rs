@@ -4,15 +4,16 @@
 //! language; the Tcl side keeps such answers.
 
 use dotgen_analysis::model::{
-    CodelKind, CodelRef, ComponentKind, Owner, Param, ParamDir, ParamSource, Port, PortDir,
-    ServiceList, Spec, Src, TypeId,
+    CodelKind, CodelRef, ComponentKind, Owner, Param, ParamDir, ParamSource, PortDir, ServiceList,
+    Spec, Src, TypeId,
 };
 
 use dotgen_analysis::release::Change;
 
-use super::object::{Lookup, Object, ParamRef, Registry};
+use super::model::{Model, port_kind};
+use super::object::{Lookup, Object, ParamRef};
 use super::{Failure, tcl};
-use crate::lang::{Anchor, LangError, Language, MapObject, Mapper, Place, Places};
+use crate::lang::{Anchor, LangError, MapObject, Place};
 
 mod codel;
 mod component;
@@ -25,17 +26,6 @@ pub(crate) use codel::boolean;
 
 /// Evaluates a lambda of the template for an object, in the main interpreter.
 pub(crate) type Lambda<'f> = dyn FnMut(&str, &str) -> Result<String, Failure> + 'f;
-
-/// What answers are taken from.
-#[derive(Clone, Copy)]
-pub(crate) struct Model<'a> {
-    pub(crate) spec: &'a Spec,
-    pub(crate) places: &'a dyn Places,
-    pub(crate) registry: &'a Registry,
-    /// Name of the running template.
-    pub(crate) template: &'a str,
-    pub(crate) language: Language,
-}
 
 /// The answer to a question of the template.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -67,11 +57,7 @@ impl From<LangError> for Failure {
     }
 }
 
-impl<'a> Model<'a> {
-    pub(crate) fn mapper(&self) -> Mapper<'a> {
-        Mapper::new(self.spec, self.places, self.language)
-    }
-
+impl Model<'_> {
     /// Answers a method call. `words[0]` is the method, if any.
     pub(crate) fn call(
         &self,
@@ -304,11 +290,6 @@ pub(crate) fn class(spec: &Spec, object: &Object) -> &'static str {
         Object::Param(..) => "parameter",
         Object::Initializer(..) => "initializer",
     }
-}
-
-/// `kind` of a port.
-pub(crate) fn port_kind(port: &Port) -> &'static str {
-    if port.multiple { "multiple" } else { "simple" }
 }
 
 fn port_dir(dir: PortDir) -> &'static str {

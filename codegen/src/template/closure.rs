@@ -7,9 +7,10 @@ use dotgen_analysis::release::Change;
 use md5::{Digest, Md5};
 use rustc_hash::FxHashMap;
 
+use super::Failure;
+use super::model::{Model, port_kind};
 use super::object::{Lookup, Object, ParamRef};
 use super::throws::{remote_throws, service_throws, task_throws};
-use super::{Failure, api::Model};
 use crate::lang::{dir_word, length_of, service_word};
 
 /// Says which objects take part.
@@ -220,7 +221,7 @@ impl Chunks {
                 continue;
             }
             self.push("port");
-            self.push(super::api::port_kind(port));
+            self.push(port_kind(port));
             self.push(&port.name);
             self.type_(spec, port.data, filter, DEPTH)?;
         }

@@ -16,7 +16,7 @@ use super::merge::{self, Choice, Conflict};
 use super::{Confined, Failure, reach};
 use crate::disk::{Disk, WriteError};
 use crate::process::{Channels, Processes, Program, Resources};
-pub(crate) use staged::{Staged, plain};
+pub(crate) use staged::Staged;
 
 /// A file as a template wants it, in a run that writes nothing.
 #[derive(Debug, Clone, PartialEq, Eq)]

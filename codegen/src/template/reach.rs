@@ -3,7 +3,7 @@
 //! The interpreter is confined by the system. What the engine reads and writes for it is checked here, by
 //! the same folders.
 
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use super::Failure;
 use super::discover::SearchPath;
@@ -77,7 +77,7 @@ pub(crate) fn is_below(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> boo
 /// The path without links, of which the last parts need not exist. `None` for a link that leads nowhere:
 /// a file that is written there would come to be where it points.
 fn resolve(disk: &dyn Disk, path: &Path) -> Option<PathBuf> {
-    let path = super::output::plain(disk, path);
+    let path = plain(disk, path);
     for ancestor in path.ancestors() {
         if let Ok(real) = disk.canonical(ancestor) {
             let rest = path.strip_prefix(ancestor).ok()?;
@@ -91,6 +91,21 @@ fn resolve(disk: &dyn Disk, path: &Path) -> Option<PathBuf> {
         }
     }
     Some(disk.absolute(&path))
+}
+
+/// The path without `.` and `..`, absolute.
+pub(crate) fn plain(disk: &dyn Disk, path: &Path) -> PathBuf {
+    let mut out = PathBuf::new();
+    for component in disk.absolute(path).components() {
+        match component {
+            Component::CurDir => {}
+            Component::ParentDir => {
+                out.pop();
+            }
+            other => out.push(other),
+        }
+    }
+    out
 }
 
 #[cfg(test)]

@@ -12,7 +12,8 @@ use dotgen_codegen::codels::coverage::Coverage;
 use dotgen_codegen::codels::expected::Expected;
 use dotgen_codegen::codels::files::Files as _;
 use dotgen_codegen::codels::{
-    command::{self, FileChange, Project, Side, StubTarget, SyncOptions},
+    command::{self, FileChange, Project, StubTarget, SyncOptions},
+    diagnostics::{Side, diagnostics},
     folder::Folder,
     repair::ByHand,
     stub::StubOptions,
@@ -188,7 +189,7 @@ fn check(arguments: &Check) -> anyhow::Result<Outcome> {
             }
             let differs = project.adjusted(&folder, differs);
             let locations = &*folder.unit.locations;
-            found.extend(command::diagnostics(&differs, locations, Side::First));
+            found.extend(diagnostics(&differs, locations, Side::First));
         }
         for it in &found {
             for path in std::iter::once(&it.path).chain(it.related.iter().map(|it| &it.path)) {

@@ -14,7 +14,7 @@ use clap::{Args, ValueEnum};
 use dotgen_recording::log::Lines;
 use dotgen_recording::monitor::{Monitor, MonitorReport};
 use dotgen_recording::trace::Trace;
-use dotgen_timing::remark::together;
+use dotgen_timing::diagnostic::remark::together;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::verify::{Interrupt, Options, SystemInput, prepare};
 

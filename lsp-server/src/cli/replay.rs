@@ -9,7 +9,7 @@ use dotgen_analysis::terminal;
 use dotgen_recording::record;
 use dotgen_recording::replay::{Difference, Replay, ReplayReport, What, opened};
 use dotgen_runtime::refine;
-use dotgen_timing::remark::together;
+use dotgen_timing::diagnostic::remark::together;
 use dotgen_timing::verify::{Options, Prepared, SystemInput, prepare};
 
 use super::outputs::MCAP;

@@ -19,8 +19,7 @@ use dotgen_runtime::decide;
 use dotgen_runtime::engine::End;
 use dotgen_runtime::report::RunReport;
 use dotgen_runtime::simulation::Plan;
-use dotgen_timing::remark::together;
-use dotgen_timing::scn;
+use dotgen_timing::diagnostic::remark::together;
 use dotgen_timing::scn::ast::Unit;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::verify::{Options, Prepared, SystemInput, prepare};
@@ -320,7 +319,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             specs: problem.specs(),
         };
         let prepared = prepare(&input, &problem.scenario, &options);
-        let told = |all: &[scn::Diagnostic]| Told::by_verifier(&session, &problem, all, &checks);
+        let told = |all: &[dotgen_timing::diagnostic::Diagnostic]| {
+            Told::by_verifier(&session, &problem, all, &checks)
+        };
         if matches!(arguments.format, Format::Text) || prepared.report.has_errors() {
             told(&together(&prepared.report.diagnostics))?.print()?;
         }

@@ -16,10 +16,9 @@ use clap::{Args, ValueEnum};
 use dotgen_analysis::diagnostic::FileEdit;
 use dotgen_analysis::host::FileContent;
 use dotgen_timing::derive::Sensitivity;
+use dotgen_timing::diagnostic::remark::together;
 use dotgen_timing::explore::{Kind, Limits};
-use dotgen_timing::remark::together;
 use dotgen_timing::report::Report;
-use dotgen_timing::scn;
 use dotgen_timing::scn::ast::{Check, Durations, Policy};
 use dotgen_timing::scn::parse_check;
 use dotgen_timing::scn::semantics::Preset;
@@ -273,7 +272,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
                 })
             })
         });
-        let told = |all: &[scn::Diagnostic]| Told::by_verifier(&session, &problem, all, &checks);
+        let told = |all: &[dotgen_timing::diagnostic::Diagnostic]| {
+            Told::by_verifier(&session, &problem, all, &checks)
+        };
         // Programs are told everything, in their document if there is one.
         if matches!(arguments.format, Format::Text) || report.has_errors() {
             told(&together(&report.diagnostics))?.print()?;

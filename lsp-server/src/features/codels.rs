@@ -19,8 +19,7 @@ use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::Diagnostic;
 use dotgen_analysis::host::{Cancellable, Cancelled, FileContent, UnitResult};
 use dotgen_analysis::source_map::{Location, Moved};
-use dotgen_codegen::codels::allow;
-use dotgen_codegen::codels::command::{Side, diagnostics};
+use dotgen_codegen::codels::diagnostics::{Side, diagnostics};
 use dotgen_codegen::codels::drift::{Drift, Repair};
 use dotgen_codegen::codels::expected::Expected;
 use dotgen_codegen::codels::files::{
@@ -401,7 +400,7 @@ fn unused_allowances(
 ) -> Cancellable<Vec<Diagnostic>> {
     let folders = compared.iter().flat_map(|it| &it.folders);
     let folders: Vec<_> = folders.map(|it| (&it.0, it.1.as_slice())).collect();
-    allow::unused(&folders, &snapshot.analysis)
+    folder::unused_allowances(&folders, &snapshot.analysis)
 }
 
 /// The sources of the workspace that something is to be said of.

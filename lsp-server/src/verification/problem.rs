@@ -71,10 +71,10 @@ pub fn used(scenario: &Scenario, path: &Utf8Path) -> Vec<Used> {
 }
 
 /// A diagnostic of the scenario language as all front ends show it.
-pub fn diagnostic(it: &scn::Diagnostic, path: &Utf8Path) -> Diagnostic {
+pub fn diagnostic(it: &dotgen_timing::diagnostic::Diagnostic, path: &Utf8Path) -> Diagnostic {
     let severity = match it.severity {
-        scn::Severity::Error => Severity::Error,
-        scn::Severity::Warning => Severity::Warning,
+        dotgen_timing::diagnostic::Severity::Error => Severity::Error,
+        dotgen_timing::diagnostic::Severity::Warning => Severity::Warning,
     };
     Diagnostic::new(
         it.code,
@@ -221,7 +221,7 @@ impl Problem {
 
     /// What the verifier says: at its place in the scenario if it has one there, else in the specification it
     /// is about, else at the name of the scenario.
-    pub fn diagnostic(&self, it: &scn::Diagnostic) -> Diagnostic {
+    pub fn diagnostic(&self, it: &dotgen_timing::diagnostic::Diagnostic) -> Diagnostic {
         let mut out = diagnostic(it, &self.path);
         let places = it.places.iter();
         let mut places = places.filter_map(|it| {
@@ -265,7 +265,7 @@ impl Problem {
         options: &Options,
         cancel: &Cancel,
         tell: &(dyn Fn(Told) + Sync),
-    ) -> Result<Sensitivity, Vec<scn::Diagnostic>> {
+    ) -> Result<Sensitivity, Vec<dotgen_timing::diagnostic::Diagnostic>> {
         let input = SystemInput {
             specs: self.specs(),
         };

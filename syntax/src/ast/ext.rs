@@ -13,7 +13,7 @@ use crate::{
         PragmaArg, PrefixExpr, Property, Quantity, Service, State, Struct, Task, TypedParam, Union,
         Wcet,
     },
-    parser::Fragment,
+    fragment::Fragment,
 };
 
 macro_rules! impl_trait {

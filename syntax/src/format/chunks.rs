@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use super::rules;
 use crate::{
     SyntaxElement, SyntaxKind, SyntaxKind::*, SyntaxNode, SyntaxToken, TextRange, WalkEvent,
 };
@@ -110,7 +109,7 @@ pub(super) fn chunks(root: &SyntaxNode, broken: &[TextRange]) -> Vec<Chunk> {
     for i in 0..out.len() {
         let goes_on = out
             .get(i + 1)
-            .is_some_and(|next| next.newlines == 0 && !rules::starts_line(next));
+            .is_some_and(|next| next.newlines == 0 && !starts_line(next));
         if out[i].kind == ChunkKind::TrailingComment && !out[i].ends_line && goes_on {
             out[i].kind = ChunkKind::InlineComment;
         }
@@ -345,4 +344,20 @@ fn breaks_inside(block: &SyntaxNode) -> bool {
         }
     }
     false
+}
+
+/// What begins a line: items of blocks that are not written on one line, and closing braces.
+pub(super) fn starts_line(chunk: &Chunk) -> bool {
+    if chunk.flat {
+        return false;
+    }
+    chunk.first_of_item || (chunk.is(R_CURLY) && matches!(chunk.parent, BODY | ENUMERATOR_LIST))
+}
+
+/// Where the white space before a chunk is.
+pub(super) fn gap_span(chunks: &[Chunk], i: usize) -> Range<usize> {
+    let start = i
+        .checked_sub(1)
+        .map_or(0, |before| chunks[before].span().end);
+    start..chunks[i].span().start
 }

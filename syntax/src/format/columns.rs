@@ -6,8 +6,8 @@
 //! it was, so that formatting a second time finds and leaves it.
 
 use super::Align;
-use super::chunks::{Chunk, ChunkKind};
-use super::print::{Printer, gap_span};
+use super::chunks::{Chunk, ChunkKind, gap_span};
+use super::page::Page;
 use super::rules;
 
 /// The columns of a text.
@@ -95,21 +95,19 @@ fn lines(chunks: &[Chunk]) -> Vec<Vec<usize>> {
 ///
 /// Lines that formatting has parted are no run any more, and do not become one again: a line that is
 /// broken because of its padding would be whole without it, and so on without end.
-pub(super) fn targets(printer: &Printer<'_>, runs: &mut Runs) -> Vec<Option<usize>> {
-    let mut out = vec![None; printer.len()];
-    let parts = runs.runs.iter().flat_map(|run| together(printer, run));
+pub(super) fn targets(page: &Page<'_>, runs: &mut Runs) -> Vec<Option<usize>> {
+    let mut out = vec![None; page.chunks.len()];
+    let parts = runs.runs.iter().flat_map(|run| together(page, run));
     runs.runs = parts.collect();
     for run in &runs.runs {
-        let least = run.iter().map(|&i| printer.end_before(i) + 1).max();
+        let least = run.iter().map(|&i| page.end_before(i) + 1).max();
         let least = least.unwrap_or(0);
-        let old = printer
-            .old_column(run[0])
-            .saturating_add_signed(shift(printer, run[0]));
+        let old = page.old_columns[run[0]].saturating_add_signed(shift(page, run[0]));
         let over = |column: usize| {
             run.iter().any(|&i| {
-                let length = end_of_line(printer, i).saturating_sub(printer.printed(i).column);
-                let was_over = printer.old_column(i) + length > printer.width();
-                column + length > printer.width() && !was_over
+                let length = end_of_line(page, i).saturating_sub(page.printed[i].column);
+                let was_over = page.old_columns[i] + length > page.width;
+                column + length > page.width && !was_over
             })
         };
         let wanted = least.max(old);
@@ -120,12 +118,12 @@ pub(super) fn targets(printer: &Printer<'_>, runs: &mut Runs) -> Vec<Option<usiz
 }
 
 /// The parts of a run that are still on consecutive lines.
-fn together(printer: &Printer<'_>, run: &[usize]) -> Vec<Vec<usize>> {
+fn together(page: &Page<'_>, run: &[usize]) -> Vec<Vec<usize>> {
     let breaks = |from: usize, to: usize| {
-        let spaces = (from + 1..=to).map(|i| &printer.printed(i).space);
+        let spaces = (from + 1..=to).map(|i| &page.printed[i].space);
         spaces.map(|it| it.matches('\n').count()).sum::<usize>()
     };
-    let in_line = |&i: &usize| !printer.printed(i).space.contains('\n');
+    let in_line = |&i: &usize| !page.printed[i].space.contains('\n');
     let mut out: Vec<Vec<usize>> = Vec::new();
     for i in run.iter().copied().filter(in_line) {
         match out.last_mut() {
@@ -138,17 +136,17 @@ fn together(printer: &Printer<'_>, run: &[usize]) -> Vec<Vec<usize>> {
 }
 
 /// How far the line of a piece was moved.
-fn shift(printer: &Printer<'_>, i: usize) -> isize {
+fn shift(page: &Page<'_>, i: usize) -> isize {
     let mut first = i;
-    while first > 0 && printer.chunk(first).newlines == 0 {
+    while first > 0 && page.chunks[first].newlines == 0 {
         first -= 1;
     }
-    let (old, new) = (printer.old_column(first), printer.printed(first).column);
+    let (old, new) = (page.old_columns[first], page.printed[first].column);
     isize::try_from(new).unwrap_or(0) - isize::try_from(old).unwrap_or(0)
 }
 
 /// Column after the last piece of the line of a piece.
-fn end_of_line(printer: &Printer<'_>, i: usize) -> usize {
-    let line = printer.line_from(i);
-    printer.end_before(line.end)
+fn end_of_line(page: &Page<'_>, i: usize) -> usize {
+    let line = page.line_from(i);
+    page.end_before(line.end)
 }

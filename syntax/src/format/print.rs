@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use super::chunks::{Chunk, ChunkKind};
+use super::chunks::{Chunk, ChunkKind, gap_span, starts_line};
+use super::page::{Page, Printed};
 use super::rules::{self, Gap};
 use super::unit::{self, Unit, advance, column};
 use super::{Options, TextEdit, columns};
@@ -11,14 +12,6 @@ use crate::{TextRange, TextSize};
 
 /// Empty lines in a row, at most.
 const EMPTY_LINES: usize = 2;
-
-/// The white space chosen before a piece.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Printed {
-    pub(super) space: String,
-    /// Column of the first character of the piece.
-    pub(super) column: usize,
-}
 
 /// Where a line that continues a list or statement begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,17 +39,12 @@ struct Open {
 
 /// Prints pieces one after the other.
 pub(super) struct Printer<'a> {
-    text: &'a str,
-    chunks: &'a [Chunk],
+    page: Page<'a>,
     options: &'a Options,
-    unit: Unit,
     /// Unit of the text as it is.
     old_unit: Unit,
-    /// Column of each piece in the text.
-    old_columns: Vec<usize>,
     /// Column of each piece that stands in a column with others.
     targets: Vec<Option<usize>>,
-    printed: Vec<Printed>,
     /// Column after the last character printed.
     column: usize,
     /// Lists that are open, the innermost last.
@@ -78,14 +66,17 @@ impl<'a> Printer<'a> {
         };
         let old_columns = chunks.iter().map(|it| column(text, it.span().start, tab));
         Printer {
-            text,
-            chunks,
+            page: Page {
+                text,
+                chunks,
+                width: options.width,
+                unit,
+                old_columns: old_columns.collect(),
+                printed: Vec::with_capacity(chunks.len()),
+            },
             options,
-            unit,
             old_unit,
-            old_columns: old_columns.collect(),
             targets: vec![None; chunks.len()],
-            printed: Vec::with_capacity(chunks.len()),
             column: 0,
             open: Vec::new(),
             line: 0,
@@ -96,9 +87,9 @@ impl<'a> Printer<'a> {
     /// The edits that make the text what is printed.
     pub(super) fn print(mut self) -> Vec<TextEdit> {
         let mut runs = columns::runs(
-            self.text,
-            self.chunks,
-            &self.old_columns,
+            self.page.text,
+            self.page.chunks,
+            &self.page.old_columns,
             self.options.align,
         );
         // Where a column is depends on what is left of it, and lines that continue a list may begin in
@@ -106,7 +97,7 @@ impl<'a> Printer<'a> {
         const PASSES: usize = 8;
         for _ in 0..PASSES {
             self.pass(&runs);
-            let targets = columns::targets(&self, &mut runs);
+            let targets = columns::targets(&self.page, &mut runs);
             if targets == self.targets {
                 break;
             }
@@ -116,10 +107,10 @@ impl<'a> Printer<'a> {
     }
 
     fn pass(&mut self, runs: &columns::Runs) {
-        self.printed.clear();
+        self.page.printed.clear();
         self.open.clear();
         (self.column, self.line, self.item) = (0, 0, 0);
-        for i in 0..self.chunks.len() {
+        for i in 0..self.page.chunks.len() {
             let space = match (self.space(i, runs), self.targets[i]) {
                 (space, Some(column)) if !space.contains('\n') => self.padding(i, column),
                 (space, _) => space,
@@ -130,25 +121,25 @@ impl<'a> Printer<'a> {
 
     /// White space up to a column. The author's own mixture stays where it does the same.
     fn padding(&self, i: usize, column: usize) -> String {
-        let original = self.original(i);
-        match advance(self.column, original, self.unit.tab()) == column {
+        let original = self.page.original(i);
+        match advance(self.column, original, self.page.unit.tab()) == column {
             true => original.to_owned(),
             false => " ".repeat(column.saturating_sub(self.column).max(1)),
         }
     }
 
     fn space(&mut self, i: usize, runs: &columns::Runs) -> String {
-        let chunk = &self.chunks[i];
-        let before = i.checked_sub(1).map(|it| &self.chunks[it]);
+        let chunk = &self.page.chunks[i];
+        let before = i.checked_sub(1).map(|it| &self.page.chunks[it]);
         self.open.retain(|it| chunk.list_depth >= it.depth);
-        match rules::gap(self.text, before, chunk) {
-            Gap::Keep => self.original(i).to_owned(),
+        match rules::gap(self.page.text, before, chunk) {
+            Gap::Keep => self.page.original(i).to_owned(),
             Gap::None => String::new(),
             Gap::Author => " ".repeat(usize::from(chunk.spaced)),
-            Gap::Comment | Gap::Space if runs.is_loose(i) => self.original(i).to_owned(),
+            Gap::Comment | Gap::Space if runs.is_loose(i) => self.page.original(i).to_owned(),
             Gap::Comment | Gap::Space => " ".to_owned(),
             Gap::Break if self.breaks(i) => self.continued(i),
-            Gap::Break if runs.is_loose(i) => self.original(i).to_owned(),
+            Gap::Break if runs.is_loose(i) => self.page.original(i).to_owned(),
             Gap::Break => " ".to_owned(),
             Gap::Line { blank } => {
                 // The file does not begin with empty lines.
@@ -158,35 +149,39 @@ impl<'a> Printer<'a> {
                     Some(_) if blank => 1 + empty,
                     Some(_) => 1,
                 };
-                self.newlines(i, count, chunk.indent * self.unit.columns())
+                self.newlines(i, count, chunk.indent * self.page.unit.columns())
             }
             Gap::Continue => self.continued(i),
         }
     }
 
     fn push(&mut self, i: usize, space: String) {
-        let chunk = &self.chunks[i];
-        let tab = self.unit.tab();
+        let chunk = &self.page.chunks[i];
+        let tab = self.page.unit.tab();
         self.column = advance(self.column, &space, tab);
         if i == 0 || space.contains('\n') {
             self.line = i;
-            if chunk.list_depth == 0 && rules::starts_line(chunk) {
+            if chunk.list_depth == 0 && starts_line(chunk) {
                 self.item = i;
             }
         }
-        self.printed.push(Printed {
+        self.page.printed.push(Printed {
             space,
             column: self.column,
         });
         if let Some(depth) = chunk.opens_hang {
-            let first = (self.old_columns[i], self.column);
+            let first = (self.page.old_columns[i], self.column);
             self.open_list(depth, first, Continuation::Units(1));
         }
-        self.column = advance(self.column, &self.text[chunk.span()], tab);
+        self.column = advance(self.column, &self.page.text[chunk.span()], tab);
         if let Some(depth) = chunk.opens_list {
-            let old = self.old_columns[i] + chunk.span().len();
+            let old = self.page.old_columns[i] + chunk.span().len();
             // A list that begins on the line of its name is told apart from the body by two units.
-            let goes_on = self.chunks.get(i + 1).is_some_and(|it| it.newlines == 0);
+            let goes_on = self
+                .page
+                .chunks
+                .get(i + 1)
+                .is_some_and(|it| it.newlines == 0);
             let usual = if goes_on && chunk.is(L_PAREN) { 2 } else { 1 };
             self.open_list(depth, (old, self.column), Continuation::Units(usual));
         }
@@ -196,7 +191,7 @@ impl<'a> Printer<'a> {
         let line = self.line;
         self.open.push(Open {
             depth,
-            anchor: (self.old_columns[line], self.printed[line].column),
+            anchor: (self.page.old_columns[line], self.page.printed[line].column),
             first,
             last: None,
             usual,
@@ -214,14 +209,14 @@ impl<'a> Printer<'a> {
             ),
             None => {
                 let item = self.item;
-                let anchor = (self.old_columns[item], self.printed[item].column);
+                let anchor = (self.page.old_columns[item], self.page.printed[item].column);
                 (anchor, None, Continuation::Units(1))
             }
         };
-        let old = self.old_columns[i];
+        let old = self.page.old_columns[i];
         let units = |count: usize| anchor.0 + count * self.old_unit.columns() == old;
-        let breaks = self.chunks[i].newlines > 0;
-        let closes = self.chunks[i].is(R_PAREN);
+        let breaks = self.page.chunks[i].newlines > 0;
+        let closes = self.page.chunks[i].is(R_PAREN);
         let way = match first {
             Some(_) if breaks && closes && units(0) => Continuation::Units(0),
             Some((column, _)) if breaks && column == old => Continuation::Under,
@@ -230,12 +225,12 @@ impl<'a> Printer<'a> {
             _ => usual,
         };
         let column = |way: Continuation| match way {
-            Continuation::Units(count) => anchor.1 + count * self.unit.columns(),
+            Continuation::Units(count) => anchor.1 + count * self.page.unit.columns(),
             Continuation::Under => first.map_or(anchor.1, |it| it.1),
         };
         // Nothing is pushed over the width that was not over it.
         let rest = self.rest_of_line(i);
-        let over = |column: usize| column + rest > self.options.width;
+        let over = |column: usize| column + rest > self.page.width;
         let mut target = column(way);
         if over(target) && !(breaks && over(old)) {
             target = target.min(column(Continuation::Units(1)));
@@ -254,113 +249,73 @@ impl<'a> Printer<'a> {
     /// Whether a line that was short enough has to be broken here because it no longer is.
     fn breaks(&self, i: usize) -> bool {
         let ends = |&it: &usize| {
-            let (before, chunk) = (&self.chunks[it - 1], &self.chunks[it]);
-            chunk.newlines > 0 || rules::may_break(self.text, before, chunk)
+            let (before, chunk) = (&self.page.chunks[it - 1], &self.page.chunks[it]);
+            chunk.newlines > 0 || rules::may_break(self.page.text, before, chunk)
         };
-        let end = (i + 1..self.chunks.len()).find(ends);
-        let end = end.unwrap_or(self.chunks.len());
-        let last = &self.chunks[end - 1];
+        let end = (i + 1..self.page.chunks.len()).find(ends);
+        let end = end.unwrap_or(self.page.chunks.len());
+        let last = &self.page.chunks[end - 1];
         let tab = self.old_unit.tab();
-        let old_end = column(self.text, last.span().end, tab);
-        let length = self.text[self.chunks[i].span().start..last.span().end]
+        let old_end = column(self.page.text, last.span().end, tab);
+        let length = self.page.text[self.page.chunks[i].span().start..last.span().end]
             .chars()
             .count();
-        self.column + 1 + length > self.options.width && old_end <= self.options.width
+        self.column + 1 + length > self.page.width && old_end <= self.page.width
     }
 
     /// Columns from a piece to the end of its line, without a trailing comment.
     fn rest_of_line(&self, i: usize) -> usize {
-        let end = self.chunks[i + 1..]
+        let end = self.page.chunks[i + 1..]
             .iter()
             .position(|it| it.newlines > 0 || it.kind == ChunkKind::TrailingComment)
-            .map_or(self.chunks.len(), |it| i + 1 + it);
-        let text = &self.text[self.chunks[i].span().start..self.chunks[end - 1].span().end];
+            .map_or(self.page.chunks.len(), |it| i + 1 + it);
+        let text =
+            &self.page.text[self.page.chunks[i].span().start..self.page.chunks[end - 1].span().end];
         text.lines().next().map_or(0, |it| it.chars().count())
     }
 
     /// Line breaks before a piece. Indentation that reaches the column is left as it is.
     fn newlines(&self, i: usize, count: usize, column: usize) -> String {
-        let line_end = if self.text.contains("\r\n") {
+        let line_end = if self.page.text.contains("\r\n") {
             "\r\n"
         } else {
             "\n"
         };
         let mut out = line_end.repeat(count);
-        let old = self.original(i);
+        let old = self.page.original(i);
         let old = &old[old.rfind('\n').map_or(0, |it| it + 1)..];
-        let begins = i == 0 || self.chunks[i].newlines > 0;
+        let begins = i == 0 || self.page.chunks[i].newlines > 0;
         let fits = begins && old.bytes().all(|it| matches!(it, b' ' | b'\t'));
-        if fits && advance(0, old, self.unit.tab()) == column {
+        if fits && advance(0, old, self.page.unit.tab()) == column {
             out.push_str(old);
         } else {
-            out.push_str(&self.unit.indentation(column));
+            out.push_str(&self.page.unit.indentation(column));
         }
         out
     }
 
-    /// The white space before a piece as it is in the text.
-    pub(super) fn original(&self, i: usize) -> &'a str {
-        &self.text[gap_span(self.chunks, i)]
-    }
-
-    /// Pieces of one line, as printed: from a piece to the last before the next line break.
-    pub(super) fn line_from(&self, i: usize) -> Range<usize> {
-        let breaks = |it: &Printed| it.space.contains('\n');
-        let end = self.printed[i + 1..].iter().position(breaks);
-        i..end.map_or(self.printed.len(), |it| i + 1 + it)
-    }
-
-    pub(super) fn chunk(&self, i: usize) -> &'a Chunk {
-        &self.chunks[i]
-    }
-
-    pub(super) fn width(&self) -> usize {
-        self.options.width
-    }
-
-    pub(super) fn old_column(&self, i: usize) -> usize {
-        self.old_columns[i]
-    }
-
-    pub(super) fn printed(&self, i: usize) -> &Printed {
-        &self.printed[i]
-    }
-
-    /// Column after the piece before.
-    pub(super) fn end_before(&self, i: usize) -> usize {
-        let Some(before) = i.checked_sub(1) else {
-            return 0;
-        };
-        let text = &self.text[self.chunks[before].span()];
-        advance(self.printed[before].column, text, self.unit.tab())
-    }
-
-    pub(super) fn len(&self) -> usize {
-        self.chunks.len()
-    }
-
     fn edits(&self) -> Vec<TextEdit> {
         let mut out = Vec::new();
-        for (i, printed) in self.printed.iter().enumerate() {
-            let span = gap_span(self.chunks, i);
-            if self.text[span.clone()] != printed.space {
+        for (i, printed) in self.page.printed.iter().enumerate() {
+            let span = gap_span(self.page.chunks, i);
+            if self.page.text[span.clone()] != printed.space {
                 out.push(edit(span, printed.space.clone()));
             }
             self.move_comment(i, &mut out);
         }
         // One line end at the end of the file.
-        if let Some(last) = self.chunks.last() {
-            let span = last.span().end..self.text.len();
+        if let Some(last) = self.page.chunks.last() {
+            let span = last.span().end..self.page.text.len();
             // A backslash would join a new line end to the comment before it.
-            let joins = self.text[..span.start].ends_with('\\');
+            let joins = self.page.text[..span.start].ends_with('\\');
             let wanted = if last.frozen || joins || last.kind == ChunkKind::Opaque {
-                self.text[span.clone()].to_owned()
-            } else if self.text.contains("\r\n") {
+                self.page.text[span.clone()].to_owned()
+            } else if self.page.text.contains("\r\n") {
                 "\r\n".to_owned()
             } else {
                 "\n".to_owned()
             };
-            if self.text[span.clone()] != wanted {
+            if self.page.text[span.clone()] != wanted {
                 out.push(edit(span, wanted));
             }
         }
@@ -369,25 +324,28 @@ impl<'a> Printer<'a> {
 
     /// Moves the further lines of a block comment with its first one.
     fn move_comment(&self, i: usize, out: &mut Vec<TextEdit>) {
-        let chunk = &self.chunks[i];
-        let (old, new) = (self.old_columns[i], self.printed[i].column);
+        let chunk = &self.page.chunks[i];
+        let (old, new) = (self.page.old_columns[i], self.page.printed[i].column);
         let comment = matches!(chunk.kind, ChunkKind::Comment | ChunkKind::TrailingComment);
         // What follows on its last line would move as well.
-        let ends = self.chunks.get(i + 1).is_none_or(|it| it.newlines > 0);
+        let ends = self.page.chunks.get(i + 1).is_none_or(|it| it.newlines > 0);
         if !comment || !ends || chunk.ends_line || chunk.frozen || old == new {
             return;
         }
         let span = chunk.span();
-        for (at, _) in self.text[span.clone()].match_indices('\n') {
+        for (at, _) in self.page.text[span.clone()].match_indices('\n') {
             let start = span.start + at + 1;
-            let rest = &self.text[start..span.end];
+            let rest = &self.page.text[start..span.end];
             let blanks = rest.len() - rest.trim_start_matches([' ', '\t']).len();
             // An empty line has nothing to move.
             if rest[blanks..].starts_with(['\r', '\n']) {
                 continue;
             }
-            let column = advance(0, &rest[..blanks], self.unit.tab());
-            let moved = self.unit.indentation((column + new).saturating_sub(old));
+            let column = advance(0, &rest[..blanks], self.page.unit.tab());
+            let moved = self
+                .page
+                .unit
+                .indentation((column + new).saturating_sub(old));
             if moved != rest[..blanks] {
                 out.push(edit(start..start + blanks, moved));
             }
@@ -401,12 +359,4 @@ fn edit(span: Range<usize>, new_text: String) -> TextEdit {
         range: TextRange::new(offset(span.start), offset(span.end)),
         new_text,
     }
-}
-
-/// Where the white space before a chunk is.
-pub(super) fn gap_span(chunks: &[Chunk], i: usize) -> Range<usize> {
-    let start = i
-        .checked_sub(1)
-        .map_or(0, |before| chunks[before].span().end);
-    start..chunks[i].span().start
 }

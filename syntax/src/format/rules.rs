@@ -3,7 +3,7 @@
 use crate::SyntaxKind::*;
 use crate::lexer::lex;
 
-use super::chunks::{Chunk, ChunkKind};
+use super::chunks::{Chunk, ChunkKind, starts_line};
 
 /// White space before a piece.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -74,14 +74,6 @@ pub(super) fn gap(text: &str, before: Option<&Chunk>, chunk: &Chunk) -> Gap {
 /// Pieces around which nothing is changed.
 fn keeps(chunk: &Chunk) -> bool {
     chunk.kind == ChunkKind::Opaque
-}
-
-/// What begins a line: items of blocks that are not written on one line, and closing braces.
-pub(super) fn starts_line(chunk: &Chunk) -> bool {
-    if chunk.flat {
-        return false;
-    }
-    chunk.first_of_item || (chunk.is(R_CURLY) && matches!(chunk.parent, BODY | ENUMERATOR_LIST))
 }
 
 fn within_line(before: &Chunk, chunk: &Chunk) -> Gap {

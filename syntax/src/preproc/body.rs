@@ -4,67 +4,17 @@ use smol_str::SmolStr;
 
 use super::{
     MacroSite,
-    env::{Macro, MacroKind},
+    definition::{BodyToken, Macro, MacroKind, Role},
 };
 use crate::{
     directive::{Define, Name},
     finding::preprocessing::Preprocessing,
-    kind::SyntaxKind::{self, *},
+    kind::SyntaxKind::*,
     lexer::{RawTokens, is_trivia, is_word},
 };
 
-/// Whether there is a blank before the token `i`.
-pub(crate) fn spaced(raw: &RawTokens, i: usize) -> bool {
-    let before = (0..i)
-        .rev()
-        .map(|i| raw.kind(i))
-        .find(|&kind| kind != SPLICE);
-    before.is_none_or(is_trivia)
-}
-
 /// Most parameters a macro may have (language reference, 2.4).
 const MAX_PARAMS: usize = 128;
-
-/// One token of the body of a macro.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub(crate) struct BodyToken {
-    pub(crate) kind: SyntaxKind,
-    /// Without splices.
-    pub(crate) text: SmolStr,
-    /// A blank stands before it in the body.
-    pub(crate) spaced: bool,
-    pub(crate) role: Role,
-}
-
-/// What a body token does when the macro is expanded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Role {
-    /// Copied.
-    Plain,
-    /// Replaced by the argument of this parameter; `__VA_ARGS__` comes after the named ones.
-    Param(u32),
-    /// Replaced by a string of the argument of this parameter.
-    Stringize(u32),
-    /// Joins its neighbours.
-    Paste,
-}
-
-impl BodyToken {
-    /// A token that is copied.
-    pub(crate) fn plain(text: &str, raw: &RawTokens, i: u32) -> BodyToken {
-        let i = i as usize;
-        BodyToken {
-            kind: raw.kind(i),
-            text: SmolStr::new(raw.clean_text(text, i)),
-            spaced: spaced(raw, i),
-            role: Role::Plain,
-        }
-    }
-
-    pub(crate) fn is_paste(&self) -> bool {
-        self.role == Role::Paste
-    }
-}
 
 /// The macro that a `#define` gives, as far as it can be understood, and what is wrong with it.
 pub(crate) fn lower_define(

@@ -13,8 +13,8 @@ use rustc_hash::{FxBuildHasher, FxHashMap, FxHashSet};
 use smol_str::SmolStr;
 
 use super::{
-    MacroSite,
-    body::{BodyToken, Role, lower_define},
+    body::lower_define,
+    definition::{BodyToken, Macro, MacroKind},
 };
 use crate::{
     directive::{Directive, DirectiveKind},
@@ -25,85 +25,6 @@ use crate::{
 
 /// The macro that announces the release of GenoM.
 const GENOM: &str = "__GENOM__";
-
-/// A macro definition.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct Macro {
-    /// Its name.
-    pub name: SmolStr,
-    /// How it is called and what it stands for.
-    pub kind: MacroKind,
-    /// The replacement.
-    pub(crate) body: Vec<BodyToken>,
-    /// The directive that defines it.
-    pub site: MacroSite,
-}
-
-/// The forms of a macro.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub enum MacroKind {
-    /// A name that stands for its body.
-    Object,
-    /// Called with arguments.
-    Function {
-        /// Names of the parameters, `...` excluded.
-        params: Vec<SmolStr>,
-        /// Takes any number of further arguments as `__VA_ARGS__`.
-        variadic: bool,
-    },
-    /// `__FILE__`
-    File,
-    /// `__LINE__`
-    Line,
-}
-
-impl Macro {
-    /// An object-like macro that comes from no file.
-    fn from_text(name: &str, body: &str) -> Macro {
-        let raw = lex(body);
-        Macro {
-            name: name.into(),
-            kind: MacroKind::Object,
-            body: (0..raw.len())
-                .map(|i| BodyToken::plain(body, &raw, i as u32))
-                .collect(),
-            site: MacroSite {
-                file: None,
-                ordinal: 0,
-            },
-        }
-    }
-
-    /// Whether a redefinition says the same: blanks do not count (language reference, 2.4).
-    pub(crate) fn same_meaning(&self, other: &Macro) -> bool {
-        self.kind == other.kind
-            && self.body.len() == other.body.len()
-            && std::iter::zip(&self.body, &other.body)
-                .all(|(a, b)| a.kind == b.kind && a.text == b.text && a.role == b.role)
-    }
-
-    /// The definition without its name, as one would write it.
-    pub fn definition_text(&self) -> String {
-        let mut text = String::new();
-        if let MacroKind::Function { params, variadic } = &self.kind {
-            let mut names: Vec<&str> = params.iter().map(SmolStr::as_str).collect();
-            if *variadic {
-                names.push("...");
-            }
-            text = format!("({})", names.join(", "));
-        }
-        for (i, token) in self.body.iter().enumerate() {
-            if i == 0 && !text.is_empty() || i > 0 && token.spaced {
-                text.push(' ');
-            }
-            if matches!(token.role, Role::Stringize(_)) {
-                text.push('#');
-            }
-            text.push_str(&token.text);
-        }
-        text
-    }
-}
 
 /// The macros defined at one point.
 #[derive(Clone)]

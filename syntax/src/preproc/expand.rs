@@ -11,8 +11,8 @@ use smol_str::SmolStr;
 
 use super::{
     MacroSite, MacroUse, Origin,
-    body::{BodyToken, Role, spaced},
-    env::{Macro, MacroEnv, MacroKind},
+    definition::{BodyToken, Macro, MacroKind, Role, spaced},
+    env::MacroEnv,
     token::{Token, paste, stringize},
 };
 use crate::{

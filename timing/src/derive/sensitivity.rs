@@ -4,9 +4,9 @@ use serde::Serialize;
 
 use super::{Answer, Asked, Extreme, MinimumCores, Question};
 use crate::analytic::response_bounds;
+use crate::diagnostic::Diagnostic;
 use crate::questions;
 use crate::report::Value;
-use crate::scn::Diagnostic;
 use crate::scn::ast::{Path, Scenario};
 use crate::scn::names::Names;
 use crate::system::build::build;

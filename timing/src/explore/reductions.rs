@@ -1,6 +1,6 @@
 //! Reductions: what need not be followed, kept or told apart.
 //!
-//! Which reductions there are depends on the rules they were shown to be sound for ([`Rules::Reductions`]).
+//! Which reductions there are depends on the rules they were shown to be sound for ([`Reduced`]).
 //! Strategies ask at five places, whatever the rules: which of the enabled actions to follow
 //! ([`Reductions::persistent`], [`Reductions::follow`]), whose end can be put off ([`Reductions::waiters`],
 //! [`Reductions::closure`]), and which of the states that differ only by names to keep
@@ -23,8 +23,6 @@ use smallvec::SmallVec;
 
 use self::facts::Facts;
 pub use self::kind::{Activity, Kind, Kinds, Reason};
-pub(crate) use self::published::OfPublished;
-pub(crate) use self::servers::OfServers;
 pub(crate) use self::symmetry::{Label, Orbits, Renaming};
 use super::rules::{Action, Enabled, Rules};
 use super::state::State;
@@ -161,6 +159,12 @@ impl Waiters {
         };
         self.0[member]
     }
+}
+
+/// Rules for which it was shown which reductions are sound.
+pub(crate) trait Reduced: Rules {
+    /// These reductions.
+    type Reductions: Reductions<Self>;
 }
 
 /// Nothing is left out: for rules that nothing is known of.

@@ -44,7 +44,7 @@
 //! 1. A folder beside `published`, with a type that implements [`Rules`]. Actions that it needs are variants
 //!    of [`Action`], with their lines in [`Action::renamed`](super::reductions::Renaming::action) and
 //!    [`Rules::task_of`].
-//! 2. Its reductions: [`Rules::Reductions`]. To begin with,
+//! 2. Its reductions: [`Reduced`](super::reductions::Reduced). To begin with,
 //!    [`NoReductions`](super::reductions::NoReductions): everything is followed, nothing is left out, and
 //!    each of the known reductions is reported as off, because nobody has shown that it is sound for these
 //!    rules.
@@ -52,11 +52,11 @@
 
 pub(crate) mod published;
 pub(crate) mod servers;
+mod work;
 
-use super::reductions::Reductions;
-use super::run::Moment;
+pub use self::work::Work;
+use super::moment::Moment;
 use super::state::{Clocks, Frame, State, TaskStatus};
-use super::stepper::Work;
 use crate::property::Atom;
 use crate::system::{Ticks, TimedSystem};
 
@@ -180,9 +180,6 @@ impl Enabled {
 
 /// A set of rules, applied to one system. What it has to keep to is said in the [module](self).
 pub(crate) trait Rules: Sized {
-    /// What is known to be sound under these rules.
-    type Reductions: Reductions<Self>;
-
     /// The same rules for the same system, with clocks for what is measured.
     fn with_clocks(&self, clocks: &Clocks) -> Self;
 

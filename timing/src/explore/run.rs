@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::about::About;
+use super::moment::Moment;
 use super::observe::{self, Observer};
 use super::rules::{Action, Rules, with_rules};
 use super::state::State;
@@ -23,49 +23,6 @@ pub struct Run {
     pub cycle: Option<usize>,
     /// There is such a run, but there was no time to find its steps.
     pub left_out: bool,
-}
-
-/// One line of a run for readers.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Moment {
-    /// Time in base units.
-    pub time: u64,
-    /// The component, or the client.
-    pub component: String,
-    /// The task; `None` for the control task and clients.
-    pub task: Option<usize>,
-    /// The executing codel that the line is about.
-    pub codel: Option<usize>,
-    /// Words.
-    pub what: String,
-    /// Its kind, for timelines.
-    pub kind: MomentKind,
-    /// What else it is about.
-    pub about: About,
-}
-
-/// Kinds of [`Moment`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum MomentKind {
-    /// A timer has wrapped.
-    Tick,
-    /// A task asks for a core.
-    Release,
-    /// A task got its core.
-    Grant,
-    /// A codel waits for locks.
-    Wait,
-    /// A codel begins.
-    Begin,
-    /// A codel ends.
-    End,
-    /// A task has ended its job.
-    Complete,
-    /// A client or control task did something.
-    Request,
-    /// A limit is exceeded.
-    Excess,
 }
 
 impl Run {

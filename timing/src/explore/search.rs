@@ -18,8 +18,8 @@ use self::zones::{Proof, Zones};
 use super::findings::Findings;
 use super::measure::{Diverging, Gauge, How, Timing};
 use super::observe::Observer;
-use super::reductions::{Activity, Kind, Label, Reason, Reductions, Watched};
-use super::rules::{Rules, with_rules};
+use super::reductions::{Activity, Kind, Label, Reason, Reduced, Reductions, Watched};
+use super::rules::with_rules;
 use super::state::{Clocks, Stages, State};
 use super::store::{Covering, Store, decode_to};
 use super::watch::{Limits, Stop, Watch};
@@ -44,7 +44,7 @@ pub fn explore_telling(
     with_rules!(system, explore_by(watch, limits, cancel, news))
 }
 
-pub(super) fn explore_by<R: Rules>(
+pub(super) fn explore_by<R: Reduced>(
     rules: &R,
     watch: &Watch,
     limits: Limits,
@@ -80,7 +80,7 @@ pub(super) fn explore_by<R: Rules>(
 }
 
 /// Explores, again without what turns out to diverge.
-fn until_measured<R: Rules>(
+fn until_measured<R: Reduced>(
     rules: &R,
     watch: &Watch,
     gauges: &mut [Gauge],
@@ -152,7 +152,7 @@ struct Longest {
     at: Sight,
 }
 
-struct Search<'a, R: Rules> {
+struct Search<'a, R: Reduced> {
     rules: R,
     reductions: R::Reductions,
     watch: &'a Watch,
@@ -211,7 +211,7 @@ struct Search<'a, R: Rules> {
     patient: bool,
 }
 
-impl<'a, R: Rules> Search<'a, R> {
+impl<'a, R: Reduced> Search<'a, R> {
     fn new(
         rules: &R,
         watch: &'a Watch,
@@ -335,7 +335,7 @@ impl<'a, R: Rules> Search<'a, R> {
     }
 }
 
-impl<R: Rules> Search<'_, R> {
+impl<R: Reduced> Search<'_, R> {
     fn run(&mut self) -> Option<Diverging> {
         let initial = self.rules.initial();
         self.close_layer(0, vec![(initial, ROOT)], true);

@@ -6,7 +6,7 @@
 //! predicates that are reached) it tells as [`Seen`].
 
 use super::observe::{self, Observer};
-use super::rules::{Action, Enabled, Rules, with_rules};
+use super::rules::{Action, Enabled, Rules, Work, with_rules};
 use super::state::{Clocks, Stages, State, TaskStatus, phase};
 use crate::property::Predicate;
 use crate::system::{Ticks, TimedSystem};
@@ -18,48 +18,6 @@ pub struct Watched {
     pub reach: Vec<Predicate>,
     /// Whenever the first becomes true, the others are awaited, one after the other; there is at least one.
     pub within: Vec<(Predicate, Vec<Predicate>)>,
-}
-
-/// What an executor does. Numbers index into the tables of the [`TimedSystem`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Work {
-    /// A codel of a state machine.
-    State {
-        /// The codel.
-        codel: usize,
-        /// The task that executes it.
-        task: usize,
-        /// The automaton: the permanent activity, or an activity.
-        automaton: usize,
-        /// The state of its machine.
-        state: usize,
-        /// The place of the activity. Whoever has it keeps it to its end.
-        slot: usize,
-    },
-    /// A codel of a control task.
-    Control {
-        /// The codel.
-        codel: usize,
-        /// The service that is handled.
-        service: usize,
-        /// Number of the codel: the one that validates, if there is one, then the others in order.
-        number: usize,
-    },
-    /// A delay of a client.
-    Delay {
-        /// The client.
-        client: usize,
-    },
-}
-
-impl Work {
-    /// The codel, if it is one.
-    pub fn codel(&self) -> Option<usize> {
-        match *self {
-            Work::State { codel, .. } | Work::Control { codel, .. } => Some(codel),
-            Work::Delay { .. } => None,
-        }
-    }
 }
 
 /// What was seen in a step.

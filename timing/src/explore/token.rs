@@ -13,12 +13,12 @@
 //! are off.
 
 use super::findings::{Bound, Findings, Measured};
-use super::reductions::NoReductions;
-use super::rules::{Action, Enabled, Rules, with_rules};
-use super::run::{Moment, Run};
+use super::moment::Moment;
+use super::reductions::{NoReductions, Reduced};
+use super::rules::{Action, Enabled, Rules, Work, with_rules};
+use super::run::Run;
 use super::search::explore_by;
 use super::state::{Clocks, Frame, State, TaskStatus};
-use super::stepper::Work;
 use super::watch::{Limits, Watch, Within};
 use crate::cancel::Cancel;
 use crate::property::{Atom, Predicate, TaskState};
@@ -382,9 +382,11 @@ fn set(s: &mut State, (word, bit): (usize, u16), value: bool) {
     }
 }
 
-impl<R: Rules> Rules for Tracked<'_, R> {
+impl<R: Rules> Reduced for Tracked<'_, R> {
     type Reductions = NoReductions;
+}
 
+impl<R: Rules> Rules for Tracked<'_, R> {
     fn with_clocks(&self, clocks: &Clocks) -> Self {
         Tracked::new(&self.rules, self.chain, clocks)
     }

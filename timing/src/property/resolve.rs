@@ -3,10 +3,10 @@
 use dotgen_analysis::model::{CodelRef, Owner, ServiceKind};
 
 use super::{Atom, Predicate, SlotStatus, StatePhase, TaskState};
-use crate::scn::Diagnostic;
+use crate::diagnostic::Diagnostic;
 use crate::scn::ast::{Path, Pred};
 use crate::scn::names::{Names, STATUSES, Target};
-use crate::system::build::Built;
+use crate::system::built::Built;
 
 /// Components that a predicate is about, for dividing a system.
 pub(crate) fn components_of(names: &Names, built: &Built, pred: &Pred, out: &mut Vec<usize>) {

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use dotgen_analysis::model::{CodelKind, Component, ComponentKind, Owner, ServiceKind, Spec};
 
-use super::Diagnostic;
 use super::ast::{CheckKind, Item, Path, Pred, Scenario, Spanned, Step, StepKind};
+use crate::diagnostic::Diagnostic;
 
 /// The components that a scenario is about.
 #[derive(Debug, Clone)]

@@ -7,9 +7,9 @@ mod steps;
 mod tokens;
 mod values;
 
-use super::Diagnostic;
 use super::ast::{Check, Scenario};
 use super::lexer::{Kind, Token, lex};
+use crate::diagnostic::Diagnostic;
 
 pub(super) use checks::CHECKS;
 pub(super) use items::ITEMS;

@@ -12,50 +12,17 @@ mod times;
 use std::collections::HashMap;
 use std::ops::Range;
 
-use dotgen_analysis::model::{Owner, Seconds, Src};
+use dotgen_analysis::model::{Owner, Src};
 use num_rational::Ratio;
 
+use super::built::Built;
 use super::locks::exclude_codels;
 use super::settings::Settings;
 use super::{LockOrder, Platform, Policy, TimedSystem};
-use crate::scn::ast::{self, Path};
+use crate::diagnostic::{Diagnostic, Place};
+use crate::scn::ast;
 use crate::scn::names::Names;
 use crate::scn::semantics::LockRule;
-use crate::scn::{Diagnostic, Place, Severity};
-
-/// A system, and how to find things in it.
-#[derive(Debug, Clone)]
-pub struct Built {
-    /// The system.
-    pub system: TimedSystem,
-    /// Tasks by component (as in [`Names::components`]) and index.
-    pub tasks: HashMap<(usize, u32), usize>,
-    /// Services likewise.
-    pub services: HashMap<(usize, u32), usize>,
-    /// Machines of tasks and activities.
-    pub machines: HashMap<(usize, Owner), usize>,
-    /// Components.
-    pub components: HashMap<usize, usize>,
-    /// Problems that do not prevent verification, or (with errors) do.
-    pub diagnostics: Vec<Diagnostic>,
-    /// What the result depends on, in words.
-    pub assumptions: Vec<String>,
-    /// Codels whose times are no multiples of the unit of the scenario, and were rounded.
-    pub rounded: Vec<Rounded>,
-    /// The coarsest unit in which nothing would have to be rounded, in seconds; none without a unit.
-    pub exact_unit: Option<Seconds>,
-}
-
-/// A time of a codel that was rounded, in seconds.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Rounded {
-    /// Path of the codel.
-    pub codel: String,
-    /// What is stated.
-    pub exact: Seconds,
-    /// What was verified instead.
-    pub taken: Seconds,
-}
 
 /// Builds the system of those components for which `include` holds, with the clients that address them.
 pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool) -> Built {
@@ -183,18 +150,4 @@ impl Builder<'_> {
             self.out.diagnostics.push(diagnostic);
         }
     }
-}
-
-impl Built {
-    /// Whether something prevents verification.
-    pub fn has_errors(&self) -> bool {
-        self.diagnostics
-            .iter()
-            .any(|it| it.severity == Severity::Error)
-    }
-}
-
-pub(crate) fn not_a(what: &str, path: &Path) -> Diagnostic {
-    let message = format!("`{}` is no {what}", path.text());
-    Diagnostic::error("scn-wrong-kind", path.range(), message)
 }

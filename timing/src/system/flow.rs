@@ -10,11 +10,11 @@ use dotgen_analysis::model::{
     CodelKind, Owner, Param, ParamDir, ParamSource, PathElement, PortDir,
 };
 
-use super::build::{Built, not_a};
+use super::built::{Built, not_a};
 use super::chain::{Chain, ChainKind, Place};
 use super::locks::{Connections, connections, live_codels, locks_of};
 use super::settings::Settings;
-use crate::scn::Diagnostic;
+use crate::diagnostic::Diagnostic;
 use crate::scn::ast::Path;
 use crate::scn::names::{Names, Target};
 

@@ -4,9 +4,9 @@ use dotgen_analysis::model::mutex::{self, Excluded};
 use dotgen_analysis::model::{CodelKind, CodelRef, Component, Owner, ParamSource, PortDir};
 
 use super::Codel;
-use super::build::{Built, not_a};
+use super::built::{Built, not_a};
 use super::settings::Settings;
-use crate::scn::Diagnostic;
+use crate::diagnostic::Diagnostic;
 use crate::scn::names::{Names, Target};
 use crate::scn::semantics::PortRule;
 

@@ -1,7 +1,7 @@
 //! Clients as graphs of steps.
 
 use super::{Builtin, Client, ClientAction, ClientStep, FOREVER, Ticks};
-use crate::scn::Diagnostic;
+use crate::diagnostic::Diagnostic;
 use crate::scn::ast::{self, Ending, Interval, Path, Step, StepKind, Unit};
 
 /// More steps than this are refused.

@@ -53,11 +53,6 @@ pub(crate) fn as_written(time: Seconds) -> Option<String> {
         })
 }
 
-/// A time in words; what is finer than a microsecond as a fraction of it.
-pub(crate) fn in_words(time: Seconds) -> String {
-    dotgen_analysis::quantity::time(time)
-}
-
 /// Rounded up to a multiple of `unit`.
 pub(crate) fn round_up(time: Seconds, unit: Seconds) -> Seconds {
     (time / unit).ceil() * unit

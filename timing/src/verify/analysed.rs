@@ -10,7 +10,7 @@ use crate::analytic::{meets_deadlines, response_bounds};
 use crate::cancel::Cancel;
 use crate::report::{CheckReport, Layer, Soundness, Value, Verdict};
 use crate::system::Ticks;
-use crate::system::build::Built;
+use crate::system::built::Built;
 
 /// Bounds on the response times of the tasks of a system.
 pub(super) struct Analysed<'b> {

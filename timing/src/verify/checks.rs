@@ -1,11 +1,11 @@
 //! The checks of a scenario, each about one thing.
 
+use crate::diagnostic::Diagnostic;
 use crate::property::{PropertyKind, resolve};
 use crate::report::TaskId;
-use crate::scn::Diagnostic;
 use crate::scn::ast::{Bound, ChainKind, ChainPath, Check, CheckKind, Path, Pred};
 use crate::scn::names::Names;
-use crate::system::build::Built;
+use crate::system::built::Built;
 use crate::system::flow;
 use crate::system::settings::Settings;
 

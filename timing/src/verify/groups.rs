@@ -3,7 +3,7 @@
 use super::checks::{Single, What};
 use crate::scn::names::Names;
 use crate::system::ClientAction;
-use crate::system::build::Built;
+use crate::system::built::Built;
 
 /// Divides the components into groups that share no lock, core, client or check. What one group does
 /// is independent of the others (section 11).

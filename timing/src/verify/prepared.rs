@@ -5,14 +5,15 @@ use num_rational::Ratio;
 use super::checks::{Single, What, expand};
 use super::units::to_f64;
 use super::{Cancel, Group, Options, SystemInput, events, rounding, settings};
+use crate::diagnostic::Diagnostic;
 use crate::explore::{Run, Watched};
 use crate::property::{Predicate, resolve};
 use crate::report::{CheckReport, Event, Report};
-use crate::scn::Diagnostic;
 use crate::scn::ast::{Pred, Scenario, Unit};
 use crate::scn::names::Names;
 use crate::system::Ticks;
-use crate::system::build::{Built, build};
+use crate::system::build::build;
+use crate::system::built::Built;
 use dotgen_analysis::model::Seconds;
 
 /// All of a system, and what is asked of it.

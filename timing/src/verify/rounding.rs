@@ -1,7 +1,8 @@
 //! What rounding to the unit of a scenario does to an answer (section 20 of the timed semantics).
 
-use crate::system::build::Built;
+use crate::system::built::Built;
 use crate::system::units;
+use dotgen_analysis::quantity;
 
 /// More codels than this are counted only.
 const NAMED: usize = 4;
@@ -13,7 +14,7 @@ pub(super) fn note(built: &Built) -> Option<String> {
         return None;
     }
     let names = rounded.iter().take(NAMED).map(|it| {
-        let times = [it.exact, it.taken].map(units::in_words);
+        let times = [it.exact, it.taken].map(quantity::time);
         format!("{} ({} taken as {})", it.codel, times[0], times[1])
     });
     let mut names = names.collect::<Vec<_>>().join(", ");

@@ -10,7 +10,7 @@ use super::checks::Single;
 use super::{Analysed, Group};
 use crate::explore::{Limits, Stop, explore};
 use crate::report::{CheckReport, Report, Value, Verdict};
-use crate::system::build::Built;
+use crate::system::built::Built;
 
 /// How often clients that may wait for ever go on; `None`: as often as they like.
 const STAGES: [(Option<usize>, usize); 4] = [

@@ -1,7 +1,7 @@
 //! What is found besides the answers: codels that keep others waiting, requests that end each other, loops;
 //! and what an answer is worth under preemption.
 
-use dotgen_timing::remark::Remark;
+use dotgen_timing::diagnostic::remark::Remark;
 use dotgen_timing::report::{Report, Soundness, Value, Verdict};
 use dotgen_timing::scn::parse;
 use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};

@@ -8,8 +8,8 @@ use dotgen_syntax::encoding;
 use crate::disk::Disk;
 use crate::frontend::Compiled;
 use crate::lang::Language;
-use crate::template::api::Model;
 use crate::template::marker::{self, PieceKind};
+use crate::template::model::Model;
 use crate::template::object::{Object, Registry};
 use crate::template::{Failure, tcl};
 

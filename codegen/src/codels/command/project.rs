@@ -11,7 +11,6 @@ use dotgen_analysis::model::Name;
 use rustc_hash::FxHashSet;
 
 use crate::codels::{
-    allow,
     drift::Drift,
     expected::Expected,
     files::{Changed, Files, FilesConfig, Indexes, Sources},
@@ -126,7 +125,7 @@ impl<'a> Project<'a> {
     /// Comments on both sides that allow what nothing is.
     pub fn unused_allowances(&self, compared: &[(Folder, Vec<Drift>)]) -> Vec<Diagnostic> {
         let compared: Vec<_> = compared.iter().map(|it| (&it.0, &*it.1)).collect();
-        allow::unused(&compared, &self.host.analysis()).unwrap_or_default()
+        folder::unused_allowances(&compared, &self.host.analysis()).unwrap_or_default()
     }
 
     /// How stubs of a specification are written: with its notice.

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 use std::io;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use super::{OutputSink, PreviewFile, permissions};
 use crate::disk::{Disk, NewContent, WriteError};
 use crate::template::Failure;
+use crate::template::reach::plain;
 
 /// Files in memory over those of the disk. Reads see what was written before.
 #[derive(Debug)]
@@ -154,19 +155,4 @@ fn on_disk(disk: &dyn Disk, path: &Path) -> io::Result<Option<Vec<u8>>> {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
         Err(error) => Err(error),
     }
-}
-
-/// The path without `.` and `..`, absolute.
-pub(crate) fn plain(disk: &dyn Disk, path: &Path) -> PathBuf {
-    let mut out = PathBuf::new();
-    for component in disk.absolute(path).components() {
-        match component {
-            Component::CurDir => {}
-            Component::ParentDir => {
-                out.pop();
-            }
-            other => out.push(other),
-        }
-    }
-    out
 }

@@ -7,7 +7,8 @@ use dotgen_analysis::release::Change;
 use super::{Reply, Session};
 use crate::frontend::ParseFailure;
 use crate::lang::{LangError, Language, MapObject, Mapper, NoPlaces, Passing, text};
-use crate::template::api::{self, Answer, Model};
+use crate::template::api::{self, Answer};
+use crate::template::model::Model;
 use crate::template::object::{Object, Registry};
 use crate::template::{Failure, notice_of, reach, tcl};
 

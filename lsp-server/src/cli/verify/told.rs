@@ -2,7 +2,6 @@
 
 use camino::Utf8PathBuf;
 use dotgen_analysis::diagnostic::Diagnostic;
-use dotgen_timing::scn;
 
 use crate::cli::report;
 use crate::cli::session::{Session, Texts};
@@ -40,7 +39,7 @@ impl Told {
     pub(crate) fn by_verifier(
         session: &Session,
         problem: &Problem,
-        all: &[scn::Diagnostic],
+        all: &[dotgen_timing::diagnostic::Diagnostic],
         checks: &[&str],
     ) -> anyhow::Result<Told> {
         let option = Utf8PathBuf::from("--check");

@@ -7,9 +7,9 @@ use std::time::Duration;
 use dotgen_analysis::host::Cancellable;
 use dotgen_diagram::theme::Theme;
 use dotgen_diagram::timeline::{self, Timeline};
-use dotgen_timing::remark::together;
+use dotgen_timing::diagnostic::Severity;
+use dotgen_timing::diagnostic::remark::together;
 use dotgen_timing::report::Event;
-use dotgen_timing::scn::Severity;
 use dotgen_timing::verify::{Cancel, Options, settings};
 use serde::{Deserialize, Serialize};
 

@@ -8,11 +8,10 @@ use dotgen_analysis::codes;
 use dotgen_analysis::diagnostic::{Diagnostic, Related, Severity};
 use dotgen_analysis::host::Cancellable;
 use dotgen_timing::advice::Change;
+use dotgen_timing::diagnostic::remark::together;
 use dotgen_timing::explore::MomentKind;
 use dotgen_timing::property::PropertyKind;
-use dotgen_timing::remark::together;
 use dotgen_timing::report::{CheckReport, Value, Verdict};
-use dotgen_timing::scn;
 
 use super::problems::about;
 use super::{place, tasks};
@@ -142,7 +141,7 @@ pub(crate) fn in_scenario(snapshot: &Snapshot, path: &Utf8Path) -> Vec<Diagnosti
 }
 
 /// What is about a specification stands at the `use` of it, and leads there.
-fn at_use(problem: &Problem, it: &scn::Diagnostic) -> Diagnostic {
+fn at_use(problem: &Problem, it: &dotgen_timing::diagnostic::Diagnostic) -> Diagnostic {
     let mut out = problem.diagnostic(it);
     if let Some(place) = it.places.first().filter(|_| out.path != problem.path) {
         let uses = problem::used(&problem.scenario, &problem.path);

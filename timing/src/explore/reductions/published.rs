@@ -6,7 +6,7 @@ use super::lazy::Lazy;
 use super::overtake::{Now, Overtake};
 use super::symmetry::{Orbits, Renaming, Symmetry};
 use super::{
-    Activity, Held, Kind, Kinds, Reason, Reduction, Reductions, Setting, Waiters, Watched,
+    Activity, Held, Kind, Kinds, Reason, Reduced, Reduction, Reductions, Setting, Waiters, Watched,
 };
 use crate::explore::rules::published::Published;
 use crate::explore::rules::{Action, Enabled};
@@ -24,6 +24,10 @@ pub(crate) struct OfPublished {
     /// Where there is no symmetry.
     alone: Orbits,
     activities: Vec<Activity>,
+}
+
+impl Reduced for Published<'_> {
+    type Reductions = OfPublished;
 }
 
 impl Reductions<Published<'_>> for OfPublished {

@@ -24,7 +24,9 @@ use rustc_hash::FxHashSet;
 use smallvec::SmallVec;
 
 use super::lazy::rest;
-use super::{Activity, Held, Kind, Kinds, Orbits, Reason, Reductions, Renaming, Waiters, Watched};
+use super::{
+    Activity, Held, Kind, Kinds, Orbits, Reason, Reduced, Reductions, Renaming, Waiters, Watched,
+};
 use crate::explore::rules::servers::Servers;
 use crate::explore::rules::{Action, Enabled, Rules};
 use crate::explore::state::State;
@@ -125,6 +127,10 @@ impl OfServers {
             && !rules.keeps_first_tick(s, |task| self.lazy[task])
             && (self.rest.iter()).all(|&(task, state)| rules.rests(s, task, state))
     }
+}
+
+impl Reduced for Servers<'_> {
+    type Reductions = OfServers;
 }
 
 impl Reductions<Servers<'_>> for OfServers {

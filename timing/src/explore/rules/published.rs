@@ -18,10 +18,9 @@ use std::cell::Cell;
 
 use self::layout::{Layout, control};
 use super::{Action, Enabled, Rules};
-use crate::explore::reductions::OfPublished;
-use crate::explore::run::Moment;
+use crate::explore::moment::Moment;
+use crate::explore::rules::Work;
 use crate::explore::state::{Clocks, Frame, State, TaskStatus, phase};
-use crate::explore::stepper::Work;
 use crate::property::Atom;
 use crate::system::{ClientAction, Ticks, TimedSystem};
 
@@ -104,8 +103,6 @@ impl<'s> Published<'s> {
 }
 
 impl Rules for Published<'_> {
-    type Reductions = OfPublished;
-
     fn with_clocks(&self, clocks: &Clocks) -> Self {
         Published::with(self.system, Layout::new(self.system, clocks))
     }

@@ -24,10 +24,9 @@ use std::cell::Cell;
 
 use self::layout::{Layout, control, flag, slot, thread};
 use super::{Action, Enabled, Rules};
-use crate::explore::reductions::OfServers;
-use crate::explore::run::Moment;
+use crate::explore::moment::Moment;
+use crate::explore::rules::Work;
 use crate::explore::state::{Clocks, Frame, State, TaskStatus};
-use crate::explore::stepper::Work;
 use crate::property::Atom;
 use crate::scn::semantics::{Semantics, TickRule};
 use crate::system::{ClientAction, Codel, Machine, State as MachineState, Ticks, TimedSystem};
@@ -185,8 +184,6 @@ impl<'s> Servers<'s> {
 }
 
 impl Rules for Servers<'_> {
-    type Reductions = OfServers;
-
     fn with_clocks(&self, clocks: &Clocks) -> Self {
         Servers::with(self.system, clocks)
     }

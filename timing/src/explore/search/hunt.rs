@@ -19,8 +19,8 @@ use self::chase::{Chase, Order};
 use super::{Search, Sight};
 use crate::cancel::Cancel;
 use crate::explore::findings::{Findings, Found};
-use crate::explore::reductions::{Kind, Reason};
-use crate::explore::rules::{Rules, with_rules};
+use crate::explore::reductions::{Kind, Reason, Reduced};
+use crate::explore::rules::with_rules;
 use crate::explore::run::Run;
 use crate::explore::watch::{Limits, Stop, Watch};
 use crate::system::TimedSystem;
@@ -199,7 +199,7 @@ pub(super) fn suits(watch: &Watch, limits: Limits) -> Result<(), Reason> {
     }
 }
 
-impl<R: Rules> Search<'_, R> {
+impl<R: Reduced> Search<'_, R> {
     /// What is watched, shown by a single state, and not seen yet: by number, as far as it is `wanted`, given
     /// what was caught of it.
     fn unseen(&self, wanted: &dyn Fn(Option<&Run>) -> bool) -> Lists<usize> {
@@ -476,7 +476,7 @@ pub fn chase(
     with_rules!(system, chase_by(watch, (number, steps), limits, cancel))
 }
 
-fn chase_by<R: Rules>(
+fn chase_by<R: Reduced>(
     rules: &R,
     watch: &Watch,
     (number, steps): (u64, u64),

@@ -4,8 +4,8 @@ use rustc_hash::FxHashSet;
 
 use super::{Node, Search, Sight};
 use crate::explore::observe;
-use crate::explore::reductions::{Held, Kind, Reductions};
-use crate::explore::rules::{Action, Enabled, Rules};
+use crate::explore::reductions::{Held, Kind, Reduced, Reductions};
+use crate::explore::rules::{Action, Enabled};
 use crate::explore::state::State;
 use crate::explore::store::{Encoded, Store, decode, decode_to, encode, holds};
 use crate::system::Ticks;
@@ -13,7 +13,7 @@ use crate::system::Ticks;
 /// States looked at per state of a layer to find those that are reached by ends that can wait.
 const CLOSURES: usize = 1;
 
-impl<R: Rules> Search<'_, R> {
+impl<R: Reduced> Search<'_, R> {
     /// Follows all simultaneous actions from states at one moment, then keeps the calm ones.
     pub(super) fn close_layer(&mut self, time: u64, states: Vec<(State, u32)>, initial: bool) {
         self.layer.clear();

@@ -2,7 +2,7 @@
 
 use super::Search;
 use crate::explore::findings::{Findings, Found};
-use crate::explore::rules::Rules;
+use crate::explore::reductions::Reduced;
 use crate::explore::run::Run;
 
 /// Whom to tell.
@@ -26,7 +26,7 @@ impl<'a> News<'a> {
     }
 }
 
-impl<R: Rules> Search<'_, R> {
+impl<R: Reduced> Search<'_, R> {
     /// Tells what is new: what fails, is reached, or never is. What comes later does not change that, nor the
     /// run that shows it.
     pub(super) fn tell_news(&mut self) {

@@ -7,8 +7,8 @@ use rustc_hash::FxHashMap;
 use super::{LOOKS, ROOT, Search, Sight};
 use crate::explore::measure::Timing;
 use crate::explore::observe;
-use crate::explore::reductions::{Reductions, Renaming};
-use crate::explore::rules::{Action, Enabled, Rules};
+use crate::explore::reductions::{Reduced, Reductions, Renaming};
+use crate::explore::rules::{Action, Enabled};
 use crate::explore::run::Run;
 use crate::explore::state::{State, TaskStatus};
 use crate::explore::store::{Encoded, encode, holds};
@@ -49,7 +49,7 @@ struct Hit {
 /// Remaining time of each executing executor at some point of a run.
 type Point = Vec<Option<Ticks>>;
 
-impl<R: Rules> Search<'_, R> {
+impl<R: Reduced> Search<'_, R> {
     /// A run to what was seen, without steps if it is too late for that: segments from node to node, found
     /// backwards with the remaining times that the later part of the run needs.
     pub(super) fn trace(&self, at: Sight, goal: &Goal) -> Run {

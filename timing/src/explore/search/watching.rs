@@ -5,8 +5,8 @@ use super::{LOOKS, Longest, Search, Sight};
 use crate::explore::findings::{Bound, Findings, Found, Measured};
 use crate::explore::measure::{Diverging, Gauge, How, Timing};
 use crate::explore::observe;
-use crate::explore::reductions::Reductions;
-use crate::explore::rules::{Action, Rules};
+use crate::explore::reductions::{Reduced, Reductions};
+use crate::explore::rules::Action;
 use crate::explore::run::Run;
 use crate::explore::state::{State, TaskStatus};
 use crate::explore::watch::Stop;
@@ -15,7 +15,7 @@ use crate::system::Ticks;
 /// Steps for which an exploration that has answered everything goes on, to see requests that are refused.
 const LINGER: u64 = 20_000;
 
-impl<R: Rules> Search<'_, R> {
+impl<R: Reduced> Search<'_, R> {
     /// Whether everything that is asked has been seen, or caught.
     pub(super) fn answered(&self) -> bool {
         let unbounded = |it: usize| matches!(self.gauges[it].how, How::Unbounded(_));

@@ -17,8 +17,8 @@ use smallvec::SmallVec;
 use self::zone::{GREATEST, Zone};
 use super::Search;
 use crate::explore::observe;
-use crate::explore::reductions::{Kind, Kinds, Reason, Reductions, Watched};
-use crate::explore::rules::{Action, Enabled, Rules, with_rules};
+use crate::explore::reductions::{Kind, Kinds, Reason, Reduced, Reductions, Watched};
+use crate::explore::rules::{Action, Enabled, with_rules};
 use crate::explore::state::{Clocks, State};
 use crate::explore::watch::{Limits, Watch};
 use crate::property::Predicate;
@@ -44,7 +44,7 @@ const KEY: usize = 2 * size_of::<(Box<[u16]>, Vec<(u32, Zone)>)>();
 const AT_ONCE: usize = 16;
 
 /// A search in zones for predicates, and for states in which nothing will ever happen again.
-pub(super) struct Zones<'a, R: Rules> {
+pub(super) struct Zones<'a, R: Reduced> {
     rules: R,
     reductions: R::Reductions,
     goals: &'a [Predicate],
@@ -60,7 +60,7 @@ pub(super) struct Zones<'a, R: Rules> {
     bytes: usize,
 }
 
-impl<'a, R: Rules> Zones<'a, R> {
+impl<'a, R: Reduced> Zones<'a, R> {
     fn new(rules: &R, goals: &'a [Predicate], without: Kinds) -> Self {
         let system = rules.system();
         let asked = Watched::only(system, goals.iter().collect());
@@ -254,7 +254,7 @@ pub(super) struct Proof {
     pub(super) bytes: usize,
 }
 
-impl<R: Rules> Zones<'_, R> {
+impl<R: Reduced> Zones<'_, R> {
     /// What was seen, if that is everything.
     fn proof(&self) -> Option<Proof> {
         let services = 0..self.rules.system().services.len();
@@ -282,7 +282,7 @@ pub fn in_zones(
     with_rules!(system, in_zones_by(goals, steps, without))
 }
 
-fn in_zones_by<R: Rules>(
+fn in_zones_by<R: Reduced>(
     rules: &R,
     goals: &[Predicate],
     steps: u64,
@@ -293,7 +293,7 @@ fn in_zones_by<R: Rules>(
     zones.proof().map(|it| it.seen)
 }
 
-impl<R: Rules> Search<'_, R> {
+impl<R: Reduced> Search<'_, R> {
     /// Looks for what can never be reached, if it is time to.
     pub(super) fn prove_if_due(&mut self) {
         let open = self.reached.iter().any(Option::is_none)

@@ -1,7 +1,7 @@
 //! A scenario and its items.
 
 use super::Parser;
-use crate::scn::Diagnostic;
+use crate::diagnostic::Diagnostic;
 use crate::scn::ast::{Check, Client, Durations, Item, Policy, SLOTS, Scenario, Spanned};
 use crate::scn::lexer::Kind;
 use crate::scn::semantics::{LockRule, PauseRule, PortRule, Preset, TickRule, TurnRule};

@@ -1,7 +1,7 @@
 //! The steps of clients.
 
 use super::Parser;
-use crate::scn::Diagnostic;
+use crate::diagnostic::Diagnostic;
 use crate::scn::ast::{Ending, Step, StepKind};
 use crate::scn::lexer::Kind;
 

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::{ITEMS, Parser};
-use crate::scn::Diagnostic;
+use crate::diagnostic::Diagnostic;
 use crate::scn::lexer::Kind;
 
 impl<'t> Parser<'t> {

@@ -1,7 +1,7 @@
 //! Names, paths, numbers, times, and words to choose from.
 
 use super::Parser;
-use crate::scn::Diagnostic;
+use crate::diagnostic::Diagnostic;
 use crate::scn::ast::{Interval, Path, Spanned, Unit};
 use crate::scn::lexer::Kind;
 

@@ -4,7 +4,7 @@
 use num_rational::Ratio;
 
 use super::Builder;
-use crate::remark::Remark;
+use crate::diagnostic::remark::Remark;
 use crate::scn::semantics::LockRule;
 use crate::system::locks::live_codels;
 use crate::system::{FOREVER, Ticks};

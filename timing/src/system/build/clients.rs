@@ -2,11 +2,12 @@
 
 use num_rational::Ratio;
 
-use super::{Builder, not_a};
-use crate::remark::Remark;
-use crate::scn::Diagnostic;
+use super::Builder;
+use crate::diagnostic::Diagnostic;
+use crate::diagnostic::remark::Remark;
 use crate::scn::ast::{self, Ending, Path, StepKind, Unit};
 use crate::scn::names::Target;
+use crate::system::built::not_a;
 use crate::system::{Builtin, Client, Codel, FOREVER, Service, program, units};
 
 impl Builder<'_> {

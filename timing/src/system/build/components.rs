@@ -7,8 +7,8 @@ use num_rational::Ratio;
 
 use super::Builder;
 use super::times::TimeOf;
+use crate::diagnostic::{Diagnostic, Place};
 use crate::scn::ast::{DEFAULT_PLACES, DEFAULT_SLOTS};
-use crate::scn::{Diagnostic, Place};
 use crate::system::{Automaton, Component, Service, Task};
 
 impl Builder<'_> {

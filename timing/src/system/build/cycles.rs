@@ -3,8 +3,8 @@
 use dotgen_analysis::model::Src;
 
 use super::Builder;
-use crate::remark::Remark;
-use crate::scn::{Diagnostic, Place};
+use crate::diagnostic::remark::Remark;
+use crate::diagnostic::{Diagnostic, Place};
 use crate::system::{Machine, loop_contradictions, loops};
 
 impl Builder<'_> {

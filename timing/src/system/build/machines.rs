@@ -4,7 +4,7 @@ use dotgen_analysis::model::{Codel as ModelCodel, CodelKind, CodelRef, Owner, Se
 
 use super::Builder;
 use super::times::TimeOf;
-use crate::remark::Remark;
+use crate::diagnostic::remark::Remark;
 use crate::system::{Codel, CodelSet, FOREVER, Machine, State, Yield};
 
 impl Builder<'_> {

@@ -4,10 +4,11 @@ use std::ops::Range;
 
 use dotgen_analysis::model::Owner;
 
-use super::{Builder, not_a};
-use crate::scn::Diagnostic;
+use super::Builder;
+use crate::diagnostic::Diagnostic;
 use crate::scn::ast::Policy;
 use crate::scn::names::Target;
+use crate::system::built::not_a;
 
 impl Builder<'_> {
     /// What there are rules for.

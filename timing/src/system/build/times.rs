@@ -3,12 +3,14 @@
 use std::ops::Range;
 
 use dotgen_analysis::model::{Codel as ModelCodel, CodelKind, Owner, Seconds, ServiceKind};
+use dotgen_analysis::quantity;
 use num_rational::Ratio;
 
-use super::{Builder, Rounded};
+use super::Builder;
+use crate::diagnostic::{Diagnostic, Place};
 use crate::scn::ast::{self, Durations, StepKind};
 use crate::scn::names::Target;
-use crate::scn::{Diagnostic, Place};
+use crate::system::built::Rounded;
 use crate::system::{FOREVER, Ticks, units};
 
 /// What a time is that of.
@@ -204,8 +206,8 @@ impl Builder<'_> {
         for (c, path, period, src) in wrong {
             let message = format!(
                 "the period of {path}, {}, is no multiple of the unit of the scenario, {}; {advice}",
-                units::in_words(period),
-                units::in_words(unit)
+                quantity::time(period),
+                quantity::time(unit)
             );
             let error = Diagnostic::error("scn-period-unit", 0..0, message);
             self.report(error.about(self.place(c, src, "the period")));

@@ -3,8 +3,8 @@
 use super::Published;
 use super::layout::control;
 use crate::explore::about::{About, Blocker, Executing};
+use crate::explore::moment::{Moment, MomentKind};
 use crate::explore::rules::Action;
-use crate::explore::run::{Moment, MomentKind};
 use crate::explore::state::{State, TaskStatus, phase};
 use crate::system::{ClientAction, Yield};
 

@@ -3,7 +3,7 @@
 use super::layout::{flag, slot, thread};
 use super::{Action, Servers};
 use crate::explore::about::{About, Blocker, Executing};
-use crate::explore::run::{Moment, MomentKind};
+use crate::explore::moment::{Moment, MomentKind};
 use crate::explore::state::{State, phase};
 use crate::system::{ClientAction, Yield};
 

@@ -9,8 +9,8 @@ use std::hash::BuildHasher;
 use rustc_hash::FxBuildHasher;
 
 use super::Lists;
-use crate::explore::reductions::{Held, Reductions};
-use crate::explore::rules::{Action, Enabled, Rules};
+use crate::explore::reductions::{Held, Reduced, Reductions};
+use crate::explore::rules::{Action, Enabled};
 use crate::explore::run::Run;
 use crate::explore::search::{Longest, ROOT, Search, Sight};
 use crate::explore::state::State;
@@ -98,7 +98,7 @@ struct Open {
 }
 
 /// A search depth first.
-pub(super) struct Chase<'a, R: Rules> {
+pub(super) struct Chase<'a, R: Reduced> {
     /// The rules, and what was seen of what is watched: after which of the steps.
     search: Search<'a, R>,
     seen: Store,
@@ -110,7 +110,7 @@ pub(super) struct Chase<'a, R: Rules> {
     pub(super) lasts: Option<Ticks>,
 }
 
-impl<'a, R: Rules> Chase<'a, R> {
+impl<'a, R: Reduced> Chase<'a, R> {
     pub(super) fn new(search: Search<'a, R>) -> Self {
         Chase {
             seen: search.passed.like(),

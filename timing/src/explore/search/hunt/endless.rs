@@ -8,7 +8,8 @@
 use super::Order;
 use super::chase::Chase;
 use crate::explore::measure::{Diverging, Gauge, How, Timing};
-use crate::explore::rules::{Action, Rules};
+use crate::explore::reductions::Reduced;
+use crate::explore::rules::Action;
 use crate::explore::run::Run;
 use crate::explore::search::Search;
 use crate::explore::watch::{ResponseTime, Watch, Within};
@@ -17,7 +18,7 @@ use crate::system::Ticks;
 /// How often a chase is prolonged that goes on but does not repeat itself.
 const DOUBLED: u32 = 5;
 
-impl<R: Rules> Search<'_, R> {
+impl<R: Reduced> Search<'_, R> {
     /// Times that may have no bound, as far as is known.
     fn may_be_endless(&self) -> impl Iterator<Item = usize> {
         let all = self.gauges.iter().enumerate();

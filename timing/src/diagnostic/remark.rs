@@ -3,9 +3,9 @@
 use std::ops::Range;
 
 use dotgen_analysis::model::Seconds;
+use dotgen_analysis::quantity;
 
-use crate::scn::{Diagnostic, Place};
-use crate::system::units::in_words;
+use super::{Diagnostic, Place};
 
 /// An assumption about one thing.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -232,7 +232,7 @@ fn words(first: &Remark, others: &[&Remark]) -> String {
             task,
             period,
         } => {
-            let [time, period] = [time, period].map(|it| in_words(*it));
+            let [time, period] = [time, period].map(|it| quantity::time(*it));
             format!(
                 "while {head} waits for {codel}, which takes up to {time}, the lock queue stands still: {task}, which shares \
                  nothing with it, waits behind and can miss its period of {period}; shorten what {codel} does with \
@@ -253,7 +253,7 @@ fn words(first: &Remark, others: &[&Remark]) -> String {
             task,
             period,
         } => {
-            let [time, period] = [time, period].map(|it| in_words(*it));
+            let [time, period] = [time, period].map(|it| quantity::time(*it));
             format!(
                 "{codel} holds a port for up to {time}; {other} waits for it meanwhile, and {task} can miss its period of \
                  {period}; let {codel} work on a `local` copy, and use the port in a short codel of its own"

@@ -10,33 +10,33 @@ use crate::template::discover::absolute_text;
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(crate) struct Options {
     /// `-I`, as given.
-    pub(super) include_dirs: Vec<String>,
+    pub(crate) include_dirs: Vec<String>,
     /// `-D`: name and value.
-    pub(super) defines: Vec<(String, String)>,
+    pub(crate) defines: Vec<(String, String)>,
     /// `-t`, as given.
-    pub(super) templates: Option<String>,
+    pub(crate) templates: Option<String>,
     /// `-C`: where the names of inputs start; several are joined.
     pub(crate) directory: String,
     /// `--release`.
-    pub(super) release: Option<Release>,
+    pub(crate) release: Option<Release>,
     /// `-T`.
-    pub(super) tmpdir: Option<String>,
+    pub(crate) tmpdir: Option<String>,
     /// `--confined`.
-    pub(super) confined: bool,
+    pub(crate) confined: bool,
     pub(crate) verbose: bool,
     pub(crate) debug: bool,
-    pub(super) mode: Mode,
+    pub(crate) mode: Mode,
     /// The options as `dotgen genom cmdline` shows them.
     pub(crate) cmdline: String,
     /// Directory where relative paths start.
     here: PathBuf,
     /// The template and everything after it, or the inputs.
-    pub(super) rest: Vec<String>,
+    pub(crate) rest: Vec<String>,
 }
 
 /// What to do.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Mode {
+pub(crate) enum Mode {
     /// Run a template.
     #[default]
     Template,
@@ -56,7 +56,7 @@ pub(super) enum Mode {
 
 /// Why the options cannot be used.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) enum OptionError {
+pub(crate) enum OptionError {
     /// The usage follows; exit status 1.
     Usage(String),
     /// Exit status 2.
@@ -79,7 +79,7 @@ const LONG: &[(&str, char)] = &[
     ("version", 'V'),
 ];
 
-pub(super) fn parse(args: &[String], here: &Path) -> Result<Options, OptionError> {
+pub(crate) fn parse(args: &[String], here: &Path) -> Result<Options, OptionError> {
     let mut options = Options {
         here: here.to_owned(),
         ..Options::default()

@@ -1,0 +1,43 @@
+//! What executors do.
+
+/// What an executor does. Numbers index into the tables of the [`TimedSystem`](crate::system::TimedSystem).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Work {
+    /// A codel of a state machine.
+    State {
+        /// The codel.
+        codel: usize,
+        /// The task that executes it.
+        task: usize,
+        /// The automaton: the permanent activity, or an activity.
+        automaton: usize,
+        /// The state of its machine.
+        state: usize,
+        /// The place of the activity. Whoever has it keeps it to its end.
+        slot: usize,
+    },
+    /// A codel of a control task.
+    Control {
+        /// The codel.
+        codel: usize,
+        /// The service that is handled.
+        service: usize,
+        /// Number of the codel: the one that validates, if there is one, then the others in order.
+        number: usize,
+    },
+    /// A delay of a client.
+    Delay {
+        /// The client.
+        client: usize,
+    },
+}
+
+impl Work {
+    /// The codel, if it is one.
+    pub fn codel(&self) -> Option<usize> {
+        match *self {
+            Work::State { codel, .. } | Work::Control { codel, .. } => Some(codel),
+            Work::Delay { .. } => None,
+        }
+    }
+}
