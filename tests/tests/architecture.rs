@@ -151,6 +151,12 @@ fn modules_import_in_one_direction_only() {
 }
 
 #[test]
+fn scripts_of_the_extension_import_in_one_direction_only() {
+    let found = imports::circles_of_scripts(&workspace_root().join("vscode-extension/src"));
+    assert!(found.is_empty(), "scripts import each other: {found:#?}");
+}
+
+#[test]
 fn a_circle_of_imports_is_seen() {
     let circles = |texts: &[(&str, &str)]| {
         let module = |it: &str| -> Vec<String> {

@@ -1,6 +1,9 @@
 // What the server offers beyond the Language Server Protocol (docs/protocol.md).
 import { NotificationType, RequestType, type Position, type Range, type TextDocumentIdentifier } from 'vscode-languageclient/node';
+import type { Place } from './place';
 import type { Trace } from './trace/form';
+
+export type { Place } from './place';
 
 export const LANGUAGE = 'genom3';
 
@@ -173,11 +176,6 @@ export interface VerificationStatus {
 }
 
 export const verificationStatus = new NotificationType<VerificationStatus>('dotgen/verificationStatus');
-
-export interface Place {
-  uri: string;
-  range: Range;
-}
 
 /** What is to be different, for one question. */
 export interface WhatIf {

@@ -181,6 +181,33 @@ impl Imports {
     }
 }
 
+/// Modules of TypeScript that import each other in a circle, each with what it imports.
+pub(crate) fn circles_of_scripts(folder: &Path) -> Vec<(String, BTreeSet<String>)> {
+    let mut graph: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for entry in walkdir::WalkDir::new(folder).into_iter().flatten() {
+        let path = entry.path();
+        if path.extension().is_none_or(|it| it != "ts") {
+            continue;
+        }
+        let text = std::fs::read_to_string(path).expect("UTF-8");
+        let directory = path.parent().unwrap_or(folder);
+        let imports = text.split(" from './").skip(1).map(|it| (directory, it));
+        let above = directory.parent().unwrap_or(folder);
+        let above = text.split(" from '../").skip(1).map(|it| (above, it));
+        let named = imports.chain(above).filter_map(|(directory, rest)| {
+            let (name, _) = rest.split_once('\'')?;
+            let file = directory.join(format!("{name}.ts"));
+            Some(file.strip_prefix(folder).ok()?.display().to_string())
+        });
+        let own = path.strip_prefix(folder).expect("below it");
+        graph.insert(own.display().to_string(), named.collect());
+    }
+    assert!(!graph.is_empty(), "no scripts in {}", folder.display());
+    let in_circle = |it: &&String| reached(&graph, it).contains(it);
+    let names = graph.keys().filter(in_circle);
+    names.map(|it| (it.clone(), graph[it].clone())).collect()
+}
+
 /// What can be reached from a node by at least one arrow.
 fn reached<'g>(graph: &'g BTreeMap<String, BTreeSet<String>>, from: &str) -> BTreeSet<&'g String> {
     let mut out = BTreeSet::new();

@@ -4,7 +4,7 @@ import * as vscode from 'vscode';
 import type { Server } from '../client';
 import { notRunning } from '../commands/server';
 import { diagram, LANGUAGE, type DiagramAnswer } from '../protocol';
-import type { Target } from './panel';
+import { isDark, type Target } from './target';
 
 const TYPING_PAUSE_MS = 250;
 const HIGHEST = 420;
@@ -144,12 +144,6 @@ export class InlineDiagrams implements vscode.Disposable {
 }
 
 /** An image cannot see the theme of the editor around it. */
-export function isDark(): boolean {
-  const { Dark, HighContrast } = vscode.ColorThemeKind;
-  const { kind } = vscode.window.activeColorTheme;
-  return kind === Dark || kind === HighContrast;
-}
-
 /** Under the line of the name. */
 function at({ selectionRange: { start } }: NonNullable<DiagramAnswer['place']>): vscode.Range {
   return new vscode.Range(start.line, 0, start.line, 0);

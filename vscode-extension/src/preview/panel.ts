@@ -3,23 +3,16 @@ import * as vscode from 'vscode';
 import type { Server } from '../client';
 import { notRunning } from '../commands/server';
 import { diagram, LANGUAGE, type Arrangement, type DiagramAnswer, type DiagramKind, type DiagramNode, type DiagramParams } from '../protocol';
-import { isDark } from './inline';
 import { SidePanel } from '../panel/panel';
 import { range, reveal } from '../panel/reveal';
 import type { Ran } from '../run/messages';
 import type { FromPage, Live, Subject, ToPage } from './messages';
 import { page } from './page';
+import { isDark, type Target } from './target';
 
 const TYPING_PAUSE_MS = 120;
 /** Where the workspace keeps what was made of its system. */
 const ARRANGEMENT = 'diagram.arrangement';
-
-/** Argument of the command, as code lenses give it. */
-export interface Target {
-  uri: string;
-  component?: string;
-  owner?: string;
-}
 
 export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
   private nodes: DiagramNode[] = [];

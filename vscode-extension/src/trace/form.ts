@@ -1,6 +1,6 @@
 // The form of a trace (docs/trace.md): one run, a counterexample or a recorded one. Lanes, steps and places are named by
 // their index; times are in `unit`.
-import type { Place } from '../protocol';
+import type { Place } from '../place';
 
 export const FORMAT = 1;
 
