@@ -1,4 +1,5 @@
-//! A release of GenoM3 and who chose it. [`crate::requirement`] finds the one that a specification is read as.
+//! A release of GenoM3 and who chose it. [`crate::requirement`] finds the one that a specification is read
+//! as.
 
 use std::fmt;
 

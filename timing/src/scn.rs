@@ -1,8 +1,8 @@
 //! The scenario language (`.scn`): what to verify, on which platform, and under which assumptions.
 //!
 //! Text becomes tokens, tokens become an [`ast::Scenario`] with a range on every name, and problems
-//! become [`Diagnostic`](crate::diagnostic::Diagnostic)s; none of it ever fails. Paths are looked up in the components by
-//! [`names`], which is also what editor features ask.
+//! become [`Diagnostic`](crate::diagnostic::Diagnostic)s; none of it ever fails. Paths are looked up in the
+//! components by [`names`], which is also what editor features ask.
 
 pub mod ast;
 pub mod complete;
