@@ -24,6 +24,14 @@ impl Timing {
         }
     }
 
+    /// The task whose response time it is.
+    pub(super) fn task(self) -> Option<usize> {
+        match self {
+            Timing::Response(task) => Some(task),
+            Timing::Within(_) => None,
+        }
+    }
+
     /// How many obligations are as old as the one that is measured, itself included. When they become fewer,
     /// another may have taken its place; they never become more.
     fn as_old(self, l: &Frame, s: &State) -> usize {

@@ -231,11 +231,6 @@ impl Store {
         }
     }
 
-    /// Another empty set of the same kind.
-    pub(crate) fn like(&self) -> Self {
-        Store::new(self.clocks, self.covering)
-    }
-
     /// Removes everything, keeping the memory.
     pub(crate) fn clear(&mut self) {
         self.table.clear();

@@ -112,14 +112,6 @@ impl Orbits {
         &self.services[service]
     }
 
-    /// Places in a list of the tasks that correspond to a task, with its own.
-    pub(crate) fn alike(&self, task: usize, list: &[usize]) -> Vec<usize> {
-        let orbit = self.of_task(task);
-        (0..list.len())
-            .filter(|&it| orbit.contains(&list[it]))
-            .collect()
-    }
-
     /// What makes one task another of its orbit.
     pub(crate) fn exchange(&self, one: usize, other: usize) -> Renaming {
         let mut out = self.identity();

@@ -16,7 +16,10 @@ mod endless;
 use rustc_hash::FxHashSet;
 
 use self::chase::{Chase, Order};
-use super::{Search, Sight};
+use super::goals::{GoalId, Goals, PerGoal};
+use super::layers::Layers;
+use super::supervisor::Supervisor;
+use super::watching::Watching;
 use crate::cancel::Cancel;
 use crate::explore::findings::{Findings, Found};
 use crate::explore::reductions::{Kind, Reason, Reduced};
@@ -37,7 +40,7 @@ const FURTHER: u64 = 200_000;
 /// What was caught so far, and what it has cost.
 #[derive(Debug, Default)]
 pub(super) struct Hunt {
-    caught: Lists<Option<Catch>>,
+    caught: PerGoal<Option<Catch>>,
     /// Chases so far.
     chases: u64,
     /// Steps of all chases.
@@ -70,49 +73,10 @@ pub(super) struct Catch {
     pub(super) is_final: bool,
 }
 
-/// What was seen where, what was caught if there is a hunt, and what never happens.
-struct List<'s> {
-    seen: &'s [Option<Sight>],
-    caught: Option<&'s Vec<Option<Catch>>>,
-    never: Vec<bool>,
-}
-
-impl List<'_> {
-    /// Whether something may still be seen, and is `wanted` with what was caught of it.
-    fn is_open(&self, it: usize, wanted: &dyn Fn(Option<&Run>) -> bool) -> bool {
-        let caught = self.caught.and_then(|caught| caught[it].as_ref());
-        let settled = self.never[it] || caught.is_some_and(|it| it.is_final);
-        self.seen[it].is_none() && !settled && wanted(caught.map(|it| &it.run))
-    }
-}
-
-/// One for each of what is watched and shown by a single state.
-#[derive(Debug, Default)]
-struct Lists<T> {
-    missed: Vec<T>,
-    overdue: Vec<T>,
-    reached: Vec<T>,
-}
-
-impl<T> Lists<T> {
-    fn all(&self) -> impl Iterator<Item = &T> {
-        self.missed.iter().chain(&self.overdue).chain(&self.reached)
-    }
-
-    fn is_empty(&self) -> bool {
-        self.all().next().is_none()
-    }
-}
-
 impl Hunt {
     pub(super) fn new(watch: &Watch) -> Self {
-        let none = |n: usize| (0..n).map(|_| None).collect();
         Hunt {
-            caught: Lists {
-                missed: none(watch.schedulable.len()),
-                overdue: none(watch.overdue.len()),
-                reached: none(watch.reach.len()),
-            },
+            caught: Goals::of(watch).each(|_| None),
             ..Hunt::default()
         }
     }
@@ -130,61 +94,56 @@ impl Hunt {
         steps >= SMALL && !self.over && !self.full && self.steps + self.length() <= share
     }
 
-    /// Notes what a chase for some of the watched things has caught, if it is new or ends earlier. Whether
-    /// any of it does.
-    fn note(&mut self, goals: &Lists<usize>, caught: Lists<Option<Run>>) -> bool {
-        let lists = [
-            (&mut self.caught.missed, &goals.missed, caught.missed),
-            (&mut self.caught.overdue, &goals.overdue, caught.overdue),
-            (&mut self.caught.reached, &goals.reached, caught.reached),
-        ];
+    /// In which order the next chase looks at things.
+    fn next_order(&mut self) -> Order {
+        self.chases += 1;
+        let mut order = Order::numbered(self.chases - 1);
+        order.late &= !self.not_late;
+        order
+    }
+
+    /// Notes what a chase for some goals has caught, if it is new or ends earlier. Whether any of it does.
+    fn note(&mut self, goals: &[GoalId], caught: impl Iterator<Item = Option<Run>>) -> bool {
         let mut any = false;
-        for (known, goals, caught) in lists {
-            for (&goal, run) in goals.iter().zip(caught) {
-                let place = &mut known[goal];
-                if let Some(run) = run
-                    && place.as_ref().is_none_or(|it| run.end < it.run.end)
-                {
-                    *place = Some(Catch {
-                        run,
-                        is_final: false,
-                    });
-                    any = true;
-                }
+        for (&goal, run) in goals.iter().zip(caught) {
+            let place = &mut self.caught[goal];
+            if let Some(run) = run
+                && place.as_ref().is_none_or(|it| run.end < it.run.end)
+            {
+                *place = Some(Catch {
+                    run,
+                    is_final: false,
+                });
+                any = true;
             }
         }
         any
     }
 
     /// The end of the run to some of them that ends last.
-    fn last_end(&self, goals: &Lists<usize>) -> Option<u64> {
-        let lists = [
-            (&self.caught.missed, &goals.missed),
-            (&self.caught.overdue, &goals.overdue),
-            (&self.caught.reached, &goals.reached),
-        ];
-        let runs = lists.into_iter();
-        let runs = runs.flat_map(|(caught, goals)| goals.iter().map(|&it| caught[it].as_ref()));
-        runs.flatten().map(|it| it.run.end).max()
+    fn last_end(&self, goals: &[GoalId]) -> Option<u64> {
+        let runs = goals.iter().filter_map(|&it| self.caught[it].as_ref());
+        runs.map(|it| it.run.end).max()
     }
 
-    fn lists_mut(&mut self) -> [&mut Vec<Option<Catch>>; 3] {
-        let Lists {
-            missed,
-            overdue,
-            reached,
-        } = &mut self.caught;
-        [missed, overdue, reached]
+    /// What was caught.
+    pub(super) fn caught(&self, goal: GoalId) -> Option<&Catch> {
+        self.caught[goal].as_ref()
     }
 
-    /// What was caught, by list and place, see [`Search::for_each`].
-    pub(super) fn caught(&self, list: usize, i: usize) -> Option<&Catch> {
-        let Lists {
-            missed,
-            overdue,
-            reached,
-        } = &self.caught;
-        [missed, overdue, reached][list][i].as_ref()
+    /// The hunt beside another exploration of the same system: what was seen by this one is known already.
+    pub(super) fn handed_on<R: Reduced>(mut self, layers: &Layers<'_, R>) -> Hunt {
+        self.steps = 0;
+        self.tell_at = None;
+        for goal in layers.watching.goals.ids() {
+            if let Some(run) = layers.run_to(goal) {
+                self.caught[goal] = Some(Catch {
+                    run,
+                    is_final: true,
+                });
+            }
+        }
+        self
     }
 }
 
@@ -199,157 +158,97 @@ pub(super) fn suits(watch: &Watch, limits: Limits) -> Result<(), Reason> {
     }
 }
 
-impl<R: Reduced> Search<'_, R> {
-    /// What is watched, shown by a single state, and not seen yet: by number, as far as it is `wanted`, given
-    /// what was caught of it.
-    fn unseen(&self, wanted: &dyn Fn(Option<&Run>) -> bool) -> Lists<usize> {
-        let [missed, overdue, reached] = self.lists().map(|list| {
-            let all = 0..list.seen.len();
-            all.filter(|&it| list.is_open(it, wanted)).collect()
-        });
-        Lists {
-            missed,
-            overdue,
-            reached,
-        }
-    }
-
-    /// Whether there is any of it.
-    fn any_unseen(&self, wanted: &dyn Fn(Option<&Run>) -> bool) -> bool {
-        let mut lists = self.lists().into_iter();
-        lists.any(|list| (0..list.seen.len()).any(|it| list.is_open(it, wanted)))
-    }
-
-    /// What was seen, and what was caught if there is a hunt.
-    fn lists(&self) -> [List<'_>; 3] {
-        let caught = self.hunt.as_ref().map(|it| &it.caught);
-        // What is proved in zones has no periodic tasks, so that nothing is late.
-        let never = |list: &[Option<Sight>]| vec![self.is_proved(); list.len()];
-        let never_reached = (0..self.reached.len()).map(|it| self.never_reached(it));
-        [
-            (
-                &self.missed,
-                caught.map(|it| &it.missed),
-                never(&self.missed),
-            ),
-            (
-                &self.overdue,
-                caught.map(|it| &it.overdue),
-                never(&self.overdue),
-            ),
-            (
-                &self.reached,
-                caught.map(|it| &it.reached),
-                never_reached.collect(),
-            ),
-        ]
-        .map(|(seen, caught, never)| List {
-            seen,
-            caught,
-            never,
+impl<'a, R: Reduced> Supervisor<'a, R> {
+    /// Goals that are not seen yet, nor settled otherwise, as far as they are `wanted`, given what was caught
+    /// of them.
+    fn unseen(
+        &self,
+        layers: &Layers<'a, R>,
+        wanted: impl Fn(Option<&Run>) -> bool,
+    ) -> impl Iterator<Item = GoalId> {
+        layers.watching.goals.ids().filter(move |&goal| {
+            let caught = self.hunt.as_ref().ok().and_then(|it| it.caught(goal));
+            let settled = self.is_never(layers, goal) || caught.is_some_and(|it| it.is_final);
+            layers.watching.seen.goals[goal].is_none()
+                && !settled
+                && wanted(caught.map(|it| &it.run))
         })
     }
 
     /// Whether everything that a single state shows was seen or caught.
-    pub(super) fn all_caught(&self) -> bool {
-        !self.any_unseen(&|caught| caught.is_none())
+    pub(super) fn all_caught(&self, layers: &Layers<'a, R>) -> bool {
+        let mut left = self.unseen(layers, |caught| caught.is_none());
+        left.next().is_none()
     }
 
     /// Whether something was only caught, and may still be seen earlier.
-    pub(super) fn may_end_earlier(&self) -> bool {
-        self.any_unseen(&|caught| caught.is_some_and(|it| it.end > self.now))
+    pub(super) fn may_end_earlier(&self, layers: &Layers<'a, R>) -> bool {
+        let now = layers.now;
+        let mut left = self.unseen(layers, |caught| caught.is_some_and(|it| it.end > now));
+        left.next().is_some()
     }
 
-    /// Steps so far, with those of the hunt and those in zones.
-    pub(super) fn effort(&self) -> u64 {
-        self.steps + self.in_zones().1 + self.hunt.as_ref().map_or(0, |it| it.steps)
-    }
-
-    /// States looked at in the hunt.
-    pub(super) fn hunted(&self) -> usize {
-        self.hunt.as_ref().map_or(0, |it| it.states)
-    }
-
-    fn is_hunt_due(&self) -> bool {
+    fn is_hunt_due(&self, layers: &Layers<'a, R>) -> bool {
         let hunt = self.hunt.as_ref();
-        hunt.is_some_and(|it| it.is_due(self.steps, self.is_crowded()))
+        hunt.is_ok_and(|it| it.is_due(layers.steps, layers.is_crowded()))
     }
 
     /// Steps for each of the two ways to an earlier end of what was caught.
-    pub(super) fn further(&self) -> u64 {
-        self.effort().min(FURTHER)
-    }
-
-    /// The hunt, for another search of the same system: what was seen by this one is known already.
-    pub(super) fn hand_on_hunt(&mut self) -> Option<Hunt> {
-        let seen = self.for_each(|list, i| self.seen_run(list, i));
-        let mut hunt = self.hunt.take()?;
-        hunt.steps = 0;
-        hunt.tell_at = None;
-        for (caught, seen) in hunt.lists_mut().into_iter().zip(seen) {
-            for (caught, run) in caught.iter_mut().zip(seen) {
-                let first = |run| Catch {
-                    run,
-                    is_final: true,
-                };
-                *caught = run.map(first).or(caught.take());
-            }
-        }
-        Some(hunt)
+    pub(super) fn further(&self, layers: &Layers<'a, R>) -> u64 {
+        self.effort(layers).min(FURTHER)
     }
 
     /// Leaves telling to the end, which is near.
     pub(super) fn tell_later(&mut self) {
-        if let Some(hunt) = &mut self.hunt {
+        if let Ok(hunt) = &mut self.hunt {
             hunt.tell_at = None;
         }
     }
 
     /// Settles what was caught, if the search has gone on for long enough without seeing it.
-    fn settle_if_due(&mut self) {
-        let due = self.hunt.as_ref().and_then(|it| it.tell_at);
-        if due.is_none_or(|it| self.steps < it) {
+    fn settle_if_due(&mut self, layers: &Layers<'a, R>) {
+        let due = self.hunt.as_ref().ok().and_then(|it| it.tell_at);
+        if due.is_none_or(|it| layers.steps < it) {
             return;
         }
-        self.chase_earlier(self.further());
-        if let Some(hunt) = &mut self.hunt {
+        self.chase_earlier(layers, self.further(layers));
+        if let Ok(hunt) = &mut self.hunt {
             hunt.tell_at = None;
-            for list in hunt.lists_mut() {
-                list.iter_mut().flatten().for_each(|it| it.is_final = true);
-            }
+            let caught = hunt.caught.values_mut().flatten();
+            caught.for_each(|it| it.is_final = true);
         }
     }
 
     /// Hunts for what has not been seen, if it is time to.
-    pub(super) fn hunt_if_due(&mut self) {
-        self.settle_if_due();
-        while self.diverging.is_none() && self.is_hunt_due() {
-            let goals = self.unseen(&|caught| caught.is_none());
-            let endless = self.next_endless();
+    pub(super) fn hunt_if_due(&mut self, layers: &mut Layers<'a, R>) {
+        self.settle_if_due(layers);
+        while layers.diverging.is_none() && self.is_hunt_due(layers) {
+            let goals: Vec<GoalId> = self.unseen(layers, |it| it.is_none()).collect();
+            let endless = self.next_endless(layers);
             if goals.is_empty() && endless.is_none() {
                 return;
             }
             if let Some(gauge) = endless {
-                self.hunt_endless(gauge);
+                layers.diverging = self.hunt_endless(layers, gauge);
             }
             if goals.is_empty() {
                 continue;
             }
-            let watch = self.watch_for(&goals);
-            let mut chase = Chase::new(self.beside(&watch));
+            let watch = layers.watching.goals.only(&goals);
+            let mut chase = beside(layers, &watch);
             for _ in 0..Order::KINDS {
-                if !self.is_hunt_due() || self.chase(&mut chase, &goals, None) {
+                if !self.is_hunt_due(layers) || self.chase(layers, &mut chase, &goals, None) {
                     break;
                 }
             }
-            let any = self.any_unseen(&|caught| caught.is_some());
-            let tell_at = self.steps + FURTHER;
-            if let Some(hunt) = self.hunt.as_mut().filter(|_| any) {
-                hunt.tell_at.get_or_insert(tell_at);
+            let any = self.unseen(layers, |it| it.is_some()).next().is_some();
+            let Ok(hunt) = &mut self.hunt else { return };
+            if any {
+                hunt.tell_at.get_or_insert(layers.steps + FURTHER);
             }
-            let caught = self.hunt.as_ref().map(|it| &it.caught.missed);
-            if self.watch.stop_at_first && caught.is_some_and(|it| it.iter().any(Option::is_some)) {
-                self.stopped = Some(Stop::Answered);
+            let mut missed = layers.watching.goals.missed();
+            if watch.stop_at_first && missed.any(|it| hunt.caught[it.0].is_some()) {
+                layers.stopped = Some(Stop::Answered);
                 return;
             }
         }
@@ -357,16 +256,16 @@ impl<R: Reduced> Search<'_, R> {
 
     /// For so many steps, looks for runs that end earlier than those that were caught: soon after the moment
     /// up to which everything is known, then up to moments that are further and further away.
-    pub(super) fn chase_earlier(&mut self, further: u64) {
-        let goals = self.unseen(&|caught| caught.is_some());
-        let watch = self.watch_for(&goals);
-        let mut chase = Chase::new(self.beside(&watch));
-        let until = self.effort() + further;
+    pub(super) fn chase_earlier(&mut self, layers: &Layers<'a, R>, further: u64) {
+        let goals: Vec<GoalId> = self.unseen(layers, |it| it.is_some()).collect();
+        let watch = layers.watching.goals.only(&goals);
+        let mut chase = beside(layers, &watch);
+        let until = self.effort(layers) + further;
         let length = (further / 5).max(1);
-        let (mut low, mut width) = (self.now, 1);
-        while let Some(hunt) = &self.hunt
+        let (mut low, mut width) = (layers.now, 1);
+        while let Ok(hunt) = &self.hunt
             && !hunt.full
-            && self.effort() + length <= until
+            && self.effort(layers) + length <= until
         {
             let Some(high) = hunt.last_end(&goals).filter(|&it| it > low + 1) else {
                 return;
@@ -374,7 +273,7 @@ impl<R: Reduced> Search<'_, R> {
             if low + width >= high {
                 width = 1;
             }
-            if self.chase(&mut chase, &goals, Some((length, low + width))) {
+            if self.chase(layers, &mut chase, &goals, Some((length, low + width))) {
                 (low, width) = (low + width / 2, 1);
             } else if chase.is_exhausted() {
                 low += width;
@@ -387,21 +286,23 @@ impl<R: Reduced> Search<'_, R> {
     /// One chase, of a length and up to a moment. Whether it has caught anything new.
     fn chase(
         &mut self,
+        layers: &Layers<'a, R>,
         chase: &mut Chase<'_, R>,
-        goals: &Lists<usize>,
+        goals: &[GoalId],
         bounds: Option<(u64, u64)>,
     ) -> bool {
-        let Some(mut order) = self.next_order() else {
+        let Ok(hunt) = &mut self.hunt else {
             return false;
         };
+        let mut order = hunt.next_order();
         // Late ones are no use for what others have caught.
-        order.late &= bounds.is_none() || self.hunt.as_ref().is_some_and(|it| it.late);
-        self.run_chase(chase, order, bounds);
+        order.late &= bounds.is_none() || hunt.late;
+        self.run_chase(layers, chase, order, bounds);
         let caught = chase.caught();
-        let Some(hunt) = &mut self.hunt else {
+        let Ok(hunt) = &mut self.hunt else {
             return false;
         };
-        let any = hunt.note(goals, caught);
+        let any = hunt.note(goals, caught.into_values());
         hunt.late |= any && order.late;
         let everything = bounds.is_none() && chase.is_exhausted();
         hunt.over |= everything && !order.late;
@@ -409,26 +310,21 @@ impl<R: Reduced> Search<'_, R> {
         any
     }
 
-    /// In which order the next chase looks at things.
-    fn next_order(&mut self) -> Option<Order> {
-        let hunt = self.hunt.as_mut()?;
-        hunt.chases += 1;
-        let mut order = Order::numbered(hunt.chases - 1);
-        order.late &= !hunt.not_late;
-        Some(order)
-    }
-
     /// One chase.
-    fn run_chase(&mut self, chase: &mut Chase<R>, order: Order, bounds: Option<(u64, u64)>) {
+    fn run_chase(
+        &mut self,
+        layers: &Layers<'a, R>,
+        chase: &mut Chase<R>,
+        order: Order,
+        bounds: Option<(u64, u64)>,
+    ) {
         // After the end of a search for want of room only few more are looked at.
-        let states = match self.stopped {
+        let states = match layers.stopped {
             Some(_) => 0,
-            None => self.nodes.len() + self.layer.len() + self.states_beside(),
+            None => layers.states_now() + self.states_beside(),
         };
-        let bytes = self.memory();
-        let Some(hunt) = &mut self.hunt else {
-            return;
-        };
+        let bytes = layers.memory() + self.proving.bytes();
+        let Ok(hunt) = &mut self.hunt else { return };
         let (length, end) = bounds.unwrap_or((hunt.length(), u64::MAX));
         let room = chase.run(order, length, end, (states, bytes));
         hunt.full |= !room;
@@ -441,27 +337,13 @@ impl<R: Reduced> Search<'_, R> {
             }
         }
     }
+}
 
-    /// A search for something else in the same system, within the same limits.
-    fn beside<'w>(&self, watch: &'w Watch) -> Search<'w, R>
-    where
-        Self: 'w,
-    {
-        Search::new(&self.rules, watch, &[], self.limits, self.cancel)
-    }
-
-    fn watch_for(&self, goals: &Lists<usize>) -> Watch {
-        let pick = |list: &[usize], goals: &[usize]| goals.iter().map(|&it| list[it]).collect();
-        Watch {
-            schedulable: pick(&self.watch.schedulable, &goals.missed),
-            overdue: pick(&self.watch.overdue, &goals.overdue),
-            reach: (goals.reached.iter())
-                .map(|&it| self.watch.reach[it].clone())
-                .collect(),
-            stop_at_first: self.watch.stop_at_first,
-            ..Watch::default()
-        }
-    }
+/// A chase for something in the same system as that of layers, within the same limits.
+fn beside<'w, R: Reduced>(layers: &Layers<'w, R>, watch: &'w Watch) -> Chase<'w, R> {
+    let rules = &layers.watching.rules;
+    let watching = Watching::new(rules, watch, &[], layers.limits.without);
+    Chase::new(watching, layers.limits, layers.cancel)
 }
 
 /// Only chases a system: what the states of one chase of this number show, of those a [`Watch`] can be
@@ -483,17 +365,17 @@ fn chase_by<R: Reduced>(
     limits: Limits,
     cancel: &Cancel,
 ) -> Findings {
-    let mut chase = Chase::new(Search::new(rules, watch, &[], limits, cancel));
+    let watching = Watching::new(rules, watch, &[], limits.without);
+    let mut chase = Chase::new(watching, limits, cancel);
     let room = chase.run(Order::numbered(number), steps, u64::MAX, (0, 0));
-    let caught = chase.caught();
-    let found = |runs: Vec<Option<Run>>| {
-        let found = |run| Found { run };
-        runs.into_iter().map(|it| it.map(found)).collect()
-    };
+    let goals = Goals::of(watch);
+    let found = |run: Option<Run>| run.map(|run| Found { run });
+    let mut caught = chase.caught().into_values().map(found);
+    let [missed, overdue, reached] = goals.split(goals.each(|_| caught.next().flatten()));
     Findings {
-        missed: found(caught.missed),
-        overdue: found(caught.overdue),
-        reached: found(caught.reached),
+        missed,
+        overdue,
+        reached,
         refused: chase.refused(),
         states: chase.states(),
         steps: chase.steps,

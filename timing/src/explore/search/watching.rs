@@ -1,104 +1,241 @@
-//! What is watched while states are explored: when it has been seen, and how long it lasts.
+//! What is watched along all runs, whatever the order in which they are followed: one step at a time, and what
+//! each step shows.
 
-use super::trace::Goal;
-use super::{LOOKS, Longest, Search, Sight};
-use crate::explore::findings::{Bound, Findings, Found, Measured};
-use crate::explore::measure::{Diverging, Gauge, How, Timing};
-use crate::explore::observe;
-use crate::explore::reductions::{Reduced, Reductions};
-use crate::explore::rules::Action;
+use super::goals::{GoalId, Goals, PerGoal};
+use crate::explore::measure::{Gauge, How, Timing};
+use crate::explore::observe::{self, Observer};
+use crate::explore::reductions::{Held, Kinds, Label, Reduced, Reductions, Watched};
+use crate::explore::rules::{Action, Enabled};
 use crate::explore::run::Run;
-use crate::explore::state::{State, TaskStatus};
-use crate::explore::watch::Stop;
+use crate::explore::state::{Clocks, Stages, State, TaskStatus};
+use crate::explore::watch::Watch;
+use crate::property::Predicate;
 use crate::system::Ticks;
 
-/// Steps for which an exploration that has answered everything goes on, to see requests that are refused.
-const LINGER: u64 = 20_000;
+/// Where and when something was seen.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sight<P> {
+    /// What was followed to it.
+    pub(super) parent: P,
+    pub(super) time: u64,
+}
 
-impl<R: Reduced> Search<'_, R> {
-    /// Whether everything that is asked has been seen, or caught.
-    pub(super) fn answered(&self) -> bool {
-        let unbounded = |it: usize| matches!(self.gauges[it].how, How::Unbounded(_));
-        (0..self.gauges.len()).all(|it| unbounded(it) || self.is_longest(it))
-            && (!self.watch.deadlock || self.deadlock.is_some() || self.never_deadlocked())
-            && self.all_caught()
-    }
+/// A longest time seen.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Longest<P> {
+    pub(super) value: Ticks,
+    pub(super) at: Sight<P>,
+}
 
-    /// Whether to go on for a while when everything is answered: what was only caught may be seen earlier,
-    /// and requests may turn out to be refused.
-    pub(super) fn goes_on(&mut self) -> bool {
-        let refusals = self.rules.system().may_refuse() && !self.is_proved();
-        let until = match self.until {
-            Some(it) => it,
-            None => {
-                let mut further = if refusals { LINGER } else { 0 };
-                if self.may_end_earlier() {
-                    further = self.further();
-                    self.chase_earlier(further);
-                    self.tell_later();
-                }
-                *self.until.insert(self.steps + further)
-            }
+/// What was seen so far.
+pub(super) struct Seen<P> {
+    pub(super) goals: PerGoal<Option<Sight<P>>>,
+    /// Of each gauge.
+    pub(super) longest: Vec<Option<Longest<P>>>,
+    /// Where each gauge exceeds its limit first.
+    pub(super) excess: Vec<Option<Sight<P>>>,
+    /// Nothing more is wanted.
+    pub(super) enough: bool,
+}
+
+/// The rules of a system, with what is watched of it, and what was seen.
+pub(super) struct Watching<'a, R: Reduced, P> {
+    pub(super) rules: R,
+    pub(super) reductions: R::Reductions,
+    pub(super) watch: &'a Watch,
+    pub(super) goals: Goals<'a>,
+    pub(super) observers: Vec<Observer>,
+    pub(super) gauges: &'a [Gauge],
+    /// Tasks whose clock only serves the overdue check.
+    pub(super) waiting_only: Vec<bool>,
+    pub(super) seen: Seen<P>,
+}
+
+impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
+    /// Watches, with the reductions that respect it.
+    pub(super) fn new(rules: &R, watch: &'a Watch, gauges: &'a [Gauge], without: Kinds) -> Self {
+        let system = rules.system();
+        let measured = |of: Timing| gauges.iter().any(|it| it.of == of && it.active());
+        let measured_task = |task: usize| measured(Timing::Response(task));
+        let waiting_only: Vec<bool> = (0..system.tasks.len())
+            .map(|t| {
+                !measured_task(t) && watch.overdue.contains(&t) && system.tasks[t].period.is_some()
+            })
+            .collect();
+        let observed: Vec<bool> = (0..system.tasks.len())
+            .map(|t| measured_task(t) || waiting_only[t])
+            .collect();
+        let clocked: Vec<Stages> = (watch.within.iter().enumerate())
+            .map(|(i, it)| Stages {
+                count: it.responses.len(),
+                measured: measured(Timing::Within(i)),
+            })
+            .collect();
+        let clocks = Clocks {
+            response: observed,
+            within: clocked,
+            token: 0,
         };
-        self.steps < until && (refusals || self.may_end_earlier())
-    }
-
-    /// Whether the longest time of a gauge has been seen, and nothing else is wanted of it.
-    pub(super) fn is_longest(&self, gauge: usize) -> bool {
-        let it = &self.gauges[gauge];
-        it.most.is_some_and(|most| {
-            it.active()
-                && it.limit.is_none_or(|limit| most <= limit)
-                && self.longest[gauge].is_some_and(|it| it.value >= most)
-        })
-    }
-
-    /// Nothing will happen after a node: whatever is measured there has no bound.
-    pub(super) fn waits_forever(&mut self, s: &State, at: Sight) {
-        if self.diverging.is_some() {
-            return;
+        let own = rules.with_clocks(&clocks);
+        let predicates: Vec<&Predicate> = (watch.within.iter())
+            .flat_map(|it| it.responses.iter().chain([&it.trigger]))
+            .chain(&watch.reach)
+            .collect();
+        let label = |task: usize| Label {
+            watched: [
+                watch.schedulable.contains(&task),
+                watch.overdue.contains(&task),
+            ],
+            measured: (gauges.iter())
+                .filter(|it| it.of == Timing::Response(task))
+                .map(|it| (it.limit, it.most, it.active()))
+                .collect(),
+        };
+        let asked = Watched {
+            labels: (0..system.tasks.len()).map(label).collect(),
+            predicates,
+            measured: clocks.response,
+        };
+        let goals = Goals::of(watch);
+        Watching {
+            reductions: R::Reductions::new(&own, &asked, without),
+            rules: own,
+            watch,
+            observers: watch
+                .within
+                .iter()
+                .map(|it| Observer {
+                    trigger: it.trigger.clone(),
+                    responses: it.responses.clone(),
+                })
+                .collect(),
+            gauges,
+            waiting_only,
+            seen: Seen {
+                goals: goals.each(|_| None),
+                longest: vec![None; gauges.len()],
+                excess: vec![None; gauges.len()],
+                enough: false,
+            },
+            goals,
         }
-        let gauge = (0..self.gauges.len()).find(|&it| self.measures(it, s).is_some());
-        if let Some(gauge) = gauge {
-            self.limits_in_jump(s, at.parent, Ticks::MAX);
-            self.diverging = Some(Diverging {
-                gauge,
-                proof: Some(self.trace(at, &Goal::Deadlock)),
-                excess: None,
-            });
+    }
+
+    /// Forgets what was seen.
+    pub(super) fn begin_anew(&mut self) {
+        self.seen.goals.values_mut().for_each(|it| *it = None);
+        self.seen.longest.fill(None);
+        self.seen.enough = false;
+    }
+
+    // ---- Steps -----------------------------------------------------------------------------
+
+    /// Performs committed steps without a choice, which need not be kept, and puts the state in order. `at`
+    /// tells where a step leads to. Whether the state was not in order.
+    pub(super) fn settle(
+        &mut self,
+        s: &mut State,
+        held: &mut Held,
+        enabled: &mut Enabled,
+        mut at: impl FnMut(Action) -> Sight<P>,
+    ) -> bool {
+        self.rules.enabled(s, enabled);
+        // The bound is there because a client may go round in circles without taking time.
+        for _ in 0..16 {
+            if !enabled.committed || enabled.actions.len() != 1 {
+                break;
+            }
+            let action = enabled.actions[0];
+            self.step(s, action, held, at(action));
+            self.rules.enabled(s, enabled);
+        }
+        let ordered = *held == 0 && self.reductions.order(&self.rules, s).is_some();
+        if ordered {
+            self.rules.enabled(s, enabled);
+        }
+        ordered
+    }
+
+    /// Writes the actions to follow in a state, with what they hold back.
+    pub(super) fn followed(
+        &self,
+        (s, held): (&State, Held),
+        enabled: &Enabled,
+        first: &mut Vec<Action>,
+        out: &mut Vec<(Action, Held)>,
+    ) {
+        let at = (s, held);
+        self.reductions.follow(&self.rules, at, enabled, first, out);
+    }
+
+    /// Performs an action, and looks at the state it leads to.
+    pub(super) fn step(&mut self, s: &mut State, action: Action, held: &mut Held, at: Sight<P>) {
+        let needs_before = !self.observers.is_empty() || !self.watch.reach.is_empty() || *held != 0;
+        let before = needs_before.then(|| s.clone());
+        self.rules.apply(s, action);
+        if let Some(before) = &before {
+            observe::observe(&self.rules, &self.observers, Some(before), s);
+            *held = (self.reductions).held_after(&self.rules, before, action, s, *held);
+        }
+        self.begin_waiting(s, action);
+        self.overdue_at_once(s, action, at);
+        self.check(before.as_ref(), s, at);
+    }
+
+    /// A clock that only serves the overdue check stands still from the moment on at which its task has a
+    /// core.
+    pub(super) fn begin_waiting(&self, s: &mut State, action: Action) {
+        if let Action::Grant { task } = action
+            && self.waiting_only[task]
+            && let Some(clock) = self.rules.frame().response[task]
+        {
+            s.t[clock] = 0;
+        }
+    }
+
+    /// Brings the clocks that only serve the overdue check into order after time has passed.
+    pub(super) fn clamp_waiting(&self, s: &mut State) {
+        let l = self.rules.frame();
+        for (task, only) in self.waiting_only.iter().enumerate() {
+            if *only && let Some(clock) = l.response[task] {
+                let running = self.rules.job(s, task) == TaskStatus::Running;
+                let most = self.rules.system().tasks[task].period.unwrap_or(0);
+                s.t[clock] = if running { 0 } else { s.t[clock].min(most) };
+            }
+        }
+    }
+
+    // ---- What is seen ----------------------------------------------------------------------
+
+    /// Notes that a goal is seen, and with it those that are not told apart from it.
+    fn sight(&mut self, goal: GoalId, at: Sight<P>) {
+        for it in self.goals.alike(goal, self.reductions.orbits()) {
+            self.seen.goals[it] = Some(at);
         }
     }
 
     /// Looks at a state that was just entered.
-    pub(super) fn check(&mut self, before: Option<&State>, s: &State, at: Sight) {
-        for (i, &task) in self.watch.schedulable.iter().enumerate() {
-            if self.missed[i].is_none() && self.rules.missed(s, task) {
-                for it in self
-                    .reductions
-                    .orbits()
-                    .alike(task, &self.watch.schedulable)
-                {
-                    self.missed[it] = Some(at);
-                }
-                if self.watch.stop_at_first {
-                    self.stopped = Some(Stop::Answered);
-                }
+    pub(super) fn check(&mut self, before: Option<&State>, s: &State, at: Sight<P>) {
+        for (goal, task) in self.goals.missed() {
+            if self.seen.goals[goal].is_none() && self.rules.missed(s, task) {
+                self.sight(goal, at);
+                self.seen.enough |= self.watch.stop_at_first;
             }
         }
-        for (i, it) in self.watch.reach.iter().enumerate() {
-            if self.reached[i].is_none() && observe::predicate(&self.rules, before, s, it) {
-                self.reached[i] = Some(at);
+        for (goal, it) in self.goals.reached() {
+            if self.seen.goals[goal].is_none() && observe::predicate(&self.rules, before, s, it) {
+                self.seen.goals[goal] = Some(at);
             }
         }
         for i in 0..self.gauges.len() {
             self.opened_late(i, s, at);
         }
         for (i, gauge) in self.gauges.iter().enumerate() {
-            if self.longest[i].is_none()
+            if self.seen.longest[i].is_none()
                 && (gauge.of.runs(&self.rules, s) || self.is_answered_at_once(before, s, gauge.of))
             {
                 for it in self.alike(i) {
-                    self.longest[it] = Some(Longest { value: 0, at });
+                    self.seen.longest[it] = Some(Longest { value: 0, at });
                 }
             }
         }
@@ -106,19 +243,19 @@ impl<R: Reduced> Search<'_, R> {
 
     /// An age is seen when what has it becomes visible, which may be for no time at all; its clock has run
     /// before.
-    fn opened_late(&mut self, gauge: usize, s: &State, at: Sight) {
+    fn opened_late(&mut self, gauge: usize, s: &State, at: Sight<P>) {
         if !matches!(self.gauges[gauge].of, Timing::Within(_)) {
             return;
         }
         let Some(value) = self.measures(gauge, s).map(|clock| s.t[clock]) else {
             return;
         };
-        if value > 0 && self.longest[gauge].is_none_or(|it| it.value < value) {
-            self.longest[gauge] = Some(Longest { value, at });
+        if value > 0 && self.seen.longest[gauge].is_none_or(|it| it.value < value) {
+            self.seen.longest[gauge] = Some(Longest { value, at });
         }
         let exceeds = self.gauges[gauge].limit.is_some_and(|limit| value > limit);
-        if exceeds && self.excess[gauge].is_none_or(|it| at.time < it.time) {
-            self.excess[gauge] = Some(at);
+        if exceeds && self.seen.excess[gauge].is_none_or(|it| at.time < it.time) {
+            self.seen.excess[gauge] = Some(at);
         }
     }
 
@@ -138,6 +275,79 @@ impl<R: Reduced> Search<'_, R> {
         !was && observe::predicate(&self.rules, before, s, trigger)
     }
 
+    /// Looks at tasks that an action makes wait for a core: where a job counts from a tick that was kept, it
+    /// may be overdue from the first moment on.
+    fn overdue_at_once(&mut self, s: &State, action: Action, at: Sight<P>) {
+        for (goal, task) in self.goals.overdue() {
+            let begins = self.rules.may_begin_to_wait(action, task);
+            if begins && self.seen.goals[goal].is_none() && self.rules.overdue(s, task) {
+                self.sight(goal, at);
+            }
+        }
+    }
+
+    /// Looks at tasks that wait after time has passed.
+    pub(super) fn waiting_after_jump(&mut self, s: &mut State, at: Sight<P>) {
+        for (goal, task) in self.goals.overdue() {
+            if self.seen.goals[goal].is_none() && self.rules.overdue(s, task) {
+                self.sight(goal, at);
+            }
+        }
+        self.clamp_waiting(s);
+    }
+
+    /// Looks at one clock after time has passed: the time, if it is the longest so far.
+    pub(super) fn longest_after_jump(
+        &mut self,
+        gauge: usize,
+        s: &State,
+        at: Sight<P>,
+    ) -> Option<Ticks> {
+        let value = self.measures(gauge, s).map(|clock| s.t[clock])?;
+        if self.seen.longest[gauge].is_some_and(|it| it.value >= value) {
+            return None;
+        }
+        for it in self.alike(gauge) {
+            self.seen.longest[it] = Some(Longest { value, at });
+        }
+        Some(value)
+    }
+
+    // ---- What is measured ------------------------------------------------------------------
+
+    /// The clock of a gauge, if it measures now.
+    pub(super) fn measures(&self, gauge: usize, s: &State) -> Option<usize> {
+        let (l, of) = (self.rules.frame(), self.gauges[gauge].of);
+        let other = matches!(of, Timing::Response(task) if self.waiting_only[task]);
+        of.clock(l, s).filter(|_| !other && of.runs(&self.rules, s))
+    }
+
+    /// Whether an action is one of a task whose response time is measured.
+    pub(super) fn is_measured(&self, action: Action) -> bool {
+        let Some(task) = self.rules.task_of(action) else {
+            return false;
+        };
+        self.gauges.iter().any(|it| it.of == Timing::Response(task))
+    }
+
+    /// Whether the longest time of a gauge has been seen, and nothing else is wanted of it.
+    fn is_longest(&self, gauge: usize) -> bool {
+        let it = &self.gauges[gauge];
+        it.most.is_some_and(|most| {
+            it.active()
+                && it.limit.is_none_or(|limit| most <= limit)
+                && self.seen.longest[gauge].is_some_and(|it| it.value >= most)
+        })
+    }
+
+    /// Whether nothing more is wanted of any gauge.
+    pub(super) fn all_measured(&self) -> bool {
+        let unbounded = |it: usize| matches!(self.gauges[it].how, How::Unbounded(_));
+        (0..self.gauges.len()).all(|it| unbounded(it) || self.is_longest(it))
+    }
+
+    // ---- What is not told apart ------------------------------------------------------------
+
     /// Gauges of what is not told apart, itself included.
     pub(super) fn alike(&self, gauge: usize) -> Vec<usize> {
         let it = &self.gauges[gauge];
@@ -154,26 +364,6 @@ impl<R: Reduced> Search<'_, R> {
             .collect()
     }
 
-    /// What has been found of one gauge holds for all that are not told apart.
-    pub(super) fn of_all_alike(&self, found: Diverging) -> Vec<(usize, Diverging)> {
-        let Timing::Response(from) = self.gauges[found.gauge].of else {
-            return vec![(found.gauge, found)];
-        };
-        let of = |gauge: usize| {
-            let Timing::Response(to) = self.gauges[gauge].of else {
-                return (gauge, found.clone());
-            };
-            let run = |it: &Option<Run>| it.as_ref().map(|it| self.exchanged(it, from, to));
-            let renamed = Diverging {
-                gauge,
-                proof: run(&found.proof),
-                excess: run(&found.excess),
-            };
-            (gauge, renamed)
-        };
-        self.alike(found.gauge).into_iter().map(of).collect()
-    }
-
     /// A run with one task in the place of another that is not told apart from it.
     pub(super) fn exchanged(&self, run: &Run, from: usize, to: usize) -> Run {
         let renaming = self.reductions.orbits().exchange(from, to);
@@ -186,237 +376,9 @@ impl<R: Reduced> Search<'_, R> {
         }
     }
 
-    /// The clock of a gauge, if it measures now.
-    pub(super) fn measures(&self, gauge: usize, s: &State) -> Option<usize> {
-        let (l, of) = (self.rules.frame(), self.gauges[gauge].of);
-        let other = matches!(of, Timing::Response(task) if self.waiting_only[task]);
-        of.clock(l, s).filter(|_| !other && of.runs(&self.rules, s))
-    }
-
-    /// Notes the limits that are exceeded in a jump from a node, and when. The first moment counts, and jumps
-    /// overlap.
-    pub(super) fn limits_in_jump(&mut self, s: &State, parent: u32, jump: Ticks) {
-        for i in 0..self.gauges.len() {
-            let (Some(limit), Some(clock)) = (self.gauges[i].limit, self.measures(i, s)) else {
-                continue;
-            };
-            // Clocks beyond the limit were seen when they passed it.
-            let Some(left) = limit.checked_sub(s.t[clock]).filter(|&it| it < jump) else {
-                continue;
-            };
-            let time = self.nodes[parent as usize].time + u64::from(left) + 1;
-            if self.excess[i].is_none_or(|it| time < it.time) {
-                for it in self.alike(i) {
-                    self.excess[it] = Some(Sight { parent, time });
-                }
-            }
-        }
-    }
-
-    /// The same for the jumps that have begun when the exploration ends.
-    pub(super) fn limits_under_way(&mut self) {
-        if self.gauges.iter().all(|it| it.limit.is_none()) {
-            return;
-        }
-        for (time, parents) in std::mem::take(&mut self.queue) {
-            for (i, parent) in parents.into_iter().enumerate() {
-                if i % LOOKS == 0 && self.cancel.is_abandoned() {
-                    return;
-                }
-                let s = self.node_state(parent);
-                let jump = (time - self.nodes[parent as usize].time) as Ticks;
-                self.limits_in_jump(&s, parent, jump);
-            }
-        }
-    }
-
-    pub(super) fn excess_run(&self, gauge: usize) -> Option<Run> {
-        let Gauge { of, limit, .. } = self.gauges[gauge];
-        Some(self.trace(self.excess[gauge]?, &Goal::Lasts(of, limit? + 1)))
-    }
-
-    /// Looks at tasks that an action makes wait for a core: where a job counts from a tick that was kept, it
-    /// may be overdue from the first moment on.
-    pub(super) fn overdue_at_once(&mut self, s: &State, action: Action, at: Sight) {
-        for (i, &task) in self.watch.overdue.iter().enumerate() {
-            let begins = self.rules.may_begin_to_wait(action, task);
-            if begins && self.overdue[i].is_none() && self.rules.overdue(s, task) {
-                for it in self.reductions.orbits().alike(task, &self.watch.overdue) {
-                    self.overdue[it] = Some(at);
-                }
-            }
-        }
-    }
-
-    /// Looks at clocks after time has passed.
-    pub(super) fn clocks_after_jump(&mut self, s: &mut State, at: Sight) -> Option<Diverging> {
-        for (i, &task) in self.watch.overdue.iter().enumerate() {
-            if self.overdue[i].is_none() && self.rules.overdue(s, task) {
-                for it in self.reductions.orbits().alike(task, &self.watch.overdue) {
-                    self.overdue[it] = Some(at);
-                }
-            }
-            if self.waiting_only[task]
-                && let Some(clock) = self.rules.frame().response[task]
-            {
-                let running = self.rules.job(s, task) == TaskStatus::Running;
-                let most = self.rules.system().tasks[task].period.unwrap_or(0);
-                s.t[clock] = if running { 0 } else { s.t[clock].min(most) };
-            }
-        }
-        for i in 0..self.gauges.len() {
-            let Some(clock) = self.measures(i, s) else {
-                continue;
-            };
-            let value = s.t[clock];
-            if self.longest[i].is_some_and(|it| it.value >= value) {
-                continue;
-            }
-            for it in self.alike(i) {
-                self.longest[it] = Some(Longest { value, at });
-            }
-            if value <= self.patience || self.out_of_bounds() {
-                continue;
-            }
-            self.patience = self.patience.saturating_mul(2);
-            let run = self.trace(at, &Goal::Lasts(self.gauges[i].of, value));
-            let mut out = Diverging {
-                gauge: i,
-                proof: None,
-                excess: None,
-            };
-            let recent = (&self.observers[..], value);
-            let of = self.gauges[i].of;
-            let age = |s: &State| of.age(self.rules.frame(), s);
-            if let Some(cycle) = run.repetition(&self.rules, recent, &age, self.cancel) {
-                let limit = self.gauges[i].limit;
-                let left = limit.and_then(|it| it.checked_sub(value));
-                out.excess = left.and_then(|it| run.prolonged(cycle, it + 1));
-                out.proof = Some(run.repeating(cycle));
-                return Some(out);
-            }
-            if !self.patient && !self.cancel.is_abandoned() {
-                return Some(out);
-            }
-        }
-        None
-    }
-
-    /// What is known of each gauge.
-    pub(super) fn measured(&self) -> Vec<Option<Measured>> {
-        let found = |run| Found { run };
-        (0..self.gauges.len())
-            .map(|i| {
-                let gauge = &self.gauges[i];
-                let excess = gauge
-                    .excess
-                    .clone()
-                    .or_else(|| self.excess_run(i))
-                    .map(found);
-                if let How::Unbounded(run) = &gauge.how {
-                    return Some(Measured {
-                        bound: Bound::Unbounded,
-                        longest: found(run.clone()),
-                        excess,
-                    });
-                }
-                let (reached, limit) = (self.longest[i].map(|it| it.value), gauge.limit);
-                if let (Some(run), Some(limit)) =
-                    (&gauge.excess, limit.filter(|it| reached <= Some(*it)))
-                {
-                    // Known from an exploration before, which this one has not come up with.
-                    return Some(Measured {
-                        bound: Bound::Finite(limit + 1),
-                        longest: found(run.clone()),
-                        excess,
-                    });
-                }
-                self.longest[i].map(|it| Measured {
-                    bound: Bound::Finite(it.value),
-                    longest: found(self.trace(it.at, &Goal::Lasts(gauge.of, it.value))),
-                    excess,
-                })
-            })
-            .collect()
-    }
-
-    /// Services of which a request was refused.
-    pub(super) fn refused(&self) -> Vec<usize> {
-        let beside = |it: usize| {
-            self.hunt
-                .as_ref()
-                .is_some_and(|hunt| hunt.refused.contains(&it))
-        };
-        (0..self.rules.system().services.len())
-            .filter(|&service| {
-                let mut orbit = self.reductions.orbits().of_service(service).iter();
-                orbit.any(|&it| self.rules.has_refused(it) || beside(it))
-                    || self.refused_in_zones(service)
-            })
-            .collect()
-    }
-
-    /// What was seen of what a single state shows: the lists of a watch of ticks that come too early, tasks
-    /// that wait too long, and predicates, numbered in this order.
-    pub(super) fn sights(&self) -> [&[Option<Sight>]; 3] {
-        [&self.missed, &self.overdue, &self.reached]
-    }
-
-    /// Something for each place of these lists.
-    pub(super) fn for_each<T>(&self, it: impl Fn(usize, usize) -> T) -> [Vec<T>; 3] {
-        let sights = self.sights();
-        [0, 1, 2].map(|list| (0..sights[list].len()).map(|i| it(list, i)).collect())
-    }
-
-    /// The run to one of them, if it was seen.
-    pub(super) fn seen_run(&self, list: usize, i: usize) -> Option<Run> {
-        let goal = match list {
-            0 => Goal::Missed(self.watch.schedulable[i]),
-            1 => Goal::Overdue(self.watch.overdue[i]),
-            _ => Goal::Reach(&self.watch.reach[i]),
-        };
-        self.sights()[list][i].map(|at| self.trace(at, &goal))
-    }
-
-    pub(super) fn findings(self) -> Findings {
-        let hunt = self.hunt.as_ref();
-        let [missed, overdue, reached] = self.for_each(|list, i| {
-            let caught = || Some(hunt?.caught(list, i)?.run.clone());
-            let run = self.seen_run(list, i).or_else(caught)?;
-            Some(Found { run })
-        });
-        let mut response = self.measured();
-        let within = response.split_off(self.watch.response.len());
-        Findings {
-            missed,
-            overdue,
-            response,
-            reached,
-            within,
-            never: (0..self.watch.reach.len())
-                .map(|it| self.never_reached(it))
-                .collect(),
-            no_deadlock: self.never_deadlocked(),
-            deadlock: self
-                .deadlock
-                .filter(|_| self.watch.deadlock)
-                .map(|at| Found {
-                    run: self.trace(at, &Goal::Deadlock),
-                }),
-            refused: self.refused(),
-            restarts: (0..self.rules.system().services.len())
-                .filter(|&it| self.rules.has_ended_restarts(it))
-                .collect(),
-            reductions: vec![self.activities()],
-            states: self.states(),
-            steps: self.effort(),
-            bytes: (hunt.map_or(0, |it| it.bytes))
-                .max(self.proof.as_ref().map_or(0, |it| it.bytes))
-                .max(self.memory()),
-            // Nothing is left to be looked at, even if it was looked at in zones.
-            stopped: self
-                .stopped
-                .filter(|&it| it != Stop::Answered || !self.is_proved()),
-        }
+    /// Whether a request of a service was refused, or of one that is not told apart from it.
+    pub(super) fn has_refused(&self, service: usize) -> bool {
+        let mut orbit = self.reductions.orbits().of_service(service).iter();
+        orbit.any(|&it| self.rules.has_refused(it))
     }
 }

@@ -15,7 +15,7 @@ use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
 use self::zone::{GREATEST, Zone};
-use super::Search;
+use super::layers::Layers;
 use crate::explore::observe;
 use crate::explore::reductions::{Kind, Kinds, Reason, Reduced, Reductions, Watched};
 use crate::explore::rules::{Action, Enabled, with_rules};
@@ -251,7 +251,7 @@ pub(super) struct Proof {
     states: usize,
     steps: u64,
     /// Bytes used in the end, with those of the search it was beside.
-    pub(super) bytes: usize,
+    bytes: usize,
 }
 
 impl<R: Reduced> Zones<'_, R> {
@@ -293,52 +293,119 @@ fn in_zones_by<R: Reduced>(
     zones.proof().map(|it| it.seen)
 }
 
-impl<R: Reduced> Search<'_, R> {
+/// A search in zones beside layers.
+pub(super) enum Proving<'a, R: Reduced> {
+    /// It does not suit the system, or what is asked.
+    Unsuited(Reason),
+    /// It has not begun, or goes on.
+    Open(Option<Box<Zones<'a, R>>>),
+    /// It has looked at everything.
+    Done(Proof),
+}
+
+impl<'a, R: Reduced> Proving<'a, R> {
+    /// A search that may be done already, or why there is none.
+    pub(super) fn new(zones: Result<Option<Proof>, Reason>) -> Self {
+        match zones {
+            Err(reason) => Proving::Unsuited(reason),
+            Ok(None) => Proving::Open(None),
+            Ok(Some(proof)) => Proving::Done(proof),
+        }
+    }
+
+    /// What another search may begin with.
+    pub(super) fn into_proof(self) -> Result<Option<Proof>, Reason> {
+        match self {
+            Proving::Unsuited(reason) => Err(reason),
+            Proving::Open(_) => Ok(None),
+            Proving::Done(proof) => Ok(Some(proof)),
+        }
+    }
+
     /// Looks for what can never be reached, if it is time to.
-    pub(super) fn prove_if_due(&mut self) {
-        let open = self.reached.iter().any(Option::is_none)
-            || (self.watch.deadlock && self.deadlock.is_none());
-        if self.zones_suit && open && self.proof.is_none() && self.steps >= SMALL {
-            let new = || Zones::new(&self.rules, &self.watch.reach, self.limits.without);
-            let zones = self.zones.get_or_insert_with(new);
-            zones.run((SHARE * self.steps).min(zones.steps + LOOKS));
-            if let Some(mut proof) = zones.proof() {
-                proof.bytes = self.memory();
-                self.proof = Some(proof);
-                self.zones = None;
-            }
+    pub(super) fn work_if_due(&mut self, layers: &Layers<'a, R>) {
+        let Proving::Open(zones) = self else { return };
+        let watching = &layers.watching;
+        let mut predicates = watching.goals.reached();
+        let open = predicates.any(|it| watching.seen.goals[it.0].is_none())
+            || (watching.watch.deadlock && layers.deadlock.is_none());
+        if !open || layers.steps < SMALL {
+            return;
+        }
+        let without = layers.limits.without;
+        let new = || Box::new(Zones::new(&watching.rules, &watching.watch.reach, without));
+        let zones = zones.get_or_insert_with(new);
+        zones.run((SHARE * layers.steps).min(zones.steps + LOOKS));
+        if let Some(mut proof) = zones.proof() {
+            proof.bytes = layers.memory() + zones.bytes;
+            *self = Proving::Done(proof);
+        }
+    }
+
+    /// Why there is no such search.
+    pub(super) fn unsuited(&self) -> Option<Reason> {
+        match self {
+            Proving::Unsuited(reason) => Some(*reason),
+            _ => None,
+        }
+    }
+
+    fn proof(&self) -> Option<&Proof> {
+        match self {
+            Proving::Done(proof) => Some(proof),
+            _ => None,
         }
     }
 
     /// Whether everything was looked at in zones.
-    pub(super) fn is_proved(&self) -> bool {
-        self.proof.is_some()
+    pub(super) fn is_done(&self) -> bool {
+        self.proof().is_some()
     }
 
     /// Whether a predicate can never be reached.
-    pub(super) fn never_reached(&self, goal: usize) -> bool {
-        let proof = self.proof.as_ref();
-        proof.is_some_and(|it| !it.seen.reached[goal])
+    pub(super) fn never_reached(&self, predicate: usize) -> bool {
+        self.proof().is_some_and(|it| !it.seen.reached[predicate])
     }
 
     /// Whether something can always happen.
     pub(super) fn never_deadlocked(&self) -> bool {
-        let proof = self.proof.as_ref();
-        proof.is_some_and(|it| !it.seen.deadlock)
+        self.proof().is_some_and(|it| !it.seen.deadlock)
     }
 
     /// Whether a request of a service was refused in a state with a zone.
-    pub(super) fn refused_in_zones(&self, service: usize) -> bool {
-        let proof = self.proof.as_ref();
-        proof.is_some_and(|it| it.seen.refused.contains(&service))
+    pub(super) fn refused(&self, service: usize) -> bool {
+        self.proof()
+            .is_some_and(|it| it.seen.refused.contains(&service))
     }
 
-    /// States, steps and bytes of the search in zones.
-    pub(super) fn in_zones(&self) -> (usize, u64, usize) {
-        match (&self.zones, &self.proof) {
-            (Some(it), _) => (it.covered.len(), it.steps, it.bytes),
-            (None, Some(it)) => (it.states, it.steps, 0),
-            (None, None) => (0, 0, 0),
+    /// States looked at.
+    pub(super) fn states(&self) -> usize {
+        match self {
+            Proving::Open(Some(zones)) => zones.covered.len(),
+            Proving::Done(proof) => proof.states,
+            _ => 0,
         }
+    }
+
+    /// Steps taken.
+    pub(super) fn steps(&self) -> u64 {
+        match self {
+            Proving::Open(Some(zones)) => zones.steps,
+            Proving::Done(proof) => proof.steps,
+            _ => 0,
+        }
+    }
+
+    /// Bytes in use now.
+    pub(super) fn bytes(&self) -> usize {
+        match self {
+            Proving::Open(Some(zones)) => zones.bytes,
+            _ => 0,
+        }
+    }
+
+    /// Bytes in use when everything was looked at, with those of the layers.
+    pub(super) fn bytes_in_the_end(&self) -> usize {
+        self.proof().map_or(0, |it| it.bytes)
     }
 }

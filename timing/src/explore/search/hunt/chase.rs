@@ -8,14 +8,16 @@ use std::hash::BuildHasher;
 
 use rustc_hash::FxBuildHasher;
 
-use super::Lists;
+use crate::cancel::Cancel;
 use crate::explore::reductions::{Held, Reduced, Reductions};
 use crate::explore::rules::{Action, Enabled};
 use crate::explore::run::Run;
-use crate::explore::search::{Longest, ROOT, Search, Sight};
+use crate::explore::search::goals::{Goal, PerGoal};
+use crate::explore::search::layers::covering;
+use crate::explore::search::watching::{Longest, Sight, Watching};
 use crate::explore::state::State;
 use crate::explore::store::{Encoded, Store, encode};
-use crate::explore::watch::Stop;
+use crate::explore::watch::{Limits, Stop};
 use crate::system::{FOREVER, Ticks};
 
 /// Steps between two looks at what may end the search.
@@ -80,6 +82,12 @@ impl Order {
     }
 }
 
+/// The number of a step among those that were taken.
+type StepId = u32;
+
+/// Before the first step.
+const START: StepId = u32::MAX;
+
 /// What led from one state to the next.
 #[derive(Debug, Clone, Copy)]
 enum Step {
@@ -94,16 +102,18 @@ struct Open {
     s: State,
     held: Held,
     /// The last step to it, and its time.
-    at: Sight,
+    at: Sight<StepId>,
 }
 
 /// A search depth first.
 pub(super) struct Chase<'a, R: Reduced> {
     /// The rules, and what was seen of what is watched: after which of the steps.
-    search: Search<'a, R>,
-    seen: Store,
+    watching: Watching<'a, R, StepId>,
+    limits: Limits,
+    cancel: &'a Cancel,
+    passed: Store,
     /// Steps, each with the one before.
-    trail: Vec<(u32, Step)>,
+    trail: Vec<(StepId, Step)>,
     open: Vec<Open>,
     pub(super) steps: u64,
     /// Looks for a measured time, the only one, that is longer than this.
@@ -111,10 +121,16 @@ pub(super) struct Chase<'a, R: Reduced> {
 }
 
 impl<'a, R: Reduced> Chase<'a, R> {
-    pub(super) fn new(search: Search<'a, R>) -> Self {
+    pub(super) fn new(
+        watching: Watching<'a, R, StepId>,
+        limits: Limits,
+        cancel: &'a Cancel,
+    ) -> Self {
         Chase {
-            seen: search.passed.like(),
-            search,
+            passed: Store::new(watching.rules.frame().clocks(), covering(limits)),
+            watching,
+            limits,
+            cancel,
             trail: Vec::new(),
             open: Vec::new(),
             steps: 0,
@@ -150,34 +166,34 @@ impl<'a, R: Reduced> Chase<'a, R> {
                 return false;
             }
             let trail = &mut self.trail;
-            let search = &mut self.search;
-            let ordered = search.settle(&mut s, &mut held, &mut enabled, |action| {
+            let watching = &mut self.watching;
+            let ordered = watching.settle(&mut s, &mut held, &mut enabled, |action| {
                 at.parent = push(trail, at.parent, Step::Act(action));
                 at
             });
             if ordered {
                 at.parent = push(trail, at.parent, Step::Order);
             }
-            encode(search.rules.frame(), &s, &mut it);
+            encode(watching.rules.frame(), &s, &mut it);
             if held != 0 {
                 it.key.extend(held.to_le_bytes());
             }
-            if self.seen.insert(&it, 0, |_, _| 0).is_none() {
+            if self.passed.insert(&it, 0, |_, _| 0).is_none() {
                 continue;
             }
             if self.has_gone_far(at) {
                 break;
             }
-            let search = &mut self.search;
-            search.followed((&s, held), &enabled, &mut first, &mut followed);
+            let watching = &self.watching;
+            watching.followed((&s, held), &enabled, &mut first, &mut followed);
             if order.late {
-                let l = search.rules.frame();
+                let l = watching.rules.frame();
                 followed.retain(|&(action, _)| {
                     !matches!(action, Action::Finish { executor, .. }
                         if !matches!(l.window(&s, executor).1, 0 | FOREVER))
                 });
             }
-            order.arrange(&mut followed, |it| search.is_measured(it));
+            order.arrange(&mut followed, |it| watching.is_measured(it));
             let calm = enabled.is_calm();
             let jump = calm.then(|| self.jump(&s, order)).flatten();
             let jump = jump.filter(|&it| at.time + u64::from(it) <= end);
@@ -195,40 +211,35 @@ impl<'a, R: Reduced> Chase<'a, R> {
     }
 
     fn begin(&mut self) {
-        let search = &mut self.search;
-        search.missed.fill(None);
-        search.overdue.fill(None);
-        search.reached.fill(None);
-        search.longest.fill(None);
-        // Nothing is found again by what is kept in other searches.
-        search.patience = Ticks::MAX;
-        search.stopped = None;
-        self.seen.clear();
+        self.watching.begin_anew();
+        self.passed.clear();
         self.trail.clear();
         self.open.clear();
         self.steps = 0;
         let at = Sight {
-            parent: ROOT,
+            parent: START,
             time: 0,
         };
-        let s = search.rules.initial();
-        search.check(None, &s, at);
+        let s = self.watching.rules.initial();
+        self.watching.check(None, &s, at);
         self.open.push(Open { s, held: 0, at });
     }
 
     /// Whether everything was seen, or enough.
     fn is_over(&self) -> bool {
-        self.search.stopped.is_some() || self.search.answered() || self.longest().is_some()
+        let Watching { seen, .. } = &self.watching;
+        let answered = || self.watching.all_measured() && seen.goals.values().all(Option::is_some);
+        seen.enough || answered() || self.longest().is_some()
     }
 
     /// Whether a run has gone on for so long that nothing new is to be expected.
-    fn has_gone_far(&self, at: Sight) -> bool {
+    fn has_gone_far(&self, at: Sight<StepId>) -> bool {
         self.lasts.is_some_and(|it| at.time > FAR * u64::from(it))
     }
 
     /// The longest time seen, if that is longer than what is looked for.
-    fn longest(&self) -> Option<Longest> {
-        let longest = self.search.longest.first().copied().flatten()?;
+    fn longest(&self) -> Option<Longest<StepId>> {
+        let longest = self.watching.seen.longest.first().copied().flatten()?;
         self.lasts
             .is_some_and(|it| longest.value > it)
             .then_some(longest)
@@ -242,16 +253,15 @@ impl<'a, R: Reduced> Chase<'a, R> {
 
     /// Where a run at whose end something has lasted so long repeats itself meanwhile.
     pub(super) fn repetition(&self, run: &Run, value: Ticks) -> Option<(u64, u64)> {
-        let Search {
+        let Watching {
             rules,
             observers,
-            cancel,
             gauges,
             ..
-        } = &self.search;
+        } = &self.watching;
         let of = gauges.first().map(|it| it.of);
         let age = |s: &State| of.map_or((0, 0), |it| it.age(rules.frame(), s));
-        run.repetition(rules, (observers, value), &age, cancel)
+        run.repetition(rules, (observers, value), &age, self.cancel)
     }
 
     /// Whether nothing is left to be looked at, of everything there is.
@@ -265,16 +275,15 @@ impl<'a, R: Reduced> Chase<'a, R> {
     }
 
     fn out_of_bounds(&self, (states, bytes): (usize, usize)) -> bool {
-        let Search { limits, cancel, .. } = self.search;
         let (states, bytes) = (states + self.states(), bytes + self.memory());
-        Stop::reason(states, bytes, limits, cancel).is_some()
+        Stop::reason(states, bytes, self.limits, self.cancel).is_some()
     }
 
     /// How long to let time pass.
     fn jump(&self, s: &State, order: Order) -> Option<Ticks> {
-        let Search {
+        let Watching {
             rules, reductions, ..
-        } = &self.search;
+        } = &self.watching;
         if !order.late {
             return reductions.next_moment(rules, s);
         }
@@ -286,66 +295,59 @@ impl<'a, R: Reduced> Chase<'a, R> {
         })
     }
 
-    fn pass(&mut self, s: &State, at: Sight, jump: Ticks) {
+    fn pass(&mut self, s: &State, at: Sight<StepId>, jump: Ticks) {
         let mut s = s.clone();
         let at = Sight {
             parent: push(&mut self.trail, at.parent, Step::Pass(jump)),
             time: at.time + u64::from(jump),
         };
-        self.search.rules.elapse(&mut s, jump);
-        self.search.clocks_after_jump(&mut s, at);
+        self.watching.rules.elapse(&mut s, jump);
+        self.look_at_clocks(&mut s, at);
         self.open.push(Open { s, held: 0, at });
     }
 
-    fn act(&mut self, s: &State, mut held: Held, at: Sight, action: Action) {
+    fn act(&mut self, s: &State, mut held: Held, at: Sight<StepId>, action: Action) {
         let mut s = s.clone();
         let at = Sight {
             parent: push(&mut self.trail, at.parent, Step::Act(action)),
             ..at
         };
-        self.search.step(&mut s, action, &mut held, at);
+        self.watching.step(&mut s, action, &mut held, at);
         self.open.push(Open { s, held, at });
     }
 
-    /// Runs to what was seen.
-    pub(super) fn caught(&mut self) -> Lists<Option<Run>> {
-        let of_tasks = |tasks: &[usize], seen: &[Option<Sight>], shown: Shown<R>| -> Vec<_> {
-            let all = tasks.iter().zip(seen);
-            all.map(|(&task, at)| at.map(|at| (at, Some((task, shown)))))
-                .collect()
-        };
-        let Search { watch, .. } = self.search;
-        let lists = Lists {
-            missed: of_tasks(&watch.schedulable, &self.search.missed, R::missed),
-            overdue: of_tasks(&watch.overdue, &self.search.overdue, R::overdue),
-            reached: (self.search.reached.iter())
-                .map(|at| at.map(|at| (at, None)))
-                .collect(),
-        };
-        let mut runs = |list: Vec<Option<_>>| {
-            let run = list.into_iter();
-            run.map(|it| it.map(|(at, about)| self.run_to(at, about)))
-                .collect()
-        };
-        Lists {
-            missed: runs(lists.missed),
-            overdue: runs(lists.overdue),
-            reached: runs(lists.reached),
+    fn look_at_clocks(&mut self, s: &mut State, at: Sight<StepId>) {
+        self.watching.waiting_after_jump(s, at);
+        for gauge in 0..self.watching.gauges.len() {
+            self.watching.longest_after_jump(gauge, s, at);
         }
+    }
+
+    /// Runs to what was seen.
+    pub(super) fn caught(&mut self) -> PerGoal<Option<Run>> {
+        let Watching { goals, seen, .. } = &self.watching;
+        let sights = goals.each(|id| seen.goals[id].map(|at| (at, goals.get(id))));
+        let run = |it: Option<(Sight<StepId>, Goal<'a>)>| {
+            it.map(|(at, goal)| match goal {
+                Goal::Missed(task) => self.run_to(at, Some((task, R::missed))),
+                Goal::Overdue(task) => self.run_to(at, Some((task, R::overdue))),
+                Goal::Reached(_) => self.run_to(at, None),
+            })
+        };
+        sights.map(run)
     }
 
     /// The run that ends with a step, and is about a task if something is shown of one: its steps are taken
     /// again, and called as they were before anything was put in order.
-    fn run_to(&mut self, at: Sight, about: Option<(usize, Shown<R>)>) -> Run {
+    fn run_to(&mut self, at: Sight<StepId>, about: Option<(usize, Shown<R>)>) -> Run {
         let mut steps = Vec::new();
         let mut last = at.parent;
         while let Some(&(before, step)) = self.trail.get(last as usize) {
             steps.push(step);
             last = before;
         }
-        let search = &mut self.search;
-        let mut s = search.rules.initial();
-        let mut names = search.reductions.orbits().identity();
+        let mut s = self.watching.rules.initial();
+        let mut names = self.watching.reductions.orbits().identity();
         let mut run = Run::default();
         for step in steps.into_iter().rev() {
             match step {
@@ -355,7 +357,7 @@ impl<'a, R: Reduced> Chase<'a, R> {
                         time: run.end,
                         ..at
                     };
-                    search.step(&mut s, action, &mut 0, now);
+                    self.watching.step(&mut s, action, &mut 0, now);
                 }
                 Step::Pass(time) => {
                     run.end += u64::from(time);
@@ -363,11 +365,14 @@ impl<'a, R: Reduced> Chase<'a, R> {
                         time: run.end,
                         ..at
                     };
-                    search.rules.elapse(&mut s, time);
-                    search.clocks_after_jump(&mut s, now);
+                    self.watching.rules.elapse(&mut s, time);
+                    self.look_at_clocks(&mut s, now);
                 }
                 Step::Order => {
-                    if let Some(order) = search.reductions.order(&search.rules, &mut s) {
+                    let Watching {
+                        rules, reductions, ..
+                    } = &self.watching;
+                    if let Some(order) = reductions.order(rules, &mut s) {
                         names = names.after(&order.inverse());
                     }
                 }
@@ -376,28 +381,31 @@ impl<'a, R: Reduced> Chase<'a, R> {
         let Some((task, shown)) = about else {
             return run;
         };
-        let mut alike = search.reductions.orbits().of_task(task).iter().copied();
-        match alike.find(|&it| shown(&search.rules, &s, it)) {
-            Some(it) if names.task(it) != task => search.exchanged(&run, names.task(it), task),
+        let watching = &self.watching;
+        let mut alike = watching.reductions.orbits().of_task(task).iter().copied();
+        match alike.find(|&it| shown(&watching.rules, &s, it)) {
+            Some(it) if names.task(it) != task => watching.exchanged(&run, names.task(it), task),
             _ => run,
         }
     }
 
     /// Services of which a request was refused.
     pub(super) fn refused(&self) -> Vec<usize> {
-        self.search.refused()
+        (0..self.watching.rules.system().services.len())
+            .filter(|&it| self.watching.has_refused(it))
+            .collect()
     }
 
     /// The number of states that were looked at.
     pub(super) fn states(&self) -> usize {
-        self.seen.len()
+        self.passed.len()
     }
 
     /// Bytes in use, roughly.
     pub(super) fn memory(&self) -> usize {
-        let open = size_of::<Open>() + self.search.rules.frame().state_bytes();
-        self.seen.memory()
-            + self.trail.capacity() * size_of::<(u32, Step)>()
+        let open = size_of::<Open>() + self.watching.rules.frame().state_bytes();
+        self.passed.memory()
+            + self.trail.capacity() * size_of::<(StepId, Step)>()
             + self.open.capacity() * open
     }
 }
@@ -406,7 +414,7 @@ impl<'a, R: Reduced> Chase<'a, R> {
 type Shown<R> = fn(&R, &State, usize) -> bool;
 
 /// Adds a step after another.
-fn push(trail: &mut Vec<(u32, Step)>, before: u32, step: Step) -> u32 {
+fn push(trail: &mut Vec<(StepId, Step)>, before: StepId, step: Step) -> StepId {
     trail.push((before, step));
     trail.len() as u32 - 1
 }

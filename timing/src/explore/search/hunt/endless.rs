@@ -9,43 +9,36 @@ use super::Order;
 use super::chase::Chase;
 use crate::explore::measure::{Diverging, Gauge, How, Timing};
 use crate::explore::reductions::Reduced;
-use crate::explore::rules::Action;
 use crate::explore::run::Run;
-use crate::explore::search::Search;
+use crate::explore::search::layers::Layers;
+use crate::explore::search::supervisor::Supervisor;
+use crate::explore::search::watching::Watching;
 use crate::explore::watch::{ResponseTime, Watch, Within};
 use crate::system::Ticks;
 
 /// How often a chase is prolonged that goes on but does not repeat itself.
 const DOUBLED: u32 = 5;
 
-impl<R: Reduced> Search<'_, R> {
-    /// Times that may have no bound, as far as is known.
-    fn may_be_endless(&self) -> impl Iterator<Item = usize> {
-        let all = self.gauges.iter().enumerate();
-        let hunt = self.hunt.as_ref();
-        let bounded = move |it: usize| hunt.is_some_and(|hunt| hunt.bounded.contains(&it));
-        all.filter(move |&(i, it)| it.active() && it.most.is_none() && !bounded(i))
-            .map(|(i, _)| i)
-    }
-
-    /// Whether an action is one of a task whose response time is measured.
-    pub(super) fn is_measured(&self, action: Action) -> bool {
-        let Some(task) = self.rules.task_of(action) else {
-            return false;
+impl<'a, R: Reduced> Supervisor<'a, R> {
+    /// The time whose turn it is, of those that may have no bound as far as is known.
+    pub(super) fn next_endless(&self, layers: &Layers<'a, R>) -> Option<usize> {
+        let hunt = self.hunt.as_ref().ok()?;
+        let gauges = layers.watching.gauges.iter().enumerate();
+        let endless = |&(i, it): &(usize, &Gauge)| {
+            it.active() && it.most.is_none() && !hunt.bounded.contains(&i)
         };
-        self.gauges.iter().any(|it| it.of == Timing::Response(task))
-    }
-
-    /// The time whose turn it is.
-    pub(super) fn next_endless(&self) -> Option<usize> {
-        let n = self.may_be_endless().count();
-        let turn = self.hunt.as_ref()?.chases / Order::KINDS;
-        self.may_be_endless().nth(turn as usize % n.max(1))
+        let open: Vec<usize> = gauges.filter(endless).map(|it| it.0).collect();
+        let turn = hunt.chases / Order::KINDS;
+        open.get(turn as usize % open.len().max(1)).copied()
     }
 
     /// Some chases for a time without bound.
-    pub(super) fn hunt_endless(&mut self, gauge: usize) {
-        let Gauge { of, limit, .. } = self.gauges[gauge];
+    pub(super) fn hunt_endless(
+        &mut self,
+        layers: &Layers<'a, R>,
+        gauge: usize,
+    ) -> Option<Diverging> {
+        let Gauge { of, limit, .. } = layers.watching.gauges[gauge];
         let mut watch = Watch::default();
         match of {
             Timing::Response(task) => watch.response.push(ResponseTime {
@@ -55,41 +48,41 @@ impl<R: Reduced> Search<'_, R> {
             }),
             Timing::Within(it) => watch.within.push(Within {
                 limit: None,
-                ..self.watch.within[it].clone()
+                ..layers.watching.watch.within[it].clone()
             }),
         }
         let gauges = Gauge::of(&watch, &How::Shared);
-        let search = Search::new(&self.rules, &watch, &gauges, self.limits, self.cancel);
-        let mut chase = Chase::new(search);
+        let rules = &layers.watching.rules;
+        let watching = Watching::new(rules, &watch, &gauges, layers.limits.without);
+        let mut chase = Chase::new(watching, layers.limits, layers.cancel);
         for _ in 0..Order::KINDS {
-            let due = self.is_hunt_due();
-            let Some(order) = due.then(|| self.next_order()).flatten() else {
-                return;
-            };
-            let order = order.steady();
+            if !self.is_hunt_due(layers) {
+                return None;
+            }
+            let order = self.hunt.as_mut().ok()?.next_order().steady();
             // A run that repeats itself may do so only after it has gone on for some time.
             for doubled in 0..DOUBLED {
-                chase.lasts = Some(self.patience.saturating_mul(1 << doubled));
-                self.run_chase(&mut chase, order, None);
+                chase.lasts = Some(layers.patience.saturating_mul(1 << doubled));
+                self.run_chase(layers, &mut chase, order, None);
                 let Some((run, value)) = chase.lasted() else {
                     break;
                 };
                 if let Some(cycle) = chase.repetition(&run, value) {
-                    self.diverging = Some(Diverging {
+                    return Some(Diverging {
                         gauge,
                         excess: limit.and_then(|limit| exceeding(&run, value, limit, cycle)),
                         proof: Some(run.repeating(cycle)),
                     });
-                    return;
                 }
             }
-            if let Some(hunt) = &mut self.hunt
+            if let Ok(hunt) = &mut self.hunt
                 && chase.is_exhausted()
                 && !order.late
             {
                 hunt.bounded.insert(gauge);
             }
         }
+        None
     }
 }
 

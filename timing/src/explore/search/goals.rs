@@ -1,0 +1,185 @@
+//! What single states show: one list of all that a watch asks for, whatever its kind.
+
+use std::ops::{Index, IndexMut};
+
+use crate::explore::reductions::Orbits;
+use crate::explore::watch::Watch;
+use crate::property::Predicate;
+
+/// Something that a state shows, or the step to it.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Goal<'w> {
+    /// A tick of the task comes before its job has ended.
+    Missed(usize),
+    /// The task waits for a core for as long as its period.
+    Overdue(usize),
+    /// The predicate holds.
+    Reached(&'w Predicate),
+}
+
+impl Goal<'_> {
+    /// The task it is about.
+    pub(super) fn task(self) -> Option<usize> {
+        match self {
+            Goal::Missed(task) | Goal::Overdue(task) => Some(task),
+            Goal::Reached(_) => None,
+        }
+    }
+}
+
+/// The number of a goal in the list of its watch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct GoalId(usize);
+
+/// All goals of a watch: its tasks whose ticks must not come too early, those that must not wait too long,
+/// its predicates.
+#[derive(Debug)]
+pub(super) struct Goals<'w> {
+    watch: &'w Watch,
+}
+
+/// Something for each goal of a list.
+#[derive(Debug, Clone, Default)]
+pub(super) struct PerGoal<T>(Vec<T>);
+
+impl<'w> Goals<'w> {
+    /// The goals of a watch.
+    pub(super) fn of(watch: &'w Watch) -> Goals<'w> {
+        Goals { watch }
+    }
+
+    /// How many there are of each kind, in the order of the list.
+    fn counts(&self) -> [usize; 3] {
+        let Watch {
+            schedulable,
+            overdue,
+            reach,
+            ..
+        } = self.watch;
+        [schedulable.len(), overdue.len(), reach.len()]
+    }
+
+    /// All of them, in order.
+    pub(super) fn ids(&self) -> impl Iterator<Item = GoalId> + use<> {
+        (0..self.counts().iter().sum()).map(GoalId)
+    }
+
+    /// Those that are ticks that come too early, with their tasks.
+    pub(super) fn missed(&self) -> impl Iterator<Item = (GoalId, usize)> + use<'w> {
+        let tasks = self.watch.schedulable.iter().enumerate();
+        tasks.map(|(i, &task)| (GoalId(i), task))
+    }
+
+    /// Those that are tasks that wait too long, with the tasks.
+    pub(super) fn overdue(&self) -> impl Iterator<Item = (GoalId, usize)> + use<'w> {
+        let first = self.counts()[0];
+        let tasks = self.watch.overdue.iter().enumerate();
+        tasks.map(move |(i, &task)| (GoalId(first + i), task))
+    }
+
+    /// Those that are predicates.
+    pub(super) fn reached(&self) -> impl Iterator<Item = (GoalId, &'w Predicate)> + use<'w> {
+        let first = self.counts()[0] + self.counts()[1];
+        let predicates = self.watch.reach.iter().enumerate();
+        predicates.map(move |(i, it)| (GoalId(first + i), it))
+    }
+
+    /// The goal with a number.
+    pub(super) fn get(&self, GoalId(id): GoalId) -> Goal<'w> {
+        let [missed, overdue, _] = self.counts();
+        if id < missed {
+            Goal::Missed(self.watch.schedulable[id])
+        } else if id < missed + overdue {
+            Goal::Overdue(self.watch.overdue[id - missed])
+        } else {
+            Goal::Reached(&self.watch.reach[id - missed - overdue])
+        }
+    }
+
+    /// Whether it is a predicate: its number among those of the watch.
+    pub(super) fn predicate(&self, GoalId(id): GoalId) -> Option<usize> {
+        let [missed, overdue, _] = self.counts();
+        id.checked_sub(missed + overdue)
+    }
+
+    /// The goals of the same kind that are about tasks that are not told apart from that of one, itself
+    /// included.
+    pub(super) fn alike(&self, id: GoalId, orbits: &Orbits) -> Vec<GoalId> {
+        let same = |all: &mut dyn Iterator<Item = (GoalId, usize)>, task: usize| {
+            let orbit = orbits.of_task(task);
+            all.filter(|it| orbit.contains(&it.1))
+                .map(|it| it.0)
+                .collect()
+        };
+        match self.get(id) {
+            Goal::Missed(task) => same(&mut self.missed(), task),
+            Goal::Overdue(task) => same(&mut self.overdue(), task),
+            Goal::Reached(_) => vec![id],
+        }
+    }
+
+    /// Something for each of them.
+    pub(super) fn each<T>(&self, it: impl FnMut(GoalId) -> T) -> PerGoal<T> {
+        PerGoal(self.ids().map(it).collect())
+    }
+
+    /// A watch for some of them alone, which are in order. Their numbers there are their places among them.
+    pub(super) fn only(&self, some: &[GoalId]) -> Watch {
+        let mut watch = Watch {
+            stop_at_first: self.watch.stop_at_first,
+            ..Watch::default()
+        };
+        for &id in some {
+            match self.get(id) {
+                Goal::Missed(task) => watch.schedulable.push(task),
+                Goal::Overdue(task) => watch.overdue.push(task),
+                Goal::Reached(it) => watch.reach.push(it.clone()),
+            }
+        }
+        watch
+    }
+
+    /// The parts of a list that the lists of the watch correspond to: missed, overdue, reached.
+    pub(super) fn split<T>(&self, PerGoal(mut all): PerGoal<T>) -> [Vec<T>; 3] {
+        let [missed, overdue, _] = self.counts();
+        let reached = all.split_off(missed + overdue);
+        let overdue = all.split_off(missed);
+        [all, overdue, reached]
+    }
+}
+
+impl<T> PerGoal<T> {
+    /// In the order of the goals.
+    pub(super) fn values(&self) -> impl Iterator<Item = &T> {
+        self.0.iter()
+    }
+
+    /// Likewise.
+    pub(super) fn values_mut(&mut self) -> impl Iterator<Item = &mut T> {
+        self.0.iter_mut()
+    }
+
+    /// What becomes of each.
+    pub(super) fn map<U>(self, it: impl FnMut(T) -> U) -> PerGoal<U> {
+        PerGoal(self.0.into_iter().map(it).collect())
+    }
+
+    /// Likewise.
+    pub(super) fn into_values(self) -> impl Iterator<Item = T> {
+        self.0.into_iter()
+    }
+}
+
+impl<T> Index<GoalId> for PerGoal<T> {
+    type Output = T;
+
+    fn index(&self, GoalId(id): GoalId) -> &T {
+        &self.0[id]
+    }
+}
+
+impl<T> IndexMut<GoalId> for PerGoal<T> {
+    fn index_mut(&mut self, GoalId(id): GoalId) -> &mut T {
+        &mut self.0[id]
+    }
+}

@@ -1,0 +1,192 @@
+//! The states that are kept: those in which time passes, and how each was come to.
+
+use std::collections::BTreeMap;
+use std::ops::Index;
+
+use super::watching::Sight;
+use crate::explore::state::{Frame, State};
+use crate::explore::store::{Covering, Encoded, Store, decode_to};
+use crate::system::Ticks;
+
+/// The number of a node.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct NodeId(u32);
+
+impl NodeId {
+    /// Before the first node: the start of every run.
+    pub(super) const ROOT: NodeId = NodeId(u32::MAX);
+}
+
+/// A state in which time passes: a key of the set of passed states, and its own box.
+pub(super) struct Node {
+    key: u32,
+    start: usize,
+    len: u32,
+    pub(super) time: u64,
+    /// First of the nodes it was reached from.
+    edges: u32,
+}
+
+/// Bytes of a node in the queue.
+const QUEUED: usize = 2 * size_of::<u32>();
+
+/// The end of a list of edges, or of links.
+const END: u32 = u32::MAX;
+
+/// All nodes, with the nodes they were reached from, and those whose next moment has not come yet.
+pub(super) struct Graph {
+    passed: Store,
+    nodes: Vec<Node>,
+    dims: Vec<Ticks>,
+    edges: Vec<(NodeId, u32)>,
+    queue: BTreeMap<u64, Vec<NodeId>>,
+}
+
+impl Graph {
+    /// Without nodes, for states with so many clocks.
+    pub(super) fn new(clocks: usize, covering: Covering) -> Graph {
+        Graph {
+            passed: Store::new(clocks, covering),
+            nodes: Vec::new(),
+            dims: Vec::new(),
+            edges: Vec::new(),
+            queue: BTreeMap::new(),
+        }
+    }
+
+    /// The number of nodes.
+    pub(super) fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Keeps a state as a node, unless it is passed already.
+    pub(super) fn keep(
+        &mut self,
+        it: &Encoded,
+        time: u64,
+        parents: impl Iterator<Item = NodeId>,
+    ) -> Option<NodeId> {
+        let key = self.passed.insert(it, 0, |_, _| 0)?;
+        let mut edges = END;
+        for parent in parents {
+            self.edges.push((parent, edges));
+            edges = self.edges.len() as u32 - 1;
+        }
+        let start = self.dims.len();
+        self.dims.extend(&it.dims);
+        self.nodes.push(Node {
+            key,
+            start,
+            len: it.dims.len() as u32,
+            time,
+            edges,
+        });
+        Some(NodeId(self.nodes.len() as u32 - 1))
+    }
+
+    /// The nodes that a node was reached from.
+    pub(super) fn parents(&self, node: NodeId) -> impl Iterator<Item = NodeId> {
+        let mut edge = self[node].edges;
+        std::iter::from_fn(move || {
+            let &(parent, next) = self.edges.get(edge as usize)?;
+            edge = next;
+            Some(parent)
+        })
+    }
+
+    /// Notes the next moment of a node.
+    pub(super) fn wait(&mut self, node: NodeId, until: u64) {
+        self.queue.entry(until).or_default().push(node);
+    }
+
+    /// The next moment of any node, and the nodes whose moment it is.
+    pub(super) fn next_moment(&mut self) -> Option<(u64, Vec<NodeId>)> {
+        self.queue.pop_first()
+    }
+
+    /// The moments that have not come, of all nodes.
+    pub(super) fn take_queue(&mut self) -> BTreeMap<u64, Vec<NodeId>> {
+        std::mem::take(&mut self.queue)
+    }
+
+    /// The state of a node.
+    pub(super) fn state(&self, frame: &Frame, node: NodeId) -> State {
+        let mut s = State::default();
+        self.state_to(frame, node, &mut s);
+        s
+    }
+
+    /// The same, into memory that is there.
+    pub(super) fn state_to(&self, frame: &Frame, node: NodeId, s: &mut State) {
+        let node = &self[node];
+        let dims = &self.dims[node.start..node.start + node.len as usize];
+        decode_to(frame, self.passed.key(node.key), dims, s);
+    }
+
+    /// How long after the moment of the node of a sight this was seen.
+    pub(super) fn since(&self, at: Sight<NodeId>) -> Ticks {
+        (at.time - self[at.parent].time) as Ticks
+    }
+
+    /// Bytes in use.
+    pub(super) fn memory(&self) -> usize {
+        self.passed.memory()
+            + self.nodes.capacity() * size_of::<Node>()
+            + self.dims.capacity() * size_of::<Ticks>()
+            + self.edges.capacity() * size_of::<(NodeId, u32)>()
+            + self.nodes.len() * QUEUED
+    }
+}
+
+impl Index<NodeId> for Graph {
+    type Output = Node;
+
+    fn index(&self, NodeId(id): NodeId) -> &Node {
+        &self.nodes[id as usize]
+    }
+}
+
+/// Lists of the nodes that states of one moment were come to from; states that are merged join theirs.
+#[derive(Default)]
+pub(super) struct Links(Vec<(NodeId, u32)>);
+
+impl Links {
+    /// A list of one node: its number.
+    pub(super) fn one(&mut self, parent: NodeId) -> u32 {
+        self.0.push((parent, END));
+        self.0.len() as u32 - 1
+    }
+
+    /// Takes the last list back.
+    pub(super) fn undo(&mut self) {
+        self.0.pop();
+    }
+
+    /// The nodes of a list.
+    pub(super) fn list(&self, first: u32) -> impl Iterator<Item = NodeId> {
+        let mut link = first;
+        std::iter::from_fn(move || {
+            let &(parent, next) = self.0.get(link as usize)?;
+            link = next;
+            Some(parent)
+        })
+    }
+
+    /// Concatenates two lists.
+    pub(super) fn join(&mut self, one: u32, other: u32) -> u32 {
+        // Lists are short; parents already present are not repeated.
+        let links = &mut self.0;
+        let mut last = one;
+        loop {
+            if links[last as usize].0 == links[other as usize].0 && links[other as usize].1 == END {
+                return one;
+            }
+            if links[last as usize].1 == END {
+                break;
+            }
+            last = links[last as usize].1;
+        }
+        links[last as usize].1 = other;
+        one
+    }
+}

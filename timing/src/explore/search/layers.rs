@@ -1,0 +1,525 @@
+//! Layers: exploration in order of time, from moment to moment.
+//!
+//! All simultaneous actions of a moment are followed, the calm states they lead to are kept as nodes, and each
+//! node jumps to its next moment. It proves, and finds the shortest runs.
+
+use rustc_hash::FxHashSet;
+
+use super::graph::{Graph, Links, NodeId};
+use super::supervisor::Supervisor;
+use super::trace::{Target, Traced};
+use super::watching::{Sight, Watching};
+use crate::cancel::Cancel;
+use crate::explore::measure::{Diverging, Gauge, How};
+use crate::explore::observe;
+use crate::explore::reductions::{Activity, Held, Kind, Reason, Reduced, Reductions};
+use crate::explore::rules::Enabled;
+use crate::explore::run::Run;
+use crate::explore::state::State;
+use crate::explore::store::{Covering, Encoded, Store, decode, encode, holds};
+use crate::explore::watch::{Limits, Stop, Watch};
+use crate::system::Ticks;
+
+/// States looked at per state of a layer to find those that are reached by ends that can wait.
+const CLOSURES: usize = 1;
+
+/// States looked at between two looks at what may end the search.
+pub(super) const LOOKS: usize = 64;
+
+/// Steps for each state kept from which on moments are crowded: what happens in them is what takes long.
+const CROWDED: u64 = 64;
+
+/// How states cover each other within these limits.
+pub(super) fn covering(limits: Limits) -> Covering {
+    Covering {
+        union: !limits.without.contains(Kind::WindowUnion),
+        inclusion: !limits.without.contains(Kind::WindowInclusion),
+    }
+}
+
+/// The states of one moment.
+struct Layer {
+    states: Store,
+    /// Of each: time may pass in it.
+    calm: Vec<bool>,
+    /// Bytes of the states that it begins with.
+    under_way: usize,
+}
+
+/// An exploration in order of time.
+pub(super) struct Layers<'a, R: Reduced> {
+    pub(super) watching: Watching<'a, R, NodeId>,
+    pub(super) graph: Graph,
+    layer: Layer,
+    /// All states of former moments that were crowded.
+    crowd: Store,
+    pub(super) steps: u64,
+    /// The moment that is looked at.
+    pub(super) now: u64,
+    pub(super) deadlock: Option<Sight<NodeId>>,
+    /// Runs that were found again already.
+    pub(super) traced: Traced,
+    /// Clocks are examined for divergence when they exceed this.
+    pub(super) patience: Ticks,
+    /// Look for repetition until it is found.
+    patient: bool,
+    /// Found while a layer was closed.
+    pub(super) diverging: Option<Diverging>,
+    pub(super) limits: Limits,
+    pub(super) cancel: &'a Cancel,
+    pub(super) stopped: Option<Stop>,
+    /// States whose memory is used again.
+    spare: Vec<State>,
+}
+
+impl<'a, R: Reduced> Layers<'a, R> {
+    pub(super) fn new(
+        rules: &R,
+        watch: &'a Watch,
+        gauges: &'a [Gauge],
+        limits: Limits,
+        cancel: &'a Cancel,
+    ) -> Self {
+        let watching = Watching::new(rules, watch, gauges, limits.without);
+        let system = rules.system();
+        let longest = system
+            .tasks
+            .iter()
+            .filter_map(|it| it.period)
+            .max()
+            .unwrap_or(0);
+        let work = system
+            .codels
+            .iter()
+            .map(|it| {
+                if it.upper == crate::system::FOREVER {
+                    it.lower
+                } else {
+                    it.upper
+                }
+            })
+            .fold(0u32, |sum, it| sum.saturating_add(it));
+        let clocks = watching.rules.frame().clocks();
+        let covering = covering(limits);
+        Layers {
+            watching,
+            graph: Graph::new(clocks, covering),
+            layer: Layer {
+                states: Store::new(clocks, covering),
+                calm: Vec::new(),
+                under_way: 0,
+            },
+            crowd: Store::new(clocks, covering),
+            steps: 0,
+            now: 0,
+            deadlock: None,
+            traced: Traced::default(),
+            patience: longest.saturating_add(work).max(16),
+            patient: gauges.iter().any(|it| it.how == How::Patient),
+            diverging: None,
+            limits,
+            cancel,
+            stopped: None,
+            spare: Vec::new(),
+        }
+    }
+
+    // ---- From moment to moment -------------------------------------------------------------
+
+    /// Explores until everything was looked at, or it is stopped, or a time turns out to diverge.
+    pub(super) fn run(&mut self, by: &mut Supervisor<'a, R>) -> Option<Diverging> {
+        let initial = self.watching.rules.initial();
+        self.close_layer(0, vec![(initial, NodeId::ROOT)], true, by);
+        while self.goes_on()
+            && let Some((time, parents)) = self.graph.next_moment()
+        {
+            self.now = time;
+            let mut states = Vec::with_capacity(parents.len());
+            let bytes = size_of::<NodeId>() + self.watching.rules.frame().state_bytes();
+            self.layer.under_way = states.capacity() * bytes;
+            for (i, parent) in parents.into_iter().enumerate() {
+                if i % LOOKS == LOOKS - 1 && by.look(self) {
+                    break;
+                }
+                let mut s = self.spare.pop().unwrap_or_default();
+                let frame = self.watching.rules.frame();
+                self.graph.state_to(frame, parent, &mut s);
+                let at = Sight { parent, time };
+                let jump = self.graph.since(at);
+                self.limits_in_jump(&s, parent, jump);
+                self.watching.rules.elapse(&mut s, jump);
+                if self.diverging.is_none() {
+                    self.diverging = self.clocks_after_jump(&mut s, at, by);
+                }
+                states.push((s, parent));
+            }
+            if self.goes_on() {
+                self.close_layer(time, states, false, by);
+            }
+        }
+        by.end(self);
+        self.limits_under_way();
+        let mut diverging = self.diverging.take()?;
+        if let Some(it) = self.excess_run(diverging.gauge) {
+            diverging.excess = Some(it);
+        }
+        Some(diverging)
+    }
+
+    fn goes_on(&self) -> bool {
+        self.diverging.is_none() && self.stopped.is_none()
+    }
+
+    /// Whether the search is over, be it that nothing more is wanted.
+    fn is_stopped(&mut self) -> bool {
+        if self.watching.seen.enough {
+            self.stopped.get_or_insert(Stop::Answered);
+        }
+        self.stopped.is_some()
+    }
+
+    /// Follows all simultaneous actions from states at one moment, then keeps the calm ones.
+    fn close_layer(
+        &mut self,
+        time: u64,
+        states: Vec<(State, NodeId)>,
+        initial: bool,
+        by: &mut Supervisor<'a, R>,
+    ) {
+        self.layer.states.clear();
+        self.layer.calm.clear();
+        let mut links = Links::default();
+        let mut stack: Vec<(State, NodeId, Held)> = states
+            .into_iter()
+            .map(|(s, parent)| (s, parent, 0))
+            .collect();
+        if initial {
+            for (s, parent, _) in &mut stack {
+                observe::observe(&self.watching.rules, &self.watching.observers, None, s);
+                let parent = *parent;
+                self.watching.check(None, s, Sight { parent, time });
+            }
+        }
+        let mut enabled = Enabled::default();
+        let mut first = Vec::new();
+        let mut followed = Vec::new();
+        let mut it = Encoded::default();
+        while let Some((mut s, parent, mut held)) = stack.pop() {
+            self.steps += 1;
+            if self.is_stopped() || (self.steps % 16 == 1 && by.look(self)) {
+                return;
+            }
+            let at = Sight { parent, time };
+            self.watching
+                .settle(&mut s, &mut held, &mut enabled, |_| at);
+            encode(self.watching.rules.frame(), &s, &mut it);
+            if held != 0 {
+                it.key.extend(held.to_le_bytes());
+            }
+            if self.crowd.holds(&it) {
+                self.spare.push(s);
+                continue;
+            }
+            let tag = links.one(parent);
+            let join = |one, other| links.join(one, other);
+            let Some(key) = self.layer.states.insert(&it, tag, join) else {
+                links.undo();
+                self.spare.push(s);
+                continue;
+            };
+            if key as usize == self.layer.calm.len() {
+                self.layer.calm.push(!enabled.urgent);
+            }
+            self.watching
+                .followed((&s, held), &enabled, &mut first, &mut followed);
+            for &(action, mut held) in &followed {
+                let mut next = self.spare.pop().unwrap_or_default();
+                next.clone_from(&s);
+                self.watching.step(&mut next, action, &mut held, at);
+                stack.push((next, parent, held));
+            }
+            self.spare.push(s);
+        }
+        self.is_stopped();
+        self.keep_calm(time, &links, by);
+        self.keep_crowd(by);
+    }
+
+    /// Where very much happens at each moment, most of it happens again at later ones: whatever states of
+    /// this one lead to is known then.
+    fn keep_crowd(&mut self, by: &mut Supervisor<'a, R>) {
+        if !self.is_crowded() || self.limits.without.contains(Kind::MomentCovering) {
+            return;
+        }
+        let layer = std::mem::take(&mut self.layer.states);
+        let mut it = Encoded::default();
+        for key in 0..layer.len() as u32 {
+            if key % 64 == 63 && by.look(self) {
+                break;
+            }
+            it.key.clear();
+            it.key.extend(layer.key(key));
+            for (dims, _) in layer.covers(key) {
+                it.dims.clear();
+                it.dims.extend(dims);
+                self.crowd.insert(&it, 0, |_, _| 0);
+            }
+        }
+        self.layer.states = layer;
+    }
+
+    /// Turns the calm states of the layer that are not passed yet into nodes.
+    fn keep_calm(&mut self, time: u64, links: &Links, by: &mut Supervisor<'a, R>) {
+        let layer = std::mem::take(&mut self.layer.states);
+        let redundant = self.redundant(&layer);
+        let mut it = Encoded::default();
+        let mut s = State::default();
+        for key in 0..layer.len() as u32 {
+            if key % 64 == 63 && by.look(self) {
+                break;
+            }
+            if !self.layer.calm[key as usize] {
+                continue;
+            }
+            it.key.clear();
+            it.key.extend(layer.key(key));
+            for (dims, tag) in layer.covers(key) {
+                if self.ends_now(dims) || redundant.contains(&tag) {
+                    continue;
+                }
+                it.dims.clear();
+                it.dims.extend(dims);
+                let Some(node) = self.graph.keep(&it, time, links.list(tag)) else {
+                    continue;
+                };
+                let Watching {
+                    rules, reductions, ..
+                } = &self.watching;
+                self.graph.state_to(rules.frame(), node, &mut s);
+                match reductions.next_moment(rules, &s) {
+                    Some(jump) => self.graph.wait(node, time + u64::from(jump)),
+                    None => {
+                        let at = Sight { parent: node, time };
+                        self.deadlock.get_or_insert(at);
+                        self.waits_forever(&s, at);
+                    }
+                }
+            }
+        }
+        self.layer.states = layer;
+    }
+
+    /// Whether time cannot pass in a box, as a window is at its end.
+    fn ends_now(&self, dims: &[Ticks]) -> bool {
+        let windows = dims.len() - self.watching.rules.frame().clocks();
+        dims[..windows].chunks_exact(2).any(|w| w[1] == 0)
+    }
+
+    /// Tags of calm states that others of the layer reach by ends that can wait. Not all of them if there are
+    /// very many: finding them must not take longer than following them.
+    fn redundant(&self, layer: &Store) -> FxHashSet<u32> {
+        let Watching {
+            rules, reductions, ..
+        } = &self.watching;
+        // Those with most codels executing reach most others.
+        let mut sources: Vec<(usize, u32, &[Ticks], u32)> = Vec::new();
+        for key in (0..layer.len() as u32).filter(|&it| self.layer.calm[it as usize]) {
+            let covers = layer.covers(key).filter(|it| !self.ends_now(it.0));
+            sources.extend(covers.map(|(dims, tag)| (dims.len(), key, dims, tag)));
+        }
+        sources.sort_by_key(|it| std::cmp::Reverse(it.0));
+        let mut out = FxHashSet::default();
+        let mut budget = 1000 + CLOSURES * layer.len();
+        for (_, key, dims, tag) in sources {
+            if budget == 0 || self.cancel.is_over() {
+                break;
+            }
+            if out.contains(&tag) {
+                continue;
+            }
+            let s = decode(rules.frame(), layer.key(key), dims);
+            reductions.closure(rules, &s, &mut budget, |it| {
+                for (other, other_tag) in layer.find(&it.key) {
+                    if other_tag != tag && holds(rules.frame(), &it.dims, other) {
+                        out.insert(other_tag);
+                    }
+                }
+            });
+        }
+        out
+    }
+
+    // ---- Times that grow -------------------------------------------------------------------
+
+    /// Nothing will happen after a node: whatever is measured there has no bound.
+    fn waits_forever(&mut self, s: &State, at: Sight<NodeId>) {
+        if self.diverging.is_some() {
+            return;
+        }
+        let mut gauges = 0..self.watching.gauges.len();
+        let gauge = gauges.find(|&it| self.watching.measures(it, s).is_some());
+        if let Some(gauge) = gauge {
+            self.limits_in_jump(s, at.parent, Ticks::MAX);
+            self.diverging = Some(Diverging {
+                gauge,
+                proof: Some(self.trace(at, &Target::Deadlock)),
+                excess: None,
+            });
+        }
+    }
+
+    /// Looks at clocks after time has passed. One that has grown suspiciously is examined: whether the run
+    /// repeats itself.
+    fn clocks_after_jump(
+        &mut self,
+        s: &mut State,
+        at: Sight<NodeId>,
+        by: &mut Supervisor<'a, R>,
+    ) -> Option<Diverging> {
+        self.watching.waiting_after_jump(s, at);
+        for gauge in 0..self.watching.gauges.len() {
+            let Some(value) = self.watching.longest_after_jump(gauge, s, at) else {
+                continue;
+            };
+            if value <= self.patience || by.look(self) {
+                continue;
+            }
+            self.patience = self.patience.saturating_mul(2);
+            let Gauge { of, limit, .. } = self.watching.gauges[gauge];
+            let run = self.trace(at, &Target::Lasts(of, value));
+            let mut out = Diverging {
+                gauge,
+                proof: None,
+                excess: None,
+            };
+            let rules = &self.watching.rules;
+            let recent = (&self.watching.observers[..], value);
+            let age = |s: &State| of.age(rules.frame(), s);
+            if let Some(cycle) = run.repetition(rules, recent, &age, self.cancel) {
+                let left = limit.and_then(|it| it.checked_sub(value));
+                out.excess = left.and_then(|it| run.prolonged(cycle, it + 1));
+                out.proof = Some(run.repeating(cycle));
+                return Some(out);
+            }
+            if !self.patient && !self.cancel.is_abandoned() {
+                return Some(out);
+            }
+        }
+        None
+    }
+
+    /// Notes the limits that are exceeded in a jump from a node, and when. The first moment counts, and jumps
+    /// overlap.
+    fn limits_in_jump(&mut self, s: &State, parent: NodeId, jump: Ticks) {
+        let watching = &mut self.watching;
+        for i in 0..watching.gauges.len() {
+            let (Some(limit), Some(clock)) = (watching.gauges[i].limit, watching.measures(i, s))
+            else {
+                continue;
+            };
+            // Clocks beyond the limit were seen when they passed it.
+            let Some(left) = limit.checked_sub(s.t[clock]).filter(|&it| it < jump) else {
+                continue;
+            };
+            let time = self.graph[parent].time + u64::from(left) + 1;
+            if watching.seen.excess[i].is_none_or(|it| time < it.time) {
+                for it in watching.alike(i) {
+                    watching.seen.excess[it] = Some(Sight { parent, time });
+                }
+            }
+        }
+    }
+
+    /// The same for the jumps that have begun when the exploration ends.
+    fn limits_under_way(&mut self) {
+        if self.watching.gauges.iter().all(|it| it.limit.is_none()) {
+            return;
+        }
+        for (time, parents) in self.graph.take_queue() {
+            for (i, parent) in parents.into_iter().enumerate() {
+                if i % LOOKS == 0 && self.cancel.is_abandoned() {
+                    return;
+                }
+                let s = self.graph.state(self.watching.rules.frame(), parent);
+                let jump = self.graph.since(Sight { parent, time });
+                self.limits_in_jump(&s, parent, jump);
+            }
+        }
+    }
+
+    /// A run in which a gauge has just exceeded its limit.
+    pub(super) fn excess_run(&self, gauge: usize) -> Option<Run> {
+        let Gauge { of, limit, .. } = self.watching.gauges[gauge];
+        let at = self.watching.seen.excess[gauge]?;
+        Some(self.trace(at, &Target::Lasts(of, limit? + 1)))
+    }
+
+    /// What has been found of one gauge holds for all that are not told apart.
+    pub(super) fn of_all_alike(&self, found: &Diverging) -> Vec<Diverging> {
+        let task = |gauge: usize| self.watching.gauges[gauge].of.task();
+        let of = |gauge: usize| {
+            let run = |it: &Option<Run>| {
+                it.as_ref()
+                    .map(|it| match (task(found.gauge), task(gauge)) {
+                        (Some(from), Some(to)) => self.watching.exchanged(it, from, to),
+                        _ => it.clone(),
+                    })
+            };
+            Diverging {
+                gauge,
+                proof: run(&found.proof),
+                excess: run(&found.excess),
+            }
+        };
+        self.watching
+            .alike(found.gauge)
+            .into_iter()
+            .map(of)
+            .collect()
+    }
+
+    // ---- What it takes ---------------------------------------------------------------------
+
+    /// Whether what happens at single moments takes long.
+    pub(super) fn is_crowded(&self) -> bool {
+        self.steps > CROWDED * self.graph.len() as u64
+    }
+
+    /// States that are kept, or were come to at the moment that is looked at.
+    pub(super) fn states_now(&self) -> usize {
+        self.graph.len() + self.layer.states.len()
+    }
+
+    /// States kept; where the exploration was broken off also those of the moment at which that happened.
+    pub(super) fn states(&self) -> usize {
+        match self.stopped {
+            None | Some(Stop::Answered) => self.graph.len(),
+            Some(_) => self.states_now(),
+        }
+    }
+
+    /// Bytes in use.
+    pub(super) fn memory(&self) -> usize {
+        self.graph.memory()
+            + self.layer.states.memory()
+            + self.crowd.memory()
+            + self.layer.under_way
+            + self.spare.len() * self.watching.rules.frame().state_bytes()
+    }
+
+    /// Which reductions are used.
+    pub(super) fn activities(&self) -> impl Iterator<Item = Activity> {
+        let switched = [
+            Kind::WindowUnion,
+            Kind::WindowInclusion,
+            Kind::MomentCovering,
+        ]
+        .map(|kind| {
+            let off = self.limits.without.contains(kind);
+            let off = off.then_some(Reason::SwitchedOff);
+            Activity { kind, off }
+        });
+        let own = self.watching.reductions.activities().iter().copied();
+        own.chain(switched)
+    }
+}

@@ -1,0 +1,268 @@
+//! The supervisor: which strategy gets how much effort, when to stop, and what is told on the way.
+//!
+//! Layers get most of the effort, and ask the supervisor every few steps ([`Supervisor::look`]). It lets
+//! randomised search ([`hunt`](super::hunt)) and zones ([`zones`](super::zones)) work beside them.
+
+mod news;
+
+pub(super) use self::news::Teller;
+
+use self::news::News;
+use super::goals::GoalId;
+use super::hunt::{self, Hunt};
+use super::layers::Layers;
+use super::zones::{self, Proof, Proving};
+use crate::explore::findings::{Bound, Findings, Found, Measured};
+use crate::explore::measure::How;
+use crate::explore::reductions::{Activity, Kind, Reason, Reduced};
+use crate::explore::rules::Rules;
+use crate::explore::run::Run;
+use crate::explore::search::trace::Target;
+use crate::explore::watch::{Limits, Stop, Watch};
+
+/// Steps for which an exploration that has answered everything goes on, to see requests that are refused.
+const LINGER: u64 = 20_000;
+
+/// Who works on one exploration, and who is told.
+pub(super) struct Supervisor<'a, R: Reduced> {
+    /// Randomised search, or why there is none.
+    pub(super) hunt: Result<Hunt, Reason>,
+    /// What is looked for in zones, or why not.
+    pub(super) proving: Proving<'a, R>,
+    news: Option<News<'a>>,
+    /// Steps until which to go on after everything was answered.
+    until: Option<u64>,
+}
+
+/// What one exploration hands on to the next of the same system.
+pub(super) struct Legacy {
+    hunt: Result<Hunt, Reason>,
+    zones: Result<Option<Proof>, Reason>,
+}
+
+impl Legacy {
+    /// What the first exploration begins with.
+    pub(super) fn none<R: Rules>(rules: &R, watch: &Watch, limits: Limits) -> Legacy {
+        Legacy {
+            hunt: hunt::suits(watch, limits).map(|()| Hunt::new(watch)),
+            zones: zones::suit(rules.system(), watch, limits).map(|()| None),
+        }
+    }
+}
+
+impl<'a, R: Reduced> Supervisor<'a, R> {
+    /// Supervises an exploration, with what is left of the one before.
+    pub(super) fn new(legacy: Legacy, teller: Teller<'a>) -> Self {
+        Supervisor {
+            hunt: legacy.hunt,
+            proving: Proving::new(legacy.zones),
+            news: Some(News::new(teller)),
+            until: None,
+        }
+    }
+
+    /// What the next exploration of the same system may use: what was seen by this one is known already.
+    pub(super) fn hand_on(self, layers: &Layers<'a, R>) -> Legacy {
+        let Supervisor { hunt, proving, .. } = self;
+        Legacy {
+            hunt: hunt.map(|it| it.handed_on(layers)),
+            zones: proving.into_proof(),
+        }
+    }
+
+    // ---- Who gets effort -------------------------------------------------------------------
+
+    /// Looks at an exploration: what ends it, and who else is to work. Whether it is over.
+    pub(super) fn look(&mut self, layers: &mut Layers<'a, R>) -> bool {
+        let states = layers.states_now() + self.states_beside();
+        let memory = layers.memory() + self.proving.bytes();
+        let reason = Stop::reason(states, memory, layers.limits, layers.cancel);
+        let too_many = (layers.steps > layers.limits.steps).then_some(Stop::States);
+        if let Some(reason) = reason.or(too_many) {
+            layers.stopped = Some(reason);
+            return true;
+        }
+        self.hunt_if_due(layers);
+        self.proving.work_if_due(layers);
+        if self.answered(layers) && !self.goes_on(layers) {
+            layers.stopped = Some(Stop::Answered);
+        } else {
+            self.tell_news(layers);
+        }
+        layers.stopped.is_some() || layers.diverging.is_some()
+    }
+
+    /// The layers have come to an end.
+    pub(super) fn end(&mut self, layers: &mut Layers<'a, R>) {
+        if layers.stopped == Some(Stop::States) && self.may_end_earlier(layers) {
+            self.chase_earlier(layers, self.further(layers));
+        }
+    }
+
+    /// Whether everything that is asked has been seen, or caught.
+    fn answered(&self, layers: &Layers<'a, R>) -> bool {
+        let deadlock = layers.watching.watch.deadlock;
+        layers.watching.all_measured()
+            && (!deadlock || layers.deadlock.is_some() || self.proving.never_deadlocked())
+            && self.all_caught(layers)
+    }
+
+    /// Whether to go on for a while when everything is answered: what was only caught may be seen earlier,
+    /// and requests may turn out to be refused.
+    fn goes_on(&mut self, layers: &mut Layers<'a, R>) -> bool {
+        let may_refuse = layers.watching.rules.system().may_refuse();
+        let refusals = may_refuse && !self.proving.is_done();
+        let until = match self.until {
+            Some(it) => it,
+            None => {
+                let mut further = if refusals { LINGER } else { 0 };
+                if self.may_end_earlier(layers) {
+                    further = self.further(layers);
+                    self.chase_earlier(layers, further);
+                    self.tell_later();
+                }
+                *self.until.insert(layers.steps + further)
+            }
+        };
+        layers.steps < until && (refusals || self.may_end_earlier(layers))
+    }
+
+    /// States looked at beside the layers.
+    pub(super) fn states_beside(&self) -> usize {
+        self.hunt.as_ref().map_or(0, |it| it.states) + self.proving.states()
+    }
+
+    /// Steps so far, with those of the hunt and those in zones.
+    pub(super) fn effort(&self, layers: &Layers<'a, R>) -> u64 {
+        let hunted = self.hunt.as_ref().map_or(0, |it| it.steps);
+        layers.steps + self.proving.steps() + hunted
+    }
+
+    /// States kept, or looked at beside.
+    pub(super) fn states(&self, layers: &Layers<'a, R>) -> usize {
+        layers.states() + self.states_beside()
+    }
+
+    // ---- What is known ---------------------------------------------------------------------
+
+    /// Whether a goal is never reached.
+    pub(super) fn is_never(&self, layers: &Layers<'a, R>, goal: GoalId) -> bool {
+        match layers.watching.goals.predicate(goal) {
+            Some(predicate) => self.proving.never_reached(predicate),
+            // What is proved in zones has no periodic tasks, so that nothing is late.
+            None => self.proving.is_done(),
+        }
+    }
+
+    /// Of each predicate of the watch, whether it is never reached.
+    fn never(&self, watch: &Watch) -> Vec<bool> {
+        let all = 0..watch.reach.len();
+        all.map(|it| self.proving.never_reached(it)).collect()
+    }
+
+    /// Services of which a request was refused.
+    fn refused(&self, layers: &Layers<'a, R>) -> Vec<usize> {
+        let beside = |it: usize| {
+            self.hunt
+                .as_ref()
+                .is_ok_and(|hunt| hunt.refused.contains(&it))
+        };
+        let orbits = |it: usize| {
+            use crate::explore::reductions::Reductions;
+            layers.watching.reductions.orbits().of_service(it)
+        };
+        (0..layers.watching.rules.system().services.len())
+            .filter(|&service| {
+                layers.watching.has_refused(service)
+                    || orbits(service).iter().any(|&it| beside(it))
+                    || self.proving.refused(service)
+            })
+            .collect()
+    }
+
+    /// What is known of each gauge.
+    fn measured(layers: &Layers<'a, R>) -> Vec<Option<Measured>> {
+        let found = |run| Found { run };
+        let of = |i: usize| {
+            let gauge = &layers.watching.gauges[i];
+            let excess = gauge.excess.clone().or_else(|| layers.excess_run(i));
+            let excess = excess.map(found);
+            if let How::Unbounded(run) = &gauge.how {
+                return Some(Measured {
+                    bound: Bound::Unbounded,
+                    longest: found(run.clone()),
+                    excess,
+                });
+            }
+            let longest = layers.watching.seen.longest[i];
+            let (reached, limit) = (longest.map(|it| it.value), gauge.limit);
+            if let (Some(run), Some(limit)) =
+                (&gauge.excess, limit.filter(|it| reached <= Some(*it)))
+            {
+                // Known from an exploration before, which this one has not come up with.
+                return Some(Measured {
+                    bound: Bound::Finite(limit + 1),
+                    longest: found(run.clone()),
+                    excess,
+                });
+            }
+            longest.map(|it| Measured {
+                bound: Bound::Finite(it.value),
+                longest: found(layers.trace(it.at, &Target::Lasts(gauge.of, it.value))),
+                excess,
+            })
+        };
+        (0..layers.watching.gauges.len()).map(of).collect()
+    }
+
+    /// Which reductions were used, and who worked beside the layers.
+    fn activities(&self, layers: &Layers<'a, R>) -> Vec<Activity> {
+        let beside = [
+            (Kind::Zones, self.proving.unsuited()),
+            (Kind::RandomSearch, self.hunt.as_ref().err().copied()),
+        ];
+        let beside = beside.map(|(kind, off)| Activity { kind, off });
+        layers.activities().chain(beside).collect()
+    }
+
+    /// What the exploration has found.
+    pub(super) fn findings(self, layers: &Layers<'a, R>) -> Findings {
+        let watch = layers.watching.watch;
+        let goals = &layers.watching.goals;
+        let hunt = self.hunt.as_ref().ok();
+        let [missed, overdue, reached] = goals.split(goals.each(|goal| {
+            let caught = || Some(hunt?.caught(goal)?.run.clone());
+            let run: Run = layers.run_to(goal).or_else(caught)?;
+            Some(Found { run })
+        }));
+        let mut response = Self::measured(layers);
+        let within = response.split_off(watch.response.len());
+        let services = 0..layers.watching.rules.system().services.len();
+        let restarts = services.filter(|&it| layers.watching.rules.has_ended_restarts(it));
+        let deadlock = layers.deadlock.filter(|_| watch.deadlock);
+        Findings {
+            missed,
+            overdue,
+            response,
+            reached,
+            within,
+            never: self.never(watch),
+            no_deadlock: self.proving.never_deadlocked(),
+            deadlock: deadlock.map(|at| Found {
+                run: layers.trace(at, &Target::Deadlock),
+            }),
+            refused: self.refused(layers),
+            restarts: restarts.collect(),
+            reductions: vec![self.activities(layers)],
+            states: self.states(layers),
+            steps: self.effort(layers),
+            bytes: (hunt.map_or(0, |it| it.bytes))
+                .max(self.proving.bytes_in_the_end())
+                .max(layers.memory() + self.proving.bytes()),
+            // Nothing is left to be looked at, even if it was looked at in zones.
+            stopped: layers
+                .stopped
+                .filter(|&it| it != Stop::Answered || !self.proving.is_done()),
+        }
+    }
+}
