@@ -1,7 +1,7 @@
 //! Layers: exploration in order of time, from moment to moment.
 //!
-//! All simultaneous actions of a moment are followed, the calm states they lead to are kept as nodes, and each
-//! node jumps to its next moment. It proves, and finds the shortest runs.
+//! All simultaneous actions of a moment are followed, the calm states they lead to are kept as nodes, and
+//! each node jumps to its next moment. It proves, and finds the shortest runs.
 
 use rustc_hash::FxHashSet;
 

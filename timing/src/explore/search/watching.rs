@@ -1,5 +1,5 @@
-//! What is watched along all runs, whatever the order in which they are followed: one step at a time, and what
-//! each step shows.
+//! What is watched along all runs, whatever the order in which they are followed: one step at a time, and
+//! what each step shows.
 
 use super::goals::{GoalId, Goals, PerGoal};
 use crate::explore::measure::{Gauge, How, Timing};
