@@ -7,8 +7,8 @@ use serde::ser::Serializer;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::explained::Explained;
 use crate::explore::Findings;
-use crate::explore::MomentKind;
 use crate::explore::Stop;
+use crate::explore::{Action, MomentKind};
 use crate::property::PropertyKind;
 
 /// Version of the JSON form: raised when a field changes its meaning or goes. `docs/verify.schema.json` is
@@ -347,6 +347,9 @@ pub struct Event {
     /// Who loses the core: `component.task`, or the component for its control task.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preempts: Option<String>,
+    /// The step that it tells of.
+    #[serde(skip)]
+    pub action: Option<Action>,
     /// Where that codel (or the task) is declared: number of the specification, and place.
     #[serde(skip)]
     pub src: Option<(usize, Src)>,
@@ -378,6 +381,7 @@ impl Event {
             client: None,
             releases: None,
             preempts: None,
+            action: None,
             src: None,
         }
     }

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
+use dotgen_timing::explore::MomentKind;
 use dotgen_timing::report::Event;
 
 /// A part of a run.
@@ -34,8 +35,11 @@ pub(crate) fn folded(events: &[Event], cycle: Option<usize>) -> Vec<Part> {
         .iter()
         .map(|it| {
             let next = ids.len();
-            *ids.entry((&it.component, &it.task, &it.what))
-                .or_insert(next)
+            let about = (&it.component, &it.task, &it.codel);
+            // A codel begins in the same way whatever made it begin; how one ends is a choice.
+            let is_choice = matches!(it.kind, MomentKind::End | MomentKind::Request);
+            let choice = it.action.filter(|_| is_choice);
+            *ids.entry((about, it.kind, choice)).or_insert(next)
         })
         .collect();
     let cycle = cycle.unwrap_or(0).min(steps.len());
@@ -93,12 +97,12 @@ pub(crate) fn words(steps: usize, times: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use dotgen_timing::explore::MomentKind;
 
     fn parts(text: &str, cycle: Option<usize>) -> Vec<Part> {
         let event = |(i, what): (usize, char)| {
-            let component = "c".to_owned();
-            Event::of_component(i as f64, component, MomentKind::Begin, what.to_string())
+            let it = Event::of_component(i as f64, "c".into(), MomentKind::Begin, String::new());
+            let codel = Some(what.to_string());
+            Event { codel, ..it }
         };
         let events: Vec<Event> = text.chars().enumerate().map(event).collect();
         let parts = folded(&events, cycle);

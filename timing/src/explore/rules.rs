@@ -50,12 +50,13 @@
 //!    rules.
 //! 3. A line in `with_rules!`, which chooses the rules of a system.
 
+mod moment;
 pub(crate) mod published;
 pub(crate) mod servers;
 mod work;
 
+pub use self::moment::{Moment, MomentKind};
 pub use self::work::Work;
-use super::moment::Moment;
 use super::state::{Clocks, Frame, State, TaskStatus};
 use crate::property::Atom;
 use crate::system::{Ticks, TimedSystem};

@@ -2,8 +2,8 @@
 
 use rustc_hash::FxHashMap;
 
-use super::moment::Moment;
 use super::observe::{self, Observer};
+use super::rules::Moment;
 use super::rules::{Action, Rules, with_rules};
 use super::state::State;
 use crate::cancel::Cancel;
@@ -174,7 +174,11 @@ fn told<R: Rules>(rules: &R, run: &Run) -> Vec<Moment> {
         }
         let before = s.clone();
         rules.apply(&mut s, action);
+        let told = out.len();
         rules.tell((&before, &s), Some(action), now, &mut out);
+        for it in &mut out[told..] {
+            it.action = Some(action);
+        }
     }
     out
 }

@@ -13,8 +13,8 @@
 //! are off.
 
 use super::findings::{Bound, Findings, Measured};
-use super::moment::Moment;
 use super::reductions::{NoReductions, Reduced};
+use super::rules::Moment;
 use super::rules::{Action, Enabled, Rules, Work, with_rules};
 use super::run::Run;
 use super::search::explore_by;

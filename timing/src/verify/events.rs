@@ -76,6 +76,7 @@ pub(super) fn told(names: &Names, system: &TimedSystem, unit: Seconds, run: &Run
             task: it.task.map(|task| system.tasks[task].name.clone()),
             for_core: it.about == About::AwaitsCore,
             codel: it.codel.map(path),
+            action: it.action,
             src,
             ..Event::of_component(time, it.component, it.kind, it.what)
         };

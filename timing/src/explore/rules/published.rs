@@ -18,7 +18,7 @@ use std::cell::Cell;
 
 use self::layout::{Layout, control};
 use super::{Action, Enabled, Rules};
-use crate::explore::moment::Moment;
+use crate::explore::rules::Moment;
 use crate::explore::rules::Work;
 use crate::explore::state::{Clocks, Frame, State, TaskStatus, phase};
 use crate::property::Atom;

@@ -24,7 +24,7 @@ use std::cell::Cell;
 
 use self::layout::{Layout, control, flag, slot, thread};
 use super::{Action, Enabled, Rules};
-use crate::explore::moment::Moment;
+use crate::explore::rules::Moment;
 use crate::explore::rules::Work;
 use crate::explore::state::{Clocks, Frame, State, TaskStatus};
 use crate::property::Atom;

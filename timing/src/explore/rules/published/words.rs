@@ -3,8 +3,8 @@
 use super::Published;
 use super::layout::control;
 use crate::explore::about::{About, Blocker, Executing};
-use crate::explore::moment::{Moment, MomentKind};
 use crate::explore::rules::Action;
+use crate::explore::rules::{Moment, MomentKind};
 use crate::explore::state::{State, TaskStatus, phase};
 use crate::system::{ClientAction, Yield};
 
@@ -46,6 +46,7 @@ impl Published<'_> {
             what,
             kind,
             about: About::Nothing,
+            action: None,
         }
     }
 
@@ -67,6 +68,7 @@ impl Published<'_> {
             what,
             kind: MomentKind::Request,
             about,
+            action: None,
         };
         match action {
             Action::Tick { task } => {
@@ -126,6 +128,7 @@ impl Published<'_> {
                         what,
                         kind: MomentKind::End,
                         about: About::Nothing,
+                        action: None,
                     });
                 }
             }
@@ -235,6 +238,7 @@ impl Published<'_> {
             what,
             kind,
             about,
+            action: None,
         });
     }
 

@@ -3,7 +3,7 @@
 use super::layout::{flag, slot, thread};
 use super::{Action, Servers};
 use crate::explore::about::{About, Blocker, Executing};
-use crate::explore::moment::{Moment, MomentKind};
+use crate::explore::rules::{Moment, MomentKind};
 use crate::explore::state::{State, phase};
 use crate::system::{ClientAction, Yield};
 
@@ -48,6 +48,7 @@ impl Servers<'_> {
             what,
             kind,
             about: About::Nothing,
+            action: None,
         }
     }
 
@@ -60,6 +61,7 @@ impl Servers<'_> {
             what,
             kind: MomentKind::Request,
             about: About::Nothing,
+            action: None,
         }
     }
 
@@ -80,6 +82,7 @@ impl Servers<'_> {
             what,
             kind,
             about: About::Nothing,
+            action: None,
         }
     }
 

@@ -1,6 +1,7 @@
 //! Lines of a run for readers.
 
-use super::about::About;
+use super::Action;
+use crate::explore::about::About;
 
 /// One line of a run for readers.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -19,10 +20,12 @@ pub struct Moment {
     pub kind: MomentKind,
     /// What else it is about.
     pub about: About,
+    /// The step that it tells of; `None` before the first.
+    pub action: Option<Action>,
 }
 
 /// Kinds of [`Moment`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MomentKind {
     /// A timer has wrapped.
