@@ -202,6 +202,10 @@ pub trait Hosts {
     /// Nanoseconds since the start.
     fn now(&self) -> u64;
 
+    /// How long a codel may take on the virtual clock before its component counts as blocked, in nanoseconds;
+    /// `None`: as long as it likes, for instance because somebody looks at it in a debugger.
+    fn patience(&self) -> Option<u64>;
+
     /// Ends a component that does not answer.
     fn kill(&mut self, component: usize);
 

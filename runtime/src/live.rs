@@ -41,9 +41,6 @@ struct Running {
     undeclared: bool,
 }
 
-/// How long a codel may take on the virtual clock before its component counts as blocked.
-const BLOCKED: u64 = 10_000_000_000;
-
 /// See the [module](self).
 pub struct Live<'p> {
     system: &'p TimedSystem,
@@ -242,7 +239,7 @@ impl<'p> Live<'p> {
         if !self.waits {
             return;
         }
-        let until = self.hosts.now() + BLOCKED;
+        let until = self.patience();
         while self.is_running(executor) {
             match self.hosts.wait(until) {
                 Some(message) => self.message(message),
@@ -255,6 +252,12 @@ impl<'p> Live<'p> {
                 }
             }
         }
+    }
+
+    /// Until when what is executed now has to end, by the clock of the hosts.
+    fn patience(&self) -> u64 {
+        let patience = self.hosts.patience();
+        patience.map_or(u64::MAX, |it| self.hosts.now().saturating_add(it))
     }
 
     /// Whether a host executes something for an executor.

@@ -20,6 +20,27 @@ pub struct Tools {
     pub c: Vec<String>,
     /// Of C++ sources. It also links, where there are any.
     pub cxx: Vec<String>,
+    /// How far they improve what they make.
+    pub optimization: Optimization,
+}
+
+/// How far compilers improve what they make.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Optimization {
+    /// Little, in little time.
+    Some,
+    /// Not at all: in a debugger each variable is there, and each line is executed in its turn.
+    None,
+}
+
+impl Optimization {
+    /// The argument of compilers.
+    pub fn flag(self) -> &'static str {
+        match self {
+            Optimization::Some => "-O1",
+            Optimization::None => "-O0",
+        }
+    }
 }
 
 /// What packages want of compilers.
@@ -147,7 +168,7 @@ fn compile_step(
             "-c",
             "-fPIC",
             "-g",
-            "-O1",
+            tools.optimization.flag(),
             "-Wall",
             "-ftabstop=1",
             "-MMD",

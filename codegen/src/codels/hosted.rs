@@ -54,7 +54,8 @@ pub fn hosted(
         let codels = &folder.sources.folder;
         let mut command = compiler.clone();
         // What there is to say about the glue is nothing that its user could mend.
-        let flags = ["-c", "-fPIC", "-g", "-O1", "-w", "-MMD", "-MF"];
+        let level = tools.optimization.flag();
+        let flags = ["-c", "-fPIC", "-g", level, "-w", "-MMD", "-MF"];
         command.extend(flags.map(str::to_owned));
         command.push(format!("{object}.d"));
         command.extend(headers::include_flags(place, codels));

@@ -144,6 +144,10 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE")]
     record: Option<Utf8PathBuf>,
 
+    /// Compile codels for a debugger, and let each component wait until one is attached; its process is told
+    #[arg(long)]
+    debug: bool,
+
     /// How to print what came of it
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
@@ -272,6 +276,15 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     if arguments.record.is_some() && (all.len() > 1 || arguments.runs > 1) {
         anyhow::bail!("`--record` writes one run: one scenario, without `--runs`");
+    }
+    if arguments.debug && (all.len() > 1 || arguments.runs > 1) {
+        anyhow::bail!("`--debug` is for one run: one scenario, without `--runs`");
+    }
+    if arguments.debug && arguments.simulate == Simulate::All {
+        anyhow::bail!("`--debug` is for codels that are executed: leave `--simulate all` out");
+    }
+    if arguments.debug && !cfg!(target_os = "linux") {
+        anyhow::bail!("components wait for a debugger on Linux only");
     }
     if arguments.socket.is_some() && arguments.clock == Clock::Virtual {
         anyhow::bail!(
@@ -418,6 +431,24 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
 }
 
 impl Arguments {
+    /// Tells of components that wait for a debugger: people on the error output; programs in a line of JSON for
+    /// each, before the report.
+    #[cfg(unix)]
+    fn waiting(&self) -> crate::hosting::children::Waiting {
+        let format = self.format;
+        Box::new(move |component, process| match format {
+            Format::Text => report::note(&format!(
+                "`{component}` waits for a debugger: gdb -p {process}"
+            )),
+            Format::Json => {
+                let line = serde_json::json!({ "component": component, "process": process });
+                let mut out = std::io::stdout();
+                // Where nobody hears it, nobody attaches.
+                let _ = writeln!(out, "{line}").and_then(|()| out.flush());
+            }
+        })
+    }
+
     /// Whether ports are exchanged with other machines.
     fn has_network(&self) -> bool {
         !self.zenoh_listen.is_empty() || !self.zenoh_connect.is_empty()

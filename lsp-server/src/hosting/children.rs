@@ -18,12 +18,15 @@ use rustix::event::{PollFd, PollFlags};
 use rustix::fs::OFlags;
 
 use super::board::Board;
-use super::host::{COMMAND, REAL};
+use super::host::{COMMAND, DEBUG, REAL};
 use super::wire::{Order, Reply};
 use crate::process::System;
 
 /// How long a host may take to say something that no codel is involved in.
 const PATIENCE: Duration = Duration::from_secs(10);
+
+/// How long one may take that somebody looks at in a debugger; no run takes longer.
+const FOREVER: Duration = Duration::from_secs(100 * 365 * 24 * 60 * 60);
 
 /// How long a process may go on whose output has ended.
 const DYING: Duration = Duration::from_millis(20);
@@ -111,11 +114,16 @@ struct Child {
     parted: Option<Instant>,
 }
 
+/// Is told of a host that waits for a debugger: the component, and the number of the process.
+pub(crate) type Waiting = Box<dyn Fn(&str, u32)>;
+
 /// All hosts of a run.
 pub(crate) struct Children {
     children: Vec<Child>,
     names: Vec<String>,
     real: bool,
+    /// Hosts wait for a debugger, and nobody waits for them with a clock in the hand.
+    debug: Option<Waiting>,
     interrupt: Interrupt,
     /// How often they were started: what an earlier host says does not count.
     started: u64,
@@ -171,6 +179,7 @@ impl Children {
             children: children.collect(),
             names,
             real,
+            debug: None,
             interrupt,
             started: 0,
             begin: Instant::now(),
@@ -187,6 +196,20 @@ impl Children {
     /// What the system does not grant to hosts, in words.
     pub(crate) fn denied(&self) -> &BTreeSet<String> {
         &self.denied
+    }
+
+    /// Lets hosts wait for a debugger before they begin.
+    pub(crate) fn debug(&mut self, waiting: Waiting) {
+        self.debug = Some(waiting);
+    }
+
+    /// Until when something is awaited that no codel is involved in.
+    fn deadline(&self) -> Instant {
+        let patience = match &self.debug {
+            Some(_) => FOREVER,
+            None => PATIENCE,
+        };
+        Instant::now() + patience
     }
 
     /// By which messages come from outside.
@@ -207,6 +230,9 @@ impl Children {
         let mut arguments: Vec<OsString> = vec![COMMAND.into()];
         if self.real {
             arguments.push(REAL.into());
+        }
+        if self.debug.is_some() {
+            arguments.push(DEBUG.into());
         }
         arguments.push(library.as_std_path().into());
         let program = Program {
@@ -482,12 +508,18 @@ impl Hosts for Children {
             self.children[component].process = None;
             self.spawn(component)?;
         }
-        let until = Instant::now() + PATIENCE;
+        let until = self.deadline();
         let wanted = self.children.iter().filter(|it| it.process.is_some());
         let mut missing = wanted.count();
         while missing > 0 {
             match self.next_unless_interrupted(until) {
                 Some(Arrival::Reply(_, _, Reply::Ready)) => missing -= 1,
+                Some(Arrival::Reply(component, _, Reply::Waiting)) => {
+                    let process = &self.children[component].process;
+                    if let (Some(waiting), Some(process)) = (&self.debug, process) {
+                        waiting(&self.names[component], process.child.id());
+                    }
+                }
                 Some(Arrival::Reply(component, _, Reply::Unusable(why))) => {
                     let name = &self.names[component];
                     return Err(format!("the codels of `{name}` cannot be loaded: {why}"));
@@ -529,7 +561,7 @@ impl Hosts for Children {
 
     fn end(&mut self, component: usize, service: u32, instance: u32) -> Option<Vec<u8>> {
         self.order(component, &Order::End { service, instance });
-        let until = Instant::now() + PATIENCE;
+        let until = self.deadline();
         loop {
             match self.next_unless_interrupted(until) {
                 None if self.interrupt.is_raised() => return None,
@@ -568,7 +600,8 @@ impl Hosts for Children {
         if let Some(it) = self.early.pop_front() {
             return Some(it);
         }
-        let until = self.begin + Duration::from_nanos(until);
+        let until = Duration::from_nanos(until).min(FOREVER);
+        let until = self.begin + until;
         loop {
             let arrival = self.next_unless_interrupted(until)?;
             if let Some(it) = self.message(arrival) {
@@ -579,6 +612,13 @@ impl Hosts for Children {
 
     fn now(&self) -> u64 {
         u64::try_from(self.begin.elapsed().as_nanos()).unwrap_or(u64::MAX)
+    }
+
+    fn patience(&self) -> Option<u64> {
+        match &self.debug {
+            Some(_) => None,
+            None => u64::try_from(PATIENCE.as_nanos()).ok(),
+        }
     }
 
     fn kill(&mut self, component: usize) {

@@ -16,13 +16,15 @@ use std::time::Instant;
 
 use dotgen_runtime::hosts::Ran;
 
+use super::debugger;
 use super::library::{BRING, Bring, Component};
 use super::realtime;
 use super::wire::{Order, Reply};
 
-/// The subcommand, and the word that asks for threads of real time.
+/// The subcommand, and the words that ask for threads of real time, and for a debugger.
 pub(super) const COMMAND: &str = "host";
 pub(super) const REAL: &str = "--real-time";
+pub(super) const DEBUG: &str = "--debug";
 
 /// Runs the subcommand when the words of the command line are for it.
 pub(crate) fn intercept() -> Option<ExitCode> {
@@ -33,12 +35,14 @@ pub(crate) fn intercept() -> Option<ExitCode> {
     if command != COMMAND {
         return None;
     }
-    let (real, library) = match rest {
-        [library] => (false, library),
-        [real, library] if real == REAL => (true, library),
-        _ => return None,
+    let [options @ .., library] = rest else {
+        return None;
     };
-    Some(match serve(Path::new(library), real) {
+    if options.iter().any(|it| it != REAL && it != DEBUG) {
+        return None;
+    }
+    let has = |word: &str| options.iter().any(|it| it == word);
+    Some(match serve(Path::new(library), has(REAL), has(DEBUG)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(_) => ExitCode::from(2),
     })
@@ -73,12 +77,17 @@ fn bring(output: Output, waiting: Arc<Mutex<Waiting>>) -> Bring {
     })
 }
 
-fn serve(library: &Path, real: bool) -> io::Result<()> {
+fn serve(library: &Path, real: bool, debug: bool) -> io::Result<()> {
     let (mut input, output) = channels()?;
     let component = match Component::load(library) {
         Ok(it) => Arc::new(it),
         Err(why) => return tell(&output, &Reply::Unusable(why)),
     };
+    if debug {
+        debugger::permit();
+        tell(&output, &Reply::Waiting)?;
+        debugger::wait();
+    }
     if real && !realtime::lock_memory() {
         tell(&output, &Reply::Denied("locked memory".to_owned()))?;
     }

@@ -45,6 +45,8 @@ pub(super) enum Order {
 pub(super) enum Reply {
     /// The shared object is loaded.
     Ready,
+    /// It is loaded, and a debugger is awaited.
+    Waiting,
     /// It cannot be loaded.
     Unusable(String),
     /// A codel has ended.
@@ -153,6 +155,7 @@ impl Reply {
         let mut out = Frame::default();
         match self {
             Reply::Ready => out.byte(0),
+            Reply::Waiting => out.byte(6),
             Reply::Unusable(why) => out.byte(1).bytes(why.as_bytes()),
             Reply::Ended(outputs) => out.byte(2).bytes(outputs),
             Reply::Denied(what) => out.byte(4).bytes(what.as_bytes()),
@@ -226,6 +229,7 @@ impl Reply {
                 remote: it.number()?,
                 inputs: it.bytes()?.to_vec(),
             },
+            6 => Reply::Waiting,
             _ => return Err(nonsense()),
         };
         Ok(Some(reply))

@@ -2,7 +2,7 @@
 
 use dotgen_timing::explore::{Stepper, Work};
 
-use super::{BLOCKED, Instance, Live};
+use super::{Instance, Live};
 use crate::hosts::{Answer, Call, Message, Unanswered, Wanted};
 
 /// Marks the numbers of requests that codels make.
@@ -130,7 +130,7 @@ impl Live<'_> {
             instance,
             core: None,
         });
-        let until = self.hosts.now() + BLOCKED;
+        let until = self.patience();
         while let Some(message) = self.hosts.wait(until) {
             match message {
                 Message::Ran(of, ran) if of == component && ran.ticket == ticket => return,

@@ -11,7 +11,9 @@ use camino::{Utf8Path, Utf8PathBuf};
 use clap::Args;
 use dotgen_analysis::diagnostic::{Diagnostic, Related, Severity};
 use dotgen_analysis::source_map::Locations as _;
-use dotgen_codegen::codels::build::{self, Packages, Plan, Said, Step, Tools, Weight};
+use dotgen_codegen::codels::build::{
+    self, Optimization, Packages, Plan, Said, Step, Tools, Weight,
+};
 use dotgen_codegen::codels::files::Files as _;
 use dotgen_codegen::codels::folder::Folder;
 use dotgen_codegen::codels::hosted::{Hosted, hosted};
@@ -66,7 +68,7 @@ pub(super) struct Build {
 pub(super) fn run(arguments: &Build) -> anyhow::Result<Outcome> {
     has_place(&arguments.paths)?;
     let (files, mut trouble) = session::specifications(&arguments.paths);
-    let tools = tools()?;
+    let tools = tools(Optimization::Some)?;
     let mut report = FileReports::default();
     let mut errors = Vec::new();
     let mut whole = true;
@@ -114,7 +116,7 @@ fn text(path: &Utf8Path) -> std::sync::Arc<str> {
     Disk.read(path).unwrap_or_default()
 }
 
-fn tools() -> anyhow::Result<Tools> {
+fn tools(optimization: Optimization) -> anyhow::Result<Tools> {
     let tool = |variable: &str, usual: &str| -> anyhow::Result<Vec<String>> {
         let named = std::env::var(variable)
             .ok()
@@ -128,6 +130,7 @@ fn tools() -> anyhow::Result<Tools> {
     Ok(Tools {
         c: tool("CC", "cc")?,
         cxx: tool("CXX", "c++")?,
+        optimization,
     })
 }
 
@@ -161,11 +164,12 @@ pub(in crate::cli) struct BuiltHosts {
 pub(in crate::cli) fn hosts(
     folder: &Folder,
     packages: &PackageConfig,
+    optimization: Optimization,
     interrupt: &Interrupt,
 ) -> anyhow::Result<BuiltHosts> {
     let builder = Builder {
         folder,
-        tools: &tools()?,
+        tools: &tools(optimization)?,
         packages,
         jobs: None,
         interrupt,

@@ -165,7 +165,13 @@ impl Context<'_, '_> {
         let hosted = match arguments.simulate {
             Simulate::All => hosted::Hosted::none(self.names),
             Simulate::Missing => {
-                match hosted::build(self.session, self.problem, self.names, self.interrupt)? {
+                match hosted::build(
+                    self.session,
+                    self.problem,
+                    self.names,
+                    arguments.debug,
+                    self.interrupt,
+                )? {
                     Some(it) => it,
                     None => return Ok(None),
                 }
@@ -191,6 +197,9 @@ impl Context<'_, '_> {
             real,
             self.interrupt.clone(),
         );
+        if arguments.debug {
+            children.debug(arguments.waiting());
+        }
         let mut notes = hosted.notes.clone();
         notes.extend(parts.unlike.iter().cloned());
         let pace = real.then(|| Pace {

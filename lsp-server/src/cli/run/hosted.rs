@@ -5,6 +5,7 @@ use std::collections::{HashMap, HashSet};
 use anyhow::{Context, bail};
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::Severity;
+use dotgen_codegen::codels::build::Optimization;
 use dotgen_codegen::codels::files::{Files as _, Sources};
 use dotgen_codegen::codels::folder::folders;
 use dotgen_codegen::codels::value::Values;
@@ -32,11 +33,12 @@ pub(super) struct Hosted<'s> {
     pub(super) notes: Vec<String>,
 }
 
-/// Builds what has sources; `None` if that does not compile, which is told, or is interrupted.
+/// Builds what has sources, for a debugger if one is wanted; `None` if that does not compile, which is told, or is interrupted.
 pub(super) fn build<'s>(
     session: &Session,
     problem: &Problem,
     names: &Names<'s>,
+    debug: bool,
     interrupt: &Interrupt,
 ) -> anyhow::Result<Option<Hosted<'s>>> {
     let mut out = Hosted {
@@ -53,7 +55,11 @@ pub(super) fn build<'s>(
             if folder.sources.sources.is_empty() {
                 continue;
             }
-            let built = build::hosts(&folder, session.packages(), interrupt)?;
+            let optimization = match debug {
+                true => Optimization::None,
+                false => Optimization::Some,
+            };
+            let built = build::hosts(&folder, session.packages(), optimization, interrupt)?;
             failed |= built.failed;
             for it in &built.diagnostics {
                 for path in std::iter::once(&it.path).chain(it.related.iter().map(|it| &it.path)) {

@@ -1,0 +1,112 @@
+//! Components whose codels are looked at in a debugger.
+#![cfg(target_os = "linux")]
+
+use std::io::{BufRead as _, BufReader, Read as _};
+use std::process::{Command, Stdio};
+
+use serde_json::Value;
+
+#[path = "support/directory.rs"]
+mod directory;
+#[allow(dead_code, reason = "other tests use the rest")]
+#[path = "support/running.rs"]
+mod running;
+
+use directory::{status, stderr};
+use running::{Listening, compilers, ended, processes, with_body};
+
+fn has_gdb() -> bool {
+    let mut command = Command::new("gdb");
+    command.arg("--version").stdout(Stdio::null());
+    let known = command.status().is_ok_and(|it| it.success());
+    if !known {
+        eprintln!("skipped: there is no gdb");
+    }
+    known
+}
+
+#[test]
+fn a_component_waits_for_a_debugger_which_stops_in_a_codel() {
+    if !compilers() || !has_gdb() {
+        return;
+    }
+    let directory = with_body("");
+    let arguments = [
+        "run",
+        "bad/bad.gen",
+        "--debug",
+        "--until",
+        "1s",
+        "--format",
+        "json",
+    ];
+    let mut command = directory.command(&arguments);
+    let command = command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut run = command.spawn().expect("the program starts");
+    let mut said = BufReader::new(run.stdout.take().expect("it is piped"));
+    let mut line = String::new();
+    said.read_line(&mut line).expect("it is text");
+    let waiting: Value = serde_json::from_str(&line).expect("it is JSON");
+    assert_eq!(waiting["component"], "bad");
+    let process = waiting["process"].as_u64().expect("a number").to_string();
+    // It stops where the codel begins, and knows what was handed to it: nothing is optimized out.
+    let steps = [
+        "break bad_again",
+        "continue",
+        "print *n",
+        "next",
+        "print *n",
+        "delete",
+        "continue",
+    ];
+    let steps = steps.iter().flat_map(|it| ["-ex", it]);
+    let gdb = Command::new("gdb")
+        .args(["-nx", "-batch", "-p", &process])
+        .args(steps)
+        .output()
+        .expect("gdb runs");
+    let told = String::from_utf8_lossy(&gdb.stdout);
+    assert!(told.contains("bad.c:"), "{told}");
+    assert!(told.contains("$1 = 0") && told.contains("$2 = 1"), "{told}");
+    // The run goes on to its end, and nothing was late: the virtual clock stood still meanwhile.
+    let mut report = String::new();
+    said.read_to_string(&mut report).expect("it is text");
+    let report: Value = serde_json::from_str(&report).expect("it is JSON");
+    assert_eq!(report["end"], "done", "{report:#}");
+    assert_eq!(report["violation-count"], 0, "{report:#}");
+    assert!(ended(&mut run).success());
+    assert_eq!(processes(&directory), Vec::<String>::new());
+}
+
+#[test]
+fn a_run_that_waits_for_a_debugger_can_be_ended() {
+    if !compilers() {
+        return;
+    }
+    let directory = with_body("");
+    let mut command = directory.command(&["run", "bad/bad.gen", "--debug"]);
+    let run = command.stderr(Stdio::piped()).spawn().expect("it starts");
+    // It ends with the test, whatever comes of that.
+    let mut run = Listening(run);
+    let mut said = BufReader::new(run.0.stderr.take().expect("it is piped"));
+    let mut text = String::new();
+    while !text.contains("`bad` waits for a debugger: gdb -p ") {
+        assert_ne!(said.read_line(&mut text).expect("it is text"), 0, "{text}");
+    }
+    run.signal("-INT");
+    assert_eq!(ended(&mut run.0).code(), Some(3));
+    assert_eq!(processes(&directory), Vec::<String>::new());
+}
+
+#[test]
+fn a_debugger_is_for_one_run_of_codels() {
+    let directory = with_body("");
+    for (more, why) in [
+        (&["--runs", "2"][..], "without `--runs`"),
+        (&["--simulate", "all"][..], "leave `--simulate all` out"),
+    ] {
+        let output = directory.run(&[&["run", "bad/bad.gen", "--debug"], more].concat());
+        assert_eq!(status(&output), 2);
+        assert!(stderr(&output).contains(why), "{}", stderr(&output));
+    }
+}
