@@ -18,6 +18,7 @@ import { DiagramPreview } from './preview/panel';
 import type { Target } from './preview/target';
 import { ReleaseStatus } from './commands/release';
 import { MeasuredTimes } from './run/measured';
+import { Debugging } from './run/debug';
 import { RunPanel, type RunTarget } from './run/panel';
 import { statusItem } from './status';
 import { TraceViewer, type TraceTarget } from './trace/panel';
@@ -34,6 +35,7 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
   const macros = new MacroExpansion(it);
   const measured = new MeasuredTimes(it);
   const runs = new RunPanel(it, measured, context.extensionUri);
+  const debugging = new Debugging(runs);
   const preview = new DiagramPreview(it, context.extensionUri, context.workspaceState, runs.onDidChange);
   const inline = new InlineDiagrams(it, context.globalState);
   const verification = new VerificationPanel(it, context.extensionUri);
@@ -56,6 +58,8 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
     vscode.commands.registerCommand('dotgen.showVerification', (target?: VerificationTarget) => verification.show(target)),
     runs,
     measured,
+    debugging,
+    vscode.commands.registerCommand('dotgen.debug', (target?: RunTarget) => debugging.start(target)),
     vscode.commands.registerCommand('dotgen.importTimes', () => measured.write()),
     vscode.commands.registerCommand('dotgen.simulate', (target?: RunTarget) => runs.start('virtual', target)),
     vscode.commands.registerCommand('dotgen.run', (target?: RunTarget) => runs.start('real', target)),

@@ -9,7 +9,7 @@ import { LANGUAGE, SCENARIO } from '../protocol';
 import type { FromPage, Ran, RunView, ToPage } from './messages';
 import { MeasuredTimes } from './measured';
 import { page } from './page';
-import { Run, type Reading } from './process';
+import { Run, type Host, type Reading } from './process';
 
 /** A port may be written a thousand times a second; nobody sees that. */
 const SHOWN_EVERY_MS = 150;
@@ -22,6 +22,8 @@ export interface RunTarget {
 interface Subject {
   uri: string;
   clock: RunView['clock'];
+  /** Its components wait for a debugger. */
+  debug: boolean;
 }
 
 export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
@@ -33,6 +35,10 @@ export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
   /** What runs has come further; undefined: nothing has run. */
   readonly onDidChange = this.changed.event;
 
+  private readonly waits = new vscode.EventEmitter<Host>();
+  /** A component waits for a debugger. */
+  readonly onDidWait = this.waits.event;
+
   constructor(
     private readonly server: Server,
     private readonly measured: MeasuredTimes,
@@ -41,14 +47,20 @@ export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
     super({ type: 'dotgen.run', title: 'Run', find: true, page }, extension);
   }
 
+  /** What was typed is the page's; no run comes back with a window. */
+  override deserializeWebviewPanel(panel: vscode.WebviewPanel): Promise<void> {
+    return super.deserializeWebviewPanel(panel, undefined);
+  }
+
   override dispose(): void {
     this.end();
     this.changed.dispose();
+    this.waits.dispose();
     super.dispose();
   }
 
   /** Runs what a lens names, or the active document. The one that runs is ended. */
-  async start(clock: RunView['clock'], target?: RunTarget): Promise<void> {
+  async start(clock: RunView['clock'], target?: RunTarget, debug = false): Promise<void> {
     const editor = vscode.window.activeTextEditor;
     const here = editor !== undefined && [LANGUAGE, SCENARIO].includes(editor.document.languageId) ? editor.document.uri.toString() : undefined;
     const uri = typeof target?.uri === 'string' ? target.uri : here;
@@ -71,14 +83,20 @@ export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
       return;
     }
     this.end();
-    this.subject = { uri, clock };
+    this.subject = { uri, clock, debug };
     const cwd = vscode.workspace.getWorkspaceFolder(file)?.uri.fsPath ?? dirname(file.fsPath);
     const env = { ...process.env, ...serverSettings().extraEnv };
     const reading: Reading = explicitSettings(['includePaths', 'defines', 'release'], file);
-    this.run = new Run({ command: info.path, env, file: file.fsPath, cwd, clock, reading }, vscode.workspace.asRelativePath(file), () => this.soon());
+    const waiting = debug ? (host: Host) => this.waits.fire(host) : undefined;
+    this.run = new Run({ command: info.path, env, file: file.fsPath, cwd, clock, waiting, reading }, vscode.workspace.asRelativePath(file), () => this.soon());
     this.open();
-    if (this.panel !== undefined) this.panel.title = clock === 'real' ? 'Run' : 'Simulation';
+    if (this.panel !== undefined) this.panel.title = clock === 'real' || debug ? 'Run' : 'Simulation';
     await this.update();
+  }
+
+  /** What executes codels; undefined while the server does not run. */
+  get program(): string | undefined {
+    return this.server.info?.path;
   }
 
   stop(): void {
@@ -113,7 +131,7 @@ export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
       case 'stop':
         return this.stop();
       case 'again':
-        return subject === undefined ? undefined : this.start(subject.clock, subject);
+        return subject === undefined ? undefined : this.start(subject.clock, subject, subject.debug);
       case 'trace':
         if (run !== undefined) await vscode.commands.executeCommand('dotgen.openTrace', vscode.Uri.file(run.trace));
         return;

@@ -19,8 +19,16 @@ export interface RunOptions {
   file: string;
   cwd: string;
   clock: RunView['clock'];
+  /** Is told of each component that waits for a debugger; without it they wait for none. */
+  waiting?: ((host: Host) => void) | undefined;
   /** How specifications are read, where the editor is set to something. */
   reading?: Reading;
+}
+
+/** A component that waits for a debugger. */
+export interface Host {
+  component: string;
+  process: number;
 }
 
 /** Settings of the editor that decide how a specification is read; `dotgen run` finds those of dotgen.toml itself. */
@@ -48,7 +56,7 @@ export class Run {
     const socket = join(this.folder, 'run.sock');
     this.child = spawn(options.command, argumentsOf(options, this.trace, socket, this.profile), { cwd: options.cwd, env: options.env, stdio: ['ignore', 'pipe', 'pipe'] });
     const { stdout, stderr } = this.child;
-    stdout?.setEncoding('utf8').on('data', (text: string) => (this.said += text));
+    stdout?.setEncoding('utf8').on('data', (text: string) => this.hear(text));
     if (stderr !== null) createInterface({ input: stderr, crlfDelay: Infinity }).on('line', (line) => this.tell(line));
     this.child.on('error', (error) => this.finish(error.message));
     this.child.on('close', (code, signal) => this.finish(code === null ? `ended by ${signal}` : ''));
@@ -116,6 +124,19 @@ export class Run {
     rmSync(this.folder, { recursive: true, force: true });
   }
 
+  /** What the program writes: a line for each component that waits, then the report. */
+  private hear(text: string): void {
+    this.said += text;
+    const { waiting } = this.options;
+    if (waiting === undefined) return;
+    for (let end = this.said.indexOf('\n'); end !== -1; end = this.said.indexOf('\n')) {
+      const host = hostOf(this.said.slice(0, end));
+      if (host === undefined) return;
+      this.said = this.said.slice(end + 1);
+      waiting(host);
+    }
+  }
+
   private tell(line: string): void {
     this.log.push(line);
     if (this.log.length > LINES) this.log.shift();
@@ -137,10 +158,13 @@ export class Run {
 }
 
 /** Of `dotgen run`. */
-export function argumentsOf({ file, clock, cwd, reading }: RunOptions, trace: string, socket: string, profile: string): string[] {
+export function argumentsOf({ file, clock, cwd, waiting, reading }: RunOptions, trace: string, socket: string, profile: string): string[] {
   // A robot does not wait for a search; what is verified is in the verification panel.
-  const how = clock === 'real' ? ['--clock', 'real', '--bounds', 'analysed', '--socket', socket] : ['--simulate', 'all', '--trace', trace];
-  return ['run', file, ...how, '--profile', profile, ...readingOf(reading, cwd), '--format', 'json'];
+  const how = clock === 'real'
+    ? ['--clock', 'real', '--bounds', 'analysed', '--socket', socket]
+    : [...(waiting === undefined ? ['--simulate', 'all'] : []), '--trace', trace];
+  const debug = waiting === undefined ? [] : ['--debug'];
+  return ['run', file, ...how, ...debug, '--profile', profile, ...readingOf(reading, cwd), '--format', 'json'];
 }
 
 /** How specifications are read, as arguments. */
@@ -149,6 +173,16 @@ function readingOf({ includePaths = [], defines = {}, release = '' }: Reading = 
   const defined = Object.entries(defines).filter(([, body]) => body !== false);
   const define = defined.flatMap(([name, body]) => ['-D', body === true ? name : `${name}=${body}`]);
   return [...include, ...define, ...(release === '' ? [] : ['--release', release])];
+}
+
+/** A line of the program about a component that waits; undefined if it is none. */
+export function hostOf(line: string): Host | undefined {
+  try {
+    const it = JSON.parse(line) as Partial<Host> | null;
+    return typeof it?.component === 'string' && typeof it.process === 'number' ? { component: it.component, process: it.process } : undefined;
+  } catch {
+    return undefined;
+  }
 }
 
 /** What the program wrote; null if that is no report of one run. */

@@ -30,7 +30,7 @@ export function field(name: string, schema: Schema, initial: unknown = schema.de
   if (properties !== undefined && properties['_d'] === undefined) return members(name, schema, properties, initial);
   if (items !== undefined && (schema.minItems ?? 0) <= ELEMENTS) return elements(name, schema, items, initial);
   // A union, or what is deep in itself.
-  return text(name, schema, initial === undefined ? undefined : JSON.stringify(initial), value, 'JSON');
+  return text(name, schema, initial === undefined || typeof initial === 'string' ? initial : JSON.stringify(initial), value, 'JSON');
 }
 
 /** A control with its name, unit and doc text. */

@@ -3,7 +3,14 @@ import type { FromPage, Port, Progress, Report, RunView, Service, ToPage, Violat
 import { field } from './form';
 import { update } from './update';
 
-declare function acquireVsCodeApi(): { postMessage(message: FromPage): void };
+/** What is typed into the forms of a run: the page is made anew when it is shown again, and this is what is kept. */
+interface Typed {
+  /** Of the run. */
+  name: string;
+  inputs: Record<string, Record<string, unknown>>;
+}
+
+declare function acquireVsCodeApi(): { postMessage(message: FromPage): void; getState(): Typed | undefined; setState(state: Typed): void };
 
 const host = acquireVsCodeApi();
 const element = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
@@ -106,15 +113,21 @@ function showReport(report: Report | null, progress: Progress | null): void {
   list('assumptions', [...(report?.assumptions ?? []), ...(report?.notes ?? [])]);
 }
 
+/** What was typed into the forms of a run. */
+function typed(name: string): Typed {
+  const state = host.getState();
+  return state?.name === name ? state : { name, inputs: {} };
+}
+
 /** What is typed into a form stays, so a form is made once; only its answer changes. */
-function showServices(services: Service[], over: boolean): void {
+function showServices(run: string, services: Service[], over: boolean): void {
   const section = element('services');
   section.hidden = services.length === 0;
   const all = section.querySelector('.all') as Element;
   const names = services.map((it) => it.name).join(' ');
   if (section.dataset['names'] !== names) {
     section.dataset['names'] = names;
-    all.replaceChildren(...services.map(form));
+    all.replaceChildren(...services.map((it) => form(run, it)));
   }
   services.forEach((it, i) => {
     const made = all.children[i];
@@ -126,7 +139,7 @@ function showServices(services: Service[], over: boolean): void {
   });
 }
 
-function form({ name, doc, inputs }: Service): HTMLElement {
+function form(run: string, { name, doc, inputs }: Service): HTMLElement {
   const send = node('button', 'Send');
   send.setAttribute('aria-label', `Send ${name}`);
   const abort = node('button', 'Interrupt');
@@ -134,7 +147,9 @@ function form({ name, doc, inputs }: Service): HTMLElement {
   abort.hidden = true;
   abort.setAttribute('aria-label', `Interrupt ${name}`);
   abort.addEventListener('click', () => host.postMessage({ type: 'abort', service: name }));
-  const fields = inputs.map((it) => [it.name, field(it.name, it.schema)] as const);
+  const before = typed(run).inputs[name] ?? {};
+  const fields = inputs.map((it) => [it.name, field(it.name, it.schema, before[it.name])] as const);
+  const given = () => Object.fromEntries(fields.map(([name, it]) => [name, it.read()] as const).filter(([, it]) => it !== undefined));
   const answer = node('span', '', 'answer');
   answer.setAttribute('role', 'status');
   const head = node('div', [node('span', name, 'name'), ...(doc ? [node('span', doc, 'doc')] : [])], 'head');
@@ -143,9 +158,14 @@ function form({ name, doc, inputs }: Service): HTMLElement {
   made.setAttribute('aria-label', name);
   made.addEventListener('submit', (event) => {
     event.preventDefault();
-    const given = fields.map(([name, it]) => [name, it.read()] as const).filter(([, it]) => it !== undefined);
-    host.postMessage({ type: 'call', service: name, inputs: Object.fromEntries(given) });
+    host.postMessage({ type: 'call', service: name, inputs: given() });
   });
+  const keep = (): void => {
+    const { inputs } = typed(run);
+    host.setState({ name: run, inputs: { ...inputs, [name]: given() } });
+  };
+  // A click makes a list longer or shorter.
+  for (const it of ['input', 'change', 'click']) made.addEventListener(it, keep);
   return made;
 }
 
@@ -188,7 +208,7 @@ window.addEventListener('message', ({ data }: MessageEvent<ToPage>) => {
   const { view } = data;
   showHead(view);
   showReport(view.report, view.progress);
-  showServices(view.services, view.state === 'ended' || view.state === 'failed');
+  showServices(view.name, view.services, view.state === 'ended' || view.state === 'failed');
   showPorts(view.ports);
   showLog(view.log);
 });

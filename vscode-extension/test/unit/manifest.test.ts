@@ -33,7 +33,7 @@ test('every contributed file exists and is packaged', () => {
 
 test('settings that name programs are restricted in untrusted folders', () => {
   const restricted: string[] = manifest.capabilities.untrustedWorkspaces.restrictedConfigurations;
-  for (const name of ['dotgen.server.path', 'dotgen.server.extraEnv']) {
+  for (const name of ['dotgen.server.path', 'dotgen.server.extraEnv', 'dotgen.run.debugger']) {
     assert.ok(settings[name] !== undefined, name);
     assert.ok(restricted.includes(name), name);
     // A folder may propose them once trusted; they are not synchronized between machines.

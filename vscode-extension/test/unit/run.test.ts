@@ -4,7 +4,8 @@ import { chmodSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { test } from 'node:test';
-import { Run, argumentsOf, reportOf, type RunOptions } from '../../src/run/process';
+import { adapter, attaching, type Debugger } from '../../src/run/debugger';
+import { Run, argumentsOf, reportOf, type Host, type RunOptions } from '../../src/run/process';
 import { numbers, value } from '../../src/run/values';
 
 // Listens as `dotgen run --clock real` does, tells of a port, answers a request, and ends with a report when it is stopped.
@@ -33,18 +34,41 @@ test('specifications are read as in the editor', () => {
   assert.match(given, / -I \/r\/idl -I \/opt\/idl -D SIM -D N=3 --release 2\.99\.39 /);
 });
 
+test('components that wait for a debugger are told before the report', { skip: process.platform === 'win32' }, async () => {
+  const program = `#!${process.execPath}
+console.log('{"component":"pump","process":17}');
+process.stdout.write('{"component":"tank","pro');
+setImmediate(() => process.stdout.write('cess":18}\\n' + JSON.stringify({ scenario: 'pump', tasks: [] }, null, 2) + '\\n'));
+`;
+  const hosts: Host[] = [];
+  const it = started(program, 'virtual', (host) => hosts.push(host));
+  await shown(it, () => it.run.isOver);
+  assert.deepEqual(hosts, [{ component: 'pump', process: 17 }, { component: 'tank', process: 18 }]);
+  assert.equal(it.run.view.report?.scenario, 'pump');
+  it.end();
+});
+
+test('each debugger attaches in its own way', () => {
+  const host = { component: 'pump', process: 17 };
+  const of = (it: Debugger) => Object.values(attaching(it, host, '/p/dotgen'));
+  assert.deepEqual(of({ kind: 'lldb' }), ['pump', 'attach', '/p/dotgen', 'lldb', 17]);
+  assert.deepEqual(of({ kind: 'cppdbg' }), ['pump', 'attach', '/p/dotgen', 'cppdbg', '17', 'gdb']);
+  assert.deepEqual(of(adapter('/usr/bin/gdb')), ['pump', 'attach', '/p/dotgen', 'dotgen', 17, ['/usr/bin/gdb', '-q', '-i=dap']]);
+  assert.deepEqual(of(adapter('lldb-dap')), ['pump', 'attach', '/p/dotgen', 'dotgen', 17, ['lldb-dap']]);
+});
+
 /** Waits until something is shown. */
 async function shown(changes: { next: () => Promise<void> }, holds: () => boolean): Promise<void> {
   while (!holds()) await changes.next();
 }
 
-function started(program: string, clock: RunOptions['clock']): { run: Run; next: () => Promise<void>; end: () => void } {
+function started(program: string, clock: RunOptions['clock'], waiting?: (host: Host) => void): { run: Run; next: () => Promise<void>; end: () => void } {
   const cwd = mkdtempSync(join(tmpdir(), 'dotgen-test-'));
   const command = join(cwd, 'program');
   writeFileSync(command, program);
   chmodSync(command, 0o755);
   let wake = (): void => {};
-  const run = new Run({ command, env: process.env, file: 'pump.scn', cwd, clock }, 'pump.scn', () => wake());
+  const run = new Run({ command, env: process.env, file: 'pump.scn', cwd, clock, waiting }, 'pump.scn', () => wake());
   const next = () => new Promise<void>((resolve) => (wake = resolve));
   return { run, next, end: () => (run.dispose(), rmSync(cwd, { recursive: true })) };
 }

@@ -82,7 +82,12 @@ export async function opener(module, script) {
       });
       await page.addInitScript(({ kind, ...colours }) => {
         window.said = [];
-        window.acquireVsCodeApi = () => ({ postMessage: (it) => window.said.push(it), setState: () => {} });
+        // As in VS Code, the state outlives the page.
+        window.acquireVsCodeApi = () => ({
+          postMessage: (it) => window.said.push(it),
+          setState: (it) => sessionStorage.setItem('state', JSON.stringify(it)),
+          getState: () => JSON.parse(sessionStorage.getItem('state') ?? 'null') ?? undefined,
+        });
         document.addEventListener('DOMContentLoaded', () => {
           document.body.classList.add(kind);
           const { style } = document.documentElement;

@@ -77,6 +77,27 @@ test('what is typed into a form stays while values come, and is sent', async () 
   await it.page.close();
 });
 
+test('what is typed into a form is there when the page is made again, for the same run', async () => {
+  const it = await pages.open({ width: 700, height: 700 });
+  const list = { name: 'by', schema: { type: 'array', items: { type: 'integer' }, maxItems: 4 } };
+  const text = { name: 'what', schema: { type: 'object', properties: { _d: {} } } };
+  const shown = { services: [{ ...service, inputs: [...service.inputs, list, text] }] };
+  await it.send(view(shown));
+  await it.page.getByLabel('height').fill('2.5');
+  await it.page.getByRole('button', { name: 'Add an element of by' }).click();
+  await it.page.getByLabel('by[0]').fill('7');
+  await it.page.getByLabel('what').fill('{"_d": ');
+  await it.page.reload();
+  await it.send(view(shown));
+  assert.equal(await it.page.getByLabel('height').inputValue(), '2.5');
+  assert.equal(await it.page.getByLabel('by[0]').inputValue(), '7');
+  assert.equal(await it.page.getByLabel('what').inputValue(), '{"_d": ');
+  await it.page.reload();
+  await it.send(view({ ...shown, name: 'other.scn' }));
+  assert.equal(await it.page.getByLabel('height').inputValue(), '1');
+  await it.page.close();
+});
+
 const OCTET = { type: 'integer', minimum: 0, maximum: 255 };
 const MODES = { anyOf: [{ type: 'string', enum: ['SLOW', 'FAST'] }, { type: 'integer' }] };
 const POINT = { type: 'object', properties: { y: { type: ['number', 'null'] }, x: { type: ['number', 'null'] } }, required: ['x', 'y'] };
