@@ -431,8 +431,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
 }
 
 impl Arguments {
-    /// Tells of components that wait for a debugger: people on the error output; programs in a line of JSON for
-    /// each, before the report.
+    /// Tells of components that wait for a debugger: people on the error output; programs in a line of JSON
+    /// for each, before the report.
     #[cfg(unix)]
     fn waiting(&self) -> crate::hosting::children::Waiting {
         let format = self.format;

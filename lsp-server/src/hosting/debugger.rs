@@ -1,18 +1,18 @@
 //! A host that a debugger looks into.
-#![allow(unsafe_code, reason = "a call of the C library, which takes numbers")]
 
 use std::time::Duration;
 
 /// How often it is looked whether the debugger is there.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Lets any process of this user attach: many systems let only parents of a process do so, and a debugger that is
-/// attached is none.
+/// Lets any process of this user attach: many systems let only parents of a process do so, and a debugger
+/// that is attached is none.
 pub(super) fn permit() {
     #[cfg(target_os = "linux")]
-    // SAFETY: the call takes numbers. Where the kernel does not know it, nothing has to be permitted.
-    unsafe {
-        libc::prctl(libc::PR_SET_PTRACER, libc::PR_SET_PTRACER_ANY, 0, 0, 0);
+    {
+        use rustix::process::{PTracer, set_ptracer};
+        // Where the kernel does not know of this, nothing has to be permitted.
+        let _ = set_ptracer(PTracer::Any);
     }
 }
 

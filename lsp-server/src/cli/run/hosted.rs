@@ -33,7 +33,8 @@ pub(super) struct Hosted<'s> {
     pub(super) notes: Vec<String>,
 }
 
-/// Builds what has sources, for a debugger if one is wanted; `None` if that does not compile, which is told, or is interrupted.
+/// Builds what has sources, for a debugger if one is wanted; `None` if that does not compile, which is told,
+/// or is interrupted.
 pub(super) fn build<'s>(
     session: &Session,
     problem: &Problem,
