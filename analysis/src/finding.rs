@@ -28,7 +28,7 @@ use self::{
 pub use crate::diagnostic::Severity;
 use crate::{
     codes,
-    fixes::{Place, TextFix},
+    fixes::{FixSite, TextFix},
     model::Src,
 };
 
@@ -68,7 +68,7 @@ macro_rules! families {
             }
 
             /// What mends it, the best first, made from the text around.
-            pub(crate) fn fixes(&self, here: &Place<'_>) -> Vec<TextFix> {
+            pub(crate) fn fixes(&self, here: &FixSite<'_>) -> Vec<TextFix> {
                 match self {
                     Kind::Preprocessing(it) => syntax::preprocessing(it, here),
                     Kind::Parsing(it) => syntax::parsing(it, here),

@@ -59,7 +59,7 @@ impl TextFix {
 }
 
 /// A finding at its place, with the places related to it in the same file.
-pub(crate) struct Place<'a> {
+pub(crate) struct FixSite<'a> {
     pub(crate) root: &'a SyntaxNode,
     /// The text has syntax errors: what is declared nowhere may stand in what was not parsed.
     pub(crate) broken: bool,
@@ -71,7 +71,7 @@ pub(crate) struct Place<'a> {
     pub(crate) spelling: &'a dyn Fn() -> Spelling,
 }
 
-impl Place<'_> {
+impl FixSite<'_> {
     /// Adds an item to the last list of a kind in a body, and such a list where there is none. `words`: the
     /// spellings of the property.
     fn add_to_list(

@@ -18,7 +18,7 @@ use crate::{
     codes,
     diagnostic::{Diagnostic, Fix, Reference, Severity, Tag},
     finding::{Finding, Kind, Near, files::Reading, lints::Noticing},
-    fixes::{Place, TextFix},
+    fixes::{FixSite, TextFix},
     model::Src,
     queries::{WRAPPER, body_count, check_body, elab_findings, lint_body, lint_unused},
     source_map::{bytes, ptr},
@@ -322,7 +322,7 @@ pub(crate) fn fixes_at<'db>(
     }
     let parse = parsed(db, key);
     let root = parse.syntax();
-    let here = Place {
+    let here = FixSite {
         root: &root,
         broken: !parse.errors.is_empty(),
         range,

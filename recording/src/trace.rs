@@ -32,7 +32,7 @@ pub struct Trace {
 
 /// Where a slice stands: a group, a track of it.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-struct Place {
+struct TrackPlace {
     group: String,
     /// Order among the groups of one instance.
     rank: u64,
@@ -41,7 +41,7 @@ struct Place {
 
 #[derive(Debug)]
 struct Slice {
-    place: Place,
+    place: TrackPlace,
     name: String,
     category: &'static str,
     begin: i64,
@@ -93,7 +93,7 @@ impl Trace {
             };
             let flow = requests.flow(kind, run, &mut slices);
             let group = kind.instance.clone();
-            let place = |group: String, rank, track: String| Place { group, rank, track };
+            let place = |group: String, rank, track: String| TrackPlace { group, rank, track };
             let task = match kind.task.as_str() {
                 CONTROL => "control task".to_owned(),
                 task => format!("task {task}"),
@@ -114,7 +114,7 @@ impl Trace {
                     notes: Vec::new(),
                 });
             }
-            let codel = |place: Place, category, flow, notes| Slice {
+            let codel = |place: TrackPlace, category, flow, notes| Slice {
                 place,
                 name: kind.function.clone(),
                 category,
@@ -241,7 +241,7 @@ impl Requests {
 
 fn slice_of(instance: String, service: String, request: &Request) -> Slice {
     Slice {
-        place: Place {
+        place: TrackPlace {
             group: instance,
             rank: 2,
             track: format!("requests of {service}"),

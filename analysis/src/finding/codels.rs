@@ -5,7 +5,7 @@ use std::fmt;
 use dotgen_syntax::findings;
 
 use crate::{
-    fixes::{Place, TextFix},
+    fixes::{FixSite, TextFix},
     model::{Component, Name, Owner, ServiceKind},
 };
 
@@ -143,7 +143,7 @@ findings! {
 
 impl Using {
     /// What mends it, the best first, made from the text around.
-    pub(crate) fn fixes(&self, here: &Place<'_>) -> Vec<TextFix> {
+    pub(crate) fn fixes(&self, here: &FixSite<'_>) -> Vec<TextFix> {
         match self {
             Using::PausedEther => vec![here.replace("ether").plain()],
             Using::StateTwice { .. } => {

@@ -3,7 +3,7 @@
 use dotgen_syntax::findings;
 
 use crate::{
-    fixes::{Place, TextFix},
+    fixes::{FixSite, TextFix},
     model::Name,
 };
 
@@ -28,7 +28,7 @@ findings! {
 
 impl Reading {
     /// What mends it, made from the text around.
-    pub(crate) fn fixes(&self, _: &Place<'_>) -> Vec<TextFix> {
+    pub(crate) fn fixes(&self, _: &FixSite<'_>) -> Vec<TextFix> {
         Vec::new()
     }
 }

@@ -6,7 +6,7 @@ use dotgen_syntax::findings;
 
 use super::codels::OwnerName;
 use crate::{
-    fixes::{Place, TextFix},
+    fixes::{FixSite, TextFix},
     model::{Name, Seconds},
 };
 
@@ -250,7 +250,7 @@ findings! {
 
 impl Noticing {
     /// What mends it, the best first, made from the text around.
-    pub(crate) fn fixes(&self, here: &Place<'_>) -> Vec<TextFix> {
+    pub(crate) fn fixes(&self, here: &FixSite<'_>) -> Vec<TextFix> {
         match self {
             Noticing::BusyLoop { .. } => here.pause_somewhere(),
             Noticing::NoTermination { .. } => {

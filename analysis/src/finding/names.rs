@@ -5,7 +5,7 @@ use std::fmt;
 use dotgen_syntax::findings;
 
 use crate::{
-    fixes::{Place, TextFix},
+    fixes::{FixSite, TextFix},
     model::Name,
 };
 
@@ -121,7 +121,7 @@ findings! {
 
 impl Naming {
     /// What mends it, the best first, made from the text around.
-    pub(crate) fn fixes(&self, here: &Place<'_>) -> Vec<TextFix> {
+    pub(crate) fn fixes(&self, here: &FixSite<'_>) -> Vec<TextFix> {
         match self {
             Naming::ThrownTwice { .. } => {
                 here.remove_part().map(TextFix::plain).into_iter().collect()

@@ -5,7 +5,7 @@ use std::fmt;
 use dotgen_syntax::findings;
 
 use crate::{
-    fixes::{Place, TextFix},
+    fixes::{FixSite, TextFix},
     model::Name,
     release::Release,
 };
@@ -137,7 +137,7 @@ findings! {
 
 impl Declaring {
     /// What mends it, the best first, made from the text around.
-    pub(crate) fn fixes(&self, here: &Place<'_>) -> Vec<TextFix> {
+    pub(crate) fn fixes(&self, here: &FixSite<'_>) -> Vec<TextFix> {
         let fix = match self {
             Declaring::ListedTwice { .. } => here.remove_part().map(TextFix::plain),
             Declaring::ActivityWithoutTask { task, .. } => here.add_task(task),

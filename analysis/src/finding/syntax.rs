@@ -2,10 +2,10 @@
 
 use dotgen_syntax::{SyntaxError, finding::preprocessing::Preprocessing};
 
-use crate::fixes::{Place, TextFix, missing_brace};
+use crate::fixes::{FixSite, TextFix, missing_brace};
 
 /// What mends a finding of the lexer or preprocessor.
-pub(super) fn preprocessing(it: &Preprocessing, here: &Place<'_>) -> Vec<TextFix> {
+pub(super) fn preprocessing(it: &Preprocessing, here: &FixSite<'_>) -> Vec<TextFix> {
     match it {
         Preprocessing::Stray { .. } | Preprocessing::Control { .. } => vec![here.remove().plain()],
         Preprocessing::ByteOrderMark => vec![here.remove_as("Remove the byte order mark").plain()],
@@ -14,7 +14,7 @@ pub(super) fn preprocessing(it: &Preprocessing, here: &Place<'_>) -> Vec<TextFix
 }
 
 /// What mends a finding of the parser.
-pub(super) fn parsing(it: &SyntaxError, here: &Place<'_>) -> Vec<TextFix> {
+pub(super) fn parsing(it: &SyntaxError, here: &FixSite<'_>) -> Vec<TextFix> {
     let fix = match &it.repair {
         _ if it.missing.is_some() => missing_brace(here.root, it),
         Some(repair) => Some(here.repair(repair)),

@@ -5,7 +5,7 @@ use std::fmt;
 use dotgen_syntax::findings;
 
 use crate::{
-    fixes::{Place, TextFix},
+    fixes::{FixSite, TextFix},
     model::Name,
 };
 
@@ -147,7 +147,7 @@ findings! {
 
 impl Valuing {
     /// What mends it, the best first, made from the text around.
-    pub(crate) fn fixes(&self, here: &Place<'_>) -> Vec<TextFix> {
+    pub(crate) fn fixes(&self, here: &FixSite<'_>) -> Vec<TextFix> {
         match self {
             Valuing::GluedUnit => here.part_unit().into_iter().collect(),
             Valuing::WcetBare => vec![here.add_wcet_word()],

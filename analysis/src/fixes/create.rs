@@ -5,9 +5,9 @@ use dotgen_syntax::{
     ast::{self, AstNode},
 };
 
-use super::{Place, TextFix, end_of, indent_of, starts_line};
+use super::{FixSite, TextFix, end_of, indent_of, starts_line};
 
-impl Place<'_> {
+impl FixSite<'_> {
     /// `Declare exception …`, which says nothing of members.
     pub(crate) fn declare_exception(&self, name: &str) -> Option<TextFix> {
         self.declare(name, SyntaxKind::EXCEPTION_DECL, |name| {

@@ -2,9 +2,9 @@
 
 use dotgen_syntax::{SyntaxNode, TextRange, TextSize, ast, ast::AstNode, parser::Repair};
 
-use super::{Place, TextFix, braces::token_before, end_of, with_comma};
+use super::{FixSite, TextFix, braces::token_before, end_of, with_comma};
 
-impl Place<'_> {
+impl FixSite<'_> {
     /// What the grammar knows to make the text fit.
     pub(crate) fn repair(&self, repair: &Repair) -> TextFix {
         let text = repair.text.as_str();

@@ -23,7 +23,7 @@ use rustc_hash::FxHashSet;
 
 use super::{
     FileView, SymbolKind,
-    context::{Context, FrameKind, Place, Word, place},
+    context::{Context, FrameKind, Surroundings, Word, surroundings},
     hover,
 };
 use crate::elab::DefId;
@@ -139,10 +139,10 @@ pub(crate) fn completions(view: &FileView<'_>, at: usize) -> Vec<CompletionItem>
     let context = Context::new(view, at);
     let mut out = Completions::empty();
     out.replace = context.word.clone();
-    match place(view, at) {
-        Place::Dead => {}
-        Place::Directive(index) => directive::complete(view, index, at, &mut out),
-        Place::String(range) => {
+    match surroundings(view, at) {
+        Surroundings::Dead => {}
+        Surroundings::Directive(index) => directive::complete(view, index, at, &mut out),
+        Surroundings::String(range) => {
             out.replace = range.start + 1..at.max(range.start + 1);
             if statement::in_requires(&context) {
                 directive::packages(view, &mut out);
@@ -153,8 +153,8 @@ pub(crate) fn completions(view: &FileView<'_>, at: usize) -> Vec<CompletionItem>
             }
         }
         // A directive has its line for itself.
-        Place::Code if line_behind(view, context.word.end.max(at)).starts_with('#') => {}
-        Place::Code => {
+        Surroundings::Code if line_behind(view, context.word.end.max(at)).starts_with('#') => {}
+        Surroundings::Code => {
             let names = Names::new(view, &context, at);
             code(&names, &context, &mut out);
         }

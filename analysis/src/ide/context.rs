@@ -88,7 +88,7 @@ pub(crate) struct Context {
 
 /// What sort of text the cursor is in.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum Place {
+pub(crate) enum Surroundings {
     /// Declarations.
     Code,
     /// A directive line: index of the directive.
@@ -100,7 +100,7 @@ pub(crate) enum Place {
 }
 
 /// What sort of text an offset is in.
-pub(crate) fn place(view: &FileView<'_>, at: usize) -> Place {
+pub(crate) fn surroundings(view: &FileView<'_>, at: usize) -> Surroundings {
     let (raw, pre) = (view.raw(), view.pre());
     // The tokens that touch the cursor from the left decide, for they are being typed.
     let touching = (0..raw.len()).filter(|&i| raw.range(i).start < at && at <= raw.range(i).end);
@@ -110,26 +110,26 @@ pub(crate) fn place(view: &FileView<'_>, at: usize) -> Place {
     for i in touching {
         let range = raw.range(i);
         match raw.kind(i) {
-            SyntaxKind::LINE_COMMENT | SyntaxKind::OPEN_COMMENT => return Place::Dead,
-            SyntaxKind::BLOCK_COMMENT if at < range.end => return Place::Dead,
+            SyntaxKind::LINE_COMMENT | SyntaxKind::OPEN_COMMENT => return Surroundings::Dead,
+            SyntaxKind::BLOCK_COMMENT if at < range.end => return Surroundings::Dead,
             SyntaxKind::STRING if at < range.end && directive.is_none() => {
-                return Place::String(range);
+                return Surroundings::String(range);
             }
-            SyntaxKind::OPEN_STRING if directive.is_none() => return Place::String(range),
+            SyntaxKind::OPEN_STRING if directive.is_none() => return Surroundings::String(range),
             _ => {}
         }
     }
     if let Some(directive) = directive
         && pre.directives[directive].active
     {
-        return Place::Directive(directive as u32);
+        return Surroundings::Directive(directive as u32);
     }
     let dead =
         |it: &dotgen_syntax::TextRange| usize::from(it.start()) <= at && at < usize::from(it.end());
     if pre.inactive.iter().any(dead) {
-        return Place::Dead;
+        return Surroundings::Dead;
     }
-    Place::Code
+    Surroundings::Code
 }
 
 /// Blanks at the end of a directive line belong to it.

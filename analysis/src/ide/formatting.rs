@@ -7,7 +7,7 @@ use dotgen_syntax::{SyntaxKind, TextRange};
 
 use super::{
     FileView,
-    context::{Context, FrameKind, Place, place},
+    context::{Context, FrameKind, Surroundings, surroundings},
 };
 use crate::{
     diagnostic::FileEdit,
@@ -86,7 +86,7 @@ fn statement(view: &FileView<'_>, at: usize, typed: char, options: &Options) -> 
 /// Indents the line the cursor is on as the formatter would, or leave it.
 fn indentation(view: &FileView<'_>, at: usize, options: &Options) -> Option<FileEdit> {
     let text = view.text();
-    if place(view, at) != Place::Code {
+    if surroundings(view, at) != Surroundings::Code {
         return None;
     }
     let line = text[..at].rfind('\n').map_or(0, |it| it + 1);

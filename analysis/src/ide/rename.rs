@@ -166,8 +166,8 @@ fn check_name(name: &str) -> Result<(), RenameError> {
     Ok(())
 }
 
-type Place = (SourceFile, Range<usize>);
-type Places = FxHashSet<Place>;
+type Spot = (SourceFile, Range<usize>);
+type Places = FxHashSet<Spot>;
 
 /// Every mention of some definitions and of what shares its name with them.
 fn places_of(
@@ -225,7 +225,7 @@ fn mentions(
     wanted: &[Identity],
     old: &str,
     count: usize,
-) -> Vec<(Place, Identity)> {
+) -> Vec<(Spot, Identity)> {
     let elaborated = elaborated_of_many(db, unit, count);
     let ids = find_identities(db, unit, &elaborated, wanted);
     if ids.is_empty() {
@@ -235,7 +235,7 @@ fn mentions(
     let is_named = |it: DefId| elaborated.definition(it).name == old;
     let declared = elaborated.definitions.iter().map(|it| (it.src, it.id));
     let used = elaborated.references.iter().map(|it| (it.at, it.target));
-    let named: Vec<(Place, DefId)> = declared
+    let named: Vec<(Spot, DefId)> = declared
         .chain(used)
         .filter(|it| is_named(it.1))
         .filter_map(|(src, id)| {
@@ -243,7 +243,7 @@ fn mentions(
             Some(((file, bytes(range)), id))
         })
         .collect();
-    let found: FxHashSet<&Place> = named
+    let found: FxHashSet<&Spot> = named
         .iter()
         .filter(|it| ids.contains(&it.1))
         .map(|it| &it.0)

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::{
     FileView,
     completion::{initializer, names::Names, parameter_list},
-    context::{Context, FrameKind, Place, Word, place},
+    context::{Context, FrameKind, Surroundings, Word, surroundings},
     render,
 };
 use crate::model::{Codel, Param, ParamDir, ParamSource, Spec};
@@ -24,7 +24,7 @@ pub struct SignatureHelp {
 }
 
 pub(crate) fn signature_help(view: &FileView<'_>, at: usize) -> Option<SignatureHelp> {
-    if at > view.text().len() || !view.text().is_char_boundary(at) || place(view, at) == Place::Dead
+    if at > view.text().len() || !view.text().is_char_boundary(at) || surroundings(view, at) == Surroundings::Dead
     {
         return None;
     }

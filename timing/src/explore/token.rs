@@ -23,7 +23,7 @@ use super::watch::{Limits, Watch, Within};
 use crate::cancel::Cancel;
 use crate::property::{Atom, Predicate, TaskState};
 use crate::scn::ast::ChainKind;
-use crate::system::chain::{Chain, Place};
+use crate::system::chain::{Chain, DataPlace};
 use crate::system::{FOREVER, Ticks, TimedSystem};
 
 /// The supremum of a chain, by exploring all runs. `within` of the findings has it as its only entry; `None`
@@ -155,10 +155,10 @@ impl<'c, R: Rules> Tracked<'c, R> {
         self.bit(self.executors.div_ceil(BITS), executor)
     }
 
-    fn marked_place(&self, place: Place, holder: usize) -> (usize, u16) {
+    fn marked_place(&self, place: DataPlace, holder: usize) -> (usize, u16) {
         let number = match place {
-            Place::Shared(it) => it,
-            Place::Local(it) => self.chain.shared + holder * self.chain.locals + it,
+            DataPlace::Shared(it) => it,
+            DataPlace::Local(it) => self.chain.shared + holder * self.chain.locals + it,
         };
         self.bit(2 * self.executors.div_ceil(BITS), number)
     }
@@ -187,7 +187,7 @@ impl<'c, R: Rules> Tracked<'c, R> {
     }
 
     fn reads_first(&self, codel: usize) -> bool {
-        self.chain.reads[codel].contains(&Place::Shared(self.chain.first))
+        self.chain.reads[codel].contains(&DataPlace::Shared(self.chain.first))
     }
 
     /// Follows what a step did to data. `before`: the state before, and the executor whose codel has ended.
@@ -243,9 +243,9 @@ impl<'c, R: Rules> Tracked<'c, R> {
         for &place in &chain.writes[codel] {
             let bit = self.marked_place(place, holder);
             // A new first datum is another one, whatever it was made of.
-            let is_first = place == Place::Shared(chain.first);
+            let is_first = place == DataPlace::Shared(chain.first);
             match chain.kind {
-                ChainKind::Reaction if marked && place == Place::Shared(chain.last) => {
+                ChainKind::Reaction if marked && place == DataPlace::Shared(chain.last) => {
                     s.d[self.token] = status::OVER;
                 }
                 ChainKind::Reaction if marked => set(s, bit, true),
@@ -253,7 +253,7 @@ impl<'c, R: Rules> Tracked<'c, R> {
                 ChainKind::Age => set(s, bit, marked && !is_first),
             }
         }
-        chain.writes[codel].contains(&Place::Shared(chain.first))
+        chain.writes[codel].contains(&DataPlace::Shared(chain.first))
     }
 
     /// An activity that is given its place when its request is accepted begins with the variables of the
@@ -272,7 +272,7 @@ impl<'c, R: Rules> Tracked<'c, R> {
                 continue;
             };
             let request = self.request(system.services[service].component);
-            for local in (0..self.chain.locals).map(Place::Local) {
+            for local in (0..self.chain.locals).map(DataPlace::Local) {
                 let marked = is_set(s, self.marked_place(local, request));
                 set(s, self.marked_place(local, place), marked);
             }
@@ -289,7 +289,7 @@ impl<'c, R: Rules> Tracked<'c, R> {
             .filter(|&it| self.rules.handling(s, it).is_none())
             .map(|it| self.request(it));
         for holder in free.chain(handled).collect::<Vec<_>>() {
-            for local in (0..self.chain.locals).map(Place::Local) {
+            for local in (0..self.chain.locals).map(DataPlace::Local) {
                 set(s, self.marked_place(local, holder), false);
             }
         }
@@ -305,7 +305,7 @@ impl<'c, R: Rules> Tracked<'c, R> {
             let token = self.token + 1..self.end();
             s.d[token].fill(0);
         }
-        let last = self.marked_place(Place::Shared(self.chain.last), 0);
+        let last = self.marked_place(DataPlace::Shared(self.chain.last), 0);
         let open = self.status(s) == status::ALIVE
             && match self.chain.kind {
                 ChainKind::Reaction => true,
@@ -345,7 +345,7 @@ impl<'c, R: Rules> Tracked<'c, R> {
                 (external, _) => {
                     set(
                         s,
-                        self.marked_place(Place::Shared(self.chain.first), 0),
+                        self.marked_place(DataPlace::Shared(self.chain.first), 0),
                         true,
                     );
                     // Whoever began by the same step sees what it wrote.

@@ -4,7 +4,7 @@ pub use crate::scn::ast::ChainKind;
 
 /// Where a datum is kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Place {
+pub enum DataPlace {
     /// One of those that everybody shares: ports, data of a component.
     Shared(usize),
     /// A local variable of the instance of an activity, or of the request, for which the codel is executed.
@@ -21,9 +21,9 @@ pub struct Chain {
     /// Number of local places of an instance or a request.
     pub locals: usize,
     /// What each codel reads.
-    pub reads: Vec<Vec<Place>>,
+    pub reads: Vec<Vec<DataPlace>>,
     /// What each codel writes.
-    pub writes: Vec<Vec<Place>>,
+    pub writes: Vec<Vec<DataPlace>>,
     /// Codels whose data depend on what they read. What others write depends on nothing.
     pub carries: Vec<bool>,
     /// The first datum, a shared place.

@@ -11,7 +11,7 @@ use dotgen_analysis::model::{
 };
 
 use super::built::{Built, not_a};
-use super::chain::{Chain, ChainKind, Place};
+use super::chain::{Chain, ChainKind, DataPlace};
 use super::locks::{Connections, connections, live_codels, locks_of};
 use super::settings::Settings;
 use crate::diagnostic::Diagnostic;
@@ -109,9 +109,9 @@ pub(crate) fn chain(
     let place = |key: &Key| match &key.0 {
         Root::Variable(c, s, _) => {
             let list = local.get(&(*c, *s))?;
-            Some(Place::Local(list.iter().position(|it| *it == key)?))
+            Some(DataPlace::Local(list.iter().position(|it| *it == key)?))
         }
-        _ => shared.get(key).map(|&it| Place::Shared(it)),
+        _ => shared.get(key).map(|&it| DataPlace::Shared(it)),
     };
     let places = |list: &BTreeSet<Key>| list.iter().filter_map(place).collect();
     let number = |key: &Key| shared.get(key).copied().unwrap_or(0);

@@ -2,7 +2,7 @@
 
 use dotgen_timing::explore::{Bound, Stop, explore_chain};
 use dotgen_timing::system::TimedSystem;
-use dotgen_timing::system::chain::{Chain, ChainKind, Place};
+use dotgen_timing::system::chain::{Chain, ChainKind, DataPlace};
 use dotgen_timing::verify::Cancel;
 
 use crate::brute::{Brute, CAP};
@@ -14,13 +14,13 @@ fn chain(system: &TimedSystem, dice: &mut Dice) -> Chain {
     let shared = 2 + dice.below(3) as usize;
     let locals = dice.below(2) as usize;
     let external = dice.in_ten(4);
-    let places: Vec<Place> = (0..shared)
-        .map(Place::Shared)
-        .chain((0..locals).map(Place::Local))
+    let places: Vec<DataPlace> = (0..shared)
+        .map(DataPlace::Shared)
+        .chain((0..locals).map(DataPlace::Local))
         .collect();
     let n = system.codels.len();
-    let mut some = |share: u32, not: &[Place]| -> Vec<Vec<Place>> {
-        let mut of_codel = || -> Vec<Place> {
+    let mut some = |share: u32, not: &[DataPlace]| -> Vec<Vec<DataPlace>> {
+        let mut of_codel = || -> Vec<DataPlace> {
             let mut list = places.clone();
             list.retain(|it| dice.in_ten(share) && !not.contains(it));
             list
@@ -29,7 +29,7 @@ fn chain(system: &TimedSystem, dice: &mut Dice) -> Chain {
     };
     let reads = some(4, &[]);
     let writes = match external {
-        true => some(4, &[Place::Shared(0)]),
+        true => some(4, &[DataPlace::Shared(0)]),
         false => some(4, &[]),
     };
     Chain {

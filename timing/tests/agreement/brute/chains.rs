@@ -4,13 +4,13 @@
 use std::collections::{BTreeSet, HashSet};
 
 use dotgen_timing::explore::Action;
-use dotgen_timing::system::chain::{Chain, ChainKind, Place};
+use dotgen_timing::system::chain::{Chain, ChainKind, DataPlace};
 
 use super::state::{Doing, Mode, State, Step};
 use super::{Brute, CAP};
 
 /// A place: shared, or the variable of an instance, or of the request that a control task handles.
-type Datum = (Place, Option<usize>);
+type Datum = (DataPlace, Option<usize>);
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
 struct Followed {
@@ -45,7 +45,7 @@ impl Brute<'_> {
             if let Some(it) = &followed {
                 let counts = match chain.kind {
                     ChainKind::Reaction => true,
-                    ChainKind::Age => it.places.contains(&(Place::Shared(chain.last), None)),
+                    ChainKind::Age => it.places.contains(&(DataPlace::Shared(chain.last), None)),
                 };
                 if counts {
                     greatest = greatest.max(Some(it.age));
@@ -83,20 +83,20 @@ impl Brute<'_> {
         let mut first_written = false;
         if let Some(e) = ended {
             let codel = self.codel(s, e);
-            first_written = chain.writes[codel].contains(&Place::Shared(chain.first));
+            first_written = chain.writes[codel].contains(&DataPlace::Shared(chain.first));
             if let Some(it) = &mut followed {
                 let depends = it.readers.remove(&e);
                 for &place in &chain.writes[codel] {
                     let datum = self.datum(e, place);
                     if depends
-                        && place == Place::Shared(chain.last)
+                        && place == DataPlace::Shared(chain.last)
                         && chain.kind == ChainKind::Reaction
                     {
                         // It has arrived.
                         return;
                     }
                     let new_first =
-                        place == Place::Shared(chain.first) && chain.kind == ChainKind::Age;
+                        place == DataPlace::Shared(chain.first) && chain.kind == ChainKind::Age;
                     if depends && !new_first {
                         it.places.insert(datum);
                     } else if chain.kind == ChainKind::Age {
@@ -143,7 +143,7 @@ impl Brute<'_> {
         todo: &mut Vec<Node>,
     ) {
         if followed.is_none() {
-            let first = (Place::Shared(chain.first), None);
+            let first = (DataPlace::Shared(chain.first), None);
             let mut begin = |it: Followed| todo.push((s.clone(), Some(it)));
             if !chain.external {
                 if first_written {
@@ -181,10 +181,10 @@ impl Brute<'_> {
         }
     }
 
-    fn datum(&self, e: usize, place: Place) -> Datum {
+    fn datum(&self, e: usize, place: DataPlace) -> Datum {
         match place {
-            Place::Shared(_) => (place, None),
-            Place::Local(_) => (place, Some(e)),
+            DataPlace::Shared(_) => (place, None),
+            DataPlace::Local(_) => (place, Some(e)),
         }
     }
 
