@@ -415,8 +415,8 @@ impl FileStatus {
     }
 }
 
-/// Removes `.` and `..` from a path without asking the file system.
-pub(crate) fn normalize(path: &Utf8Path) -> Utf8PathBuf {
+/// Makes a path comparable: no `.`, no `..` that can be taken away by looking at the text alone.
+pub fn normalize(path: &Utf8Path) -> Utf8PathBuf {
     let mut out = Utf8PathBuf::new();
     for component in path.components() {
         match component {

@@ -15,7 +15,7 @@ use salsa::{Database as _, Setter as _};
 use smol_str::SmolStr;
 
 use crate::{
-    base::{Db, FileStatus, RootDatabase, SourceFile, line_index, normalize},
+    base::{Db, FileStatus, RootDatabase, SourceFile, line_index},
     deps::{self, Dependencies, standin::StandIn},
     diagnostic::{Diagnostic, FileEdit},
     ide::{self, *},
@@ -27,6 +27,7 @@ use crate::{
 };
 
 pub use crate::{
+    base::normalize,
     config::{Config, LintConfig, MAX_FILE_BYTES, Project},
     loader::{DirEntry, FileContent, Loader, PackageFlags},
     requirement::required_release,

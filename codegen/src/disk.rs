@@ -173,3 +173,16 @@ fn words(error: &io::Error) -> String {
         None => text,
     }
 }
+
+/// As Tcl's `file normalize`: an absolute path, links followed but for the last one. `None` if nothing of it is
+/// there.
+pub(crate) fn normalize(disk: &dyn Disk, path: &Path) -> Option<PathBuf> {
+    let path = disk.absolute(path);
+    match (path.parent(), path.file_name()) {
+        (Some(dir), Some(name)) => {
+            let dir = disk.canonical(dir).ok().or_else(|| normalize(disk, dir))?;
+            Some(dir.join(name))
+        }
+        _ => disk.canonical(&path).ok(),
+    }
+}

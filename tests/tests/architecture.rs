@@ -15,7 +15,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("analysis", &["dotgen-syntax"]),
     ("diagram", &["dotgen-analysis"]),
     ("codegen", &["dotgen-syntax", "dotgen-analysis"]),
-    ("timing", &["dotgen-analysis"]),
+    ("timing", &["dotgen-syntax", "dotgen-analysis"]),
     (
         "recording",
         &["dotgen-syntax", "dotgen-analysis", "dotgen-timing"],

@@ -18,7 +18,7 @@ use super::render::Files;
 use crate::codels::expected::Expected;
 use crate::codels::stub::{NewFile, StubOptions, Stubs};
 use crate::compiler::Compiler;
-use crate::disk::{Disk, Kind};
+use crate::disk::{Disk, Kind, normalize};
 use crate::environment::Environment;
 use crate::frontend::Frontend;
 use crate::options::Options as General;
@@ -362,18 +362,6 @@ fn idls(deps: &[String], call: &Call, disk: &dyn Disk, base: &Path) -> Option<Ve
         }
     }
     Some(found)
-}
-
-/// As Tcl's `file normalize`: an absolute path, links followed but for the last one.
-fn normalize(disk: &dyn Disk, path: &Path) -> Option<std::path::PathBuf> {
-    let path = disk.absolute(path);
-    match (path.parent(), path.file_name()) {
-        (Some(dir), Some(name)) => {
-            let dir = disk.canonical(dir).ok().or_else(|| normalize(disk, dir))?;
-            Some(dir.join(name))
-        }
-        _ => disk.canonical(&path).ok(),
-    }
 }
 
 #[cfg(test)]

@@ -332,15 +332,12 @@ impl Session<'_> {
         }
     }
 
-    /// Absolute path with links resolved but for the last component, as Tcl's `file normalize`.
+    /// A path as Tcl's `file normalize` gives it.
     fn normalize(&self, path: &Path) -> String {
-        let disk = &self.run.disk;
-        let path = disk.absolute(path);
-        let resolved = match (path.parent(), path.file_name()) {
-            (Some(dir), Some(name)) => disk.canonical(dir).map(|dir| dir.join(name)).ok(),
-            _ => None,
-        };
-        resolved.unwrap_or(path).display().to_string()
+        let disk = &*self.run.disk;
+        let normal = crate::disk::normalize(disk, path);
+        let normal = normal.unwrap_or_else(|| disk.absolute(path));
+        normal.display().to_string()
     }
 
     fn add_dep(&mut self, path: &Path) {

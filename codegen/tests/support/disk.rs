@@ -9,19 +9,7 @@ pub(crate) struct Disk;
 
 impl Loader for Disk {
     fn read(&self, path: &Utf8Path) -> FileContent {
-        if path.is_dir() {
-            return FileContent::Directory;
-        }
-        match std::fs::read(path) {
-            Ok(bytes) => match String::from_utf8(bytes) {
-                Ok(text) => FileContent::Text(text),
-                Err(error) => {
-                    FileContent::NotUtf8(String::from_utf8_lossy(error.as_bytes()).into_owned())
-                }
-            },
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => FileContent::Missing,
-            Err(error) => FileContent::Unreadable(error.to_string()),
-        }
+        dotgen_loaders::Disk.read(path)
     }
 
     fn packages(&self, arguments: &[String]) -> Result<PackageFlags, String> {

@@ -9,33 +9,15 @@ mod pkg_file;
 use std::io::ErrorKind;
 use std::sync::{PoisonError, RwLock};
 
-use camino::{Utf8Component, Utf8Path, Utf8PathBuf};
+use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::{DirEntry, FileContent, Loader, PackageFlags};
 use dotgen_analysis::release::ReleaseChoice;
 
 use dotgen_syntax::encoding;
 
+pub use dotgen_analysis::host::normalize;
 pub use pkg_config::query;
 pub(crate) use pkg_config::words;
-
-/// Makes a path comparable: no `.`, no `..` that can be taken away by looking at the text alone.
-pub fn normalize(path: &Utf8Path) -> Utf8PathBuf {
-    let mut out = Utf8PathBuf::new();
-    for component in path.components() {
-        match component {
-            Utf8Component::CurDir => {}
-            Utf8Component::ParentDir => match out.components().next_back() {
-                Some(Utf8Component::Normal(_)) => {
-                    out.pop();
-                }
-                Some(Utf8Component::RootDir) => {}
-                _ => out.push(".."),
-            },
-            other => out.push(other),
-        }
-    }
-    out
-}
 
 /// How packages of `#pragma requires`, and GenoM3 itself, are found.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]

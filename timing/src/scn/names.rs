@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use dotgen_syntax::near::nearest;
 use dotgen_analysis::model::{CodelKind, Component, ComponentKind, Owner, ServiceKind, Spec};
 
 use super::ast::{CheckKind, Item, Path, Pred, Scenario, Spanned, Step, StepKind};
@@ -186,7 +187,7 @@ impl<'a> Names<'a> {
             }
         };
         let mut message = format!("{place} `{}`", name.value);
-        if let Some(near) = nearest(&name.value, &candidates) {
+        if let Some(near) = nearest(&name.value, candidates.iter().map(String::as_str)) {
             message.push_str(&format!("; did you mean `{near}`?"));
         } else if !candidates.is_empty() && candidates.len() <= 12 {
             message.push_str(&format!("; there is {}", candidates.join(", ")));
@@ -389,32 +390,6 @@ fn pred<'s>(it: &'s Pred, each: &mut impl FnMut(&'s Path)) {
             pred(other, each);
         }
     }
-}
-
-/// The candidate that differs least, if it is close.
-fn nearest<'c>(name: &str, candidates: &'c [String]) -> Option<&'c str> {
-    candidates
-        .iter()
-        .map(|it| (distance(name, it), it.as_str()))
-        .filter(|&(d, it)| d <= 1 + it.len().min(name.len()) / 4)
-        .min()
-        .map(|(_, it)| it)
-}
-
-/// Edit distance.
-fn distance(one: &str, other: &str) -> usize {
-    let other: Vec<char> = other.to_lowercase().chars().collect();
-    let mut row: Vec<usize> = (0..=other.len()).collect();
-    for (i, a) in one.to_lowercase().chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, &b) in other.iter().enumerate() {
-            let change = diagonal + usize::from(a != b);
-            diagonal = row[j + 1];
-            row[j + 1] = change.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[other.len()]
 }
 
 /// Helps callers that have a name only.
