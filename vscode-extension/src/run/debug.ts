@@ -103,9 +103,10 @@ export class Debugging implements vscode.DebugConfigurationProvider, vscode.Debu
       const uri = 'targetUri' in it ? it.targetUri : it.uri;
       const range = 'targetUri' in it ? (it.targetSelectionRange ?? it.targetRange) : it.range;
       if (!/\.(c|cc|cpp|cxx|c\+\+)$/i.test(uri.path)) continue;
-      const here = (other: vscode.Breakpoint) => other instanceof vscode.SourceBreakpoint && other.location.uri.toString() === uri.toString() && other.location.range.start.line === range.start.line;
-      if (vscode.debug.breakpoints.some(here)) continue;
-      vscode.debug.addBreakpoints([new vscode.SourceBreakpoint(new vscode.Location(uri, range.start))]);
+      const { line } = range.start;
+      const isHere = (other: vscode.Breakpoint) => other instanceof vscode.SourceBreakpoint && other.location.uri.toString() === uri.toString() && other.location.range.start.line === line;
+      if (vscode.debug.breakpoints.some(isHere)) continue;
+      vscode.debug.addBreakpoints([new vscode.SourceBreakpoint(new vscode.Location(uri, new vscode.Position(line, 0)))]);
     }
   }
 }

@@ -107,6 +107,8 @@ export interface Port {
 export type RunState = 'starting' | 'running' | 'stopping' | 'ended' | 'failed';
 
 export interface RunView {
+  /** Its components wait for a debugger. */
+  debug: boolean;
   /** What is run, for people. */
   name: string;
   clock: 'virtual' | 'real';

@@ -92,6 +92,7 @@ export class Run {
     return {
       name: this.name,
       clock: this.options.clock,
+      debug: this.options.waiting !== undefined,
       state: this.state,
       report: this.report,
       progress: talk?.progress ?? null,

@@ -69,8 +69,8 @@ function violation(it: Violation, { unit, checks }: Report): string {
   }
 }
 
-function showHead({ name, clock, state, report, progress, hasTrace, times }: RunView): void {
-  element('title').textContent = `${clock === 'real' ? 'Run' : 'Simulation'} of ${name}`;
+function showHead({ name, clock, debug, state, report, progress, hasTrace, times }: RunView): void {
+  element('title').textContent = `${clock === 'real' || debug ? 'Run' : 'Simulation'} of ${name}`;
   const badge = element('state');
   const violated = ((report ?? progress)?.['violation-count'] ?? 0) > 0;
   const word = violated ? 'violated' : STATES[state];

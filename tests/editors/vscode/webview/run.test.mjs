@@ -18,7 +18,7 @@ const report = {
 };
 const service = { name: 'pump.fill', kind: 'activity', doc: 'Pumps.', inputs: [{ name: 'height', default: 1, schema: { type: ['number', 'null'], default: 1, description: 'Level to reach', unit: 'm' } }, { name: 'how', schema: { type: 'string' } }], answer: '', active: false };
 const port = { name: 'pump/level', doc: 'of the tank', value: '{"z":3}', series: [{ name: 'z', values: [1, 2, 3] }] };
-const view = (more) => ({ type: 'run', view: { name: 'pump.scn', clock: 'real', state: 'running', report: null, progress: null, times: 0, hasTrace: false, services: [service], ports: [port], log: ['note: one', 'two'], ...more } });
+const view = (more) => ({ type: 'run', view: { name: 'pump.scn', clock: 'real', debug: false, state: 'running', report: null, progress: null, times: 0, hasTrace: false, services: [service], ports: [port], log: ['note: one', 'two'], ...more } });
 const ended = view({ state: 'ended', report, hasTrace: true, times: 2, clock: 'virtual' });
 
 for (const theme of Object.keys(THEMES)) {
