@@ -8,7 +8,6 @@ use serde_json::Value;
 
 #[path = "support/directory.rs"]
 mod directory;
-#[allow(dead_code, reason = "other tests use the rest")]
 #[path = "support/running.rs"]
 mod running;
 
