@@ -76,9 +76,9 @@ export class Run {
     return join(this.folder, 'run.out');
   }
 
-  /** How execution times are read from this run; undefined before it has ended. */
+  /** How execution times are read from this run; undefined before it has ended, and of what somebody looked at in a debugger. */
   get question(): Question | undefined {
-    if (!this.isOver || !existsSync(this.profile)) return undefined;
+    if (!this.isOver || this.options.waiting !== undefined || !existsSync(this.profile)) return undefined;
     const { command, env, cwd, file, reading } = this.options;
     return { command, env, cwd, arguments: [this.profile, file, ...readingOf(reading, cwd)] };
   }

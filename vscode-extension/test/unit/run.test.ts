@@ -36,6 +36,7 @@ test('specifications are read as in the editor', () => {
 
 test('components that wait for a debugger are told before the report', { skip: process.platform === 'win32' }, async () => {
   const program = `#!${process.execPath}
+require('node:fs').writeFileSync(process.argv[process.argv.indexOf('--profile') + 1], '');
 console.log('{"component":"pump","process":17}');
 process.stdout.write('{"component":"tank","pro');
 setImmediate(() => process.stdout.write('cess":18}\\n' + JSON.stringify({ scenario: 'pump', tasks: [] }, null, 2) + '\\n'));
@@ -45,6 +46,8 @@ setImmediate(() => process.stdout.write('cess":18}\\n' + JSON.stringify({ scenar
   await shown(it, () => it.run.isOver);
   assert.deepEqual(hosts, [{ component: 'pump', process: 17 }, { component: 'tank', process: 18 }]);
   assert.equal(it.run.view.report?.scenario, 'pump');
+  // A codel at which a debugger stood took no time of its own.
+  assert.equal(it.run.question, undefined);
   it.end();
 });
 
