@@ -27,6 +27,8 @@ createInterface({ input: gdb.stdout }).on('line', (line) => {
   if (line.startsWith('*stopped,reason="exited')) event('terminated');
 });
 gdb.on('close', () => process.exit(0));
+// Without an editor there is nothing to debug.
+process.stdin.on('close', () => gdb.kill());
 
 const requests = {
   initialize: async () => ({ supportsConfigurationDoneRequest: true }),
