@@ -174,8 +174,8 @@ fn words(error: &io::Error) -> String {
     }
 }
 
-/// As Tcl's `file normalize`: an absolute path, links followed but for the last one. `None` if nothing of it is
-/// there.
+/// As Tcl's `file normalize`: an absolute path, links followed but for the last one. `None` if nothing of it
+/// is there.
 pub(crate) fn normalize(disk: &dyn Disk, path: &Path) -> Option<PathBuf> {
     let path = disk.absolute(path);
     match (path.parent(), path.file_name()) {

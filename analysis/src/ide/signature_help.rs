@@ -24,7 +24,9 @@ pub struct SignatureHelp {
 }
 
 pub(crate) fn signature_help(view: &FileView<'_>, at: usize) -> Option<SignatureHelp> {
-    if at > view.text().len() || !view.text().is_char_boundary(at) || surroundings(view, at) == Surroundings::Dead
+    if at > view.text().len()
+        || !view.text().is_char_boundary(at)
+        || surroundings(view, at) == Surroundings::Dead
     {
         return None;
     }

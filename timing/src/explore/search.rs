@@ -1,20 +1,19 @@
 //! Exploration: strategies that follow the rules in different orders, and a supervisor.
 //!
 //! What is looked for is one list of [`goals`]; [`watching`] takes single steps and notes what they show.
-//! [`layers`] go from moment to moment and keep a [`graph`]; [`hunt`] goes straight on, in random orders;
-//! [`zones`] look in dense time. The [`supervisor`] says who works and when it is over. [`trace`] finds the
-//! runs again to what layers have seen.
+//! [`layers`] go from moment to moment, keep a [`graph`] and find the runs again to what they have seen;
+//! [`mod@chase`] goes straight on, in random orders; [`zones`] look in dense time. The [`supervisor`] says
+//! who works and when it is over.
 
+mod chase;
 mod goals;
 mod graph;
-mod hunt;
 mod layers;
 mod supervisor;
-mod trace;
 mod watching;
 mod zones;
 
-pub use self::hunt::chase;
+pub use self::chase::chase;
 use self::layers::Layers;
 use self::supervisor::{Legacy, Supervisor, Teller};
 pub use self::zones::{InZones, in_zones};

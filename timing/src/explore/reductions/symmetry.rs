@@ -6,8 +6,8 @@
 //! keeping one of both is enough: the one whose units are in ascending order of what is going on in them. (A
 //! quotient by automorphisms: C. Ip and D. Dill, *Better verification through symmetry*, 1996.)
 //!
-//! Runs are found again without any of this, see `explore::search::trace`: where a state was put in order on
-//! the way, the rest of the run is about the units as they were before.
+//! Runs are found again without any of this, see `explore::search::layers::trace`: where a state was put in
+//! order on the way, the rest of the run is about the units as they were before.
 
 mod alike;
 

@@ -3,11 +3,12 @@
 //! All simultaneous actions of a moment are followed, the calm states they lead to are kept as nodes, and
 //! each node jumps to its next moment. It proves, and finds the shortest runs.
 
+pub(super) mod trace;
+
 use rustc_hash::FxHashSet;
 
+use self::trace::{Target, Traced};
 use super::graph::{Graph, Links, NodeId};
-use super::supervisor::Supervisor;
-use super::trace::{Target, Traced};
 use super::watching::{Sight, Watching};
 use crate::cancel::Cancel;
 use crate::explore::measure::{Diverging, Gauge, How};
@@ -44,6 +45,15 @@ struct Layer {
     calm: Vec<bool>,
     /// Bytes of the states that it begins with.
     under_way: usize,
+}
+
+/// Who says how far an exploration goes.
+pub(super) trait Overseer<'a, R: Reduced> {
+    /// Looks at an exploration every few steps: what ends it, and who else is to work. Whether it is over.
+    fn look(&mut self, layers: &mut Layers<'a, R>) -> bool;
+
+    /// The layers have come to an end.
+    fn end(&mut self, layers: &mut Layers<'a, R>);
 }
 
 /// An exploration in order of time.
@@ -127,7 +137,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
     // ---- From moment to moment -------------------------------------------------------------
 
     /// Explores until everything was looked at, or it is stopped, or a time turns out to diverge.
-    pub(super) fn run(&mut self, by: &mut Supervisor<'a, R>) -> Option<Diverging> {
+    pub(super) fn run(&mut self, by: &mut dyn Overseer<'a, R>) -> Option<Diverging> {
         let initial = self.watching.rules.initial();
         self.close_layer(0, vec![(initial, NodeId::ROOT)], true, by);
         while self.goes_on()
@@ -184,7 +194,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
         time: u64,
         states: Vec<(State, NodeId)>,
         initial: bool,
-        by: &mut Supervisor<'a, R>,
+        by: &mut dyn Overseer<'a, R>,
     ) {
         self.layer.states.clear();
         self.layer.calm.clear();
@@ -247,7 +257,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
 
     /// Where very much happens at each moment, most of it happens again at later ones: whatever states of
     /// this one lead to is known then.
-    fn keep_crowd(&mut self, by: &mut Supervisor<'a, R>) {
+    fn keep_crowd(&mut self, by: &mut dyn Overseer<'a, R>) {
         if !self.is_crowded() || self.limits.without.contains(Kind::MomentCovering) {
             return;
         }
@@ -269,7 +279,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
     }
 
     /// Turns the calm states of the layer that are not passed yet into nodes.
-    fn keep_calm(&mut self, time: u64, links: &Links, by: &mut Supervisor<'a, R>) {
+    fn keep_calm(&mut self, time: u64, links: &Links, by: &mut dyn Overseer<'a, R>) {
         let layer = std::mem::take(&mut self.layer.states);
         let redundant = self.redundant(&layer);
         let mut it = Encoded::default();
@@ -374,7 +384,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
         &mut self,
         s: &mut State,
         at: Sight<NodeId>,
-        by: &mut Supervisor<'a, R>,
+        by: &mut dyn Overseer<'a, R>,
     ) -> Option<Diverging> {
         self.watching.waiting_after_jump(s, at);
         for gauge in 0..self.watching.gauges.len() {

@@ -1,23 +1,25 @@
 //! The supervisor: which strategy gets how much effort, when to stop, and what is told on the way.
 //!
-//! Layers get most of the effort, and ask the supervisor every few steps ([`Supervisor::look`]). It lets
-//! randomised search ([`hunt`](super::hunt)) and zones ([`zones`](super::zones)) work beside them.
+//! Layers get most of the effort, and ask the supervisor every few steps ([`Overseer::look`]). It lets
+//! randomised search ([`hunt`]) and zones ([`zones`](super::zones)) work beside them.
 
+mod endless;
+mod hunt;
 mod news;
 
 pub(super) use self::news::Teller;
 
+use self::hunt::Hunt;
 use self::news::News;
 use super::goals::GoalId;
-use super::hunt::{self, Hunt};
-use super::layers::Layers;
+use super::layers::trace::Target;
+use super::layers::{Layers, Overseer};
 use super::zones::{self, Proof, Proving};
 use crate::explore::findings::{Bound, Findings, Found, Measured};
 use crate::explore::measure::How;
 use crate::explore::reductions::{Activity, Kind, Reason, Reduced};
 use crate::explore::rules::Rules;
 use crate::explore::run::Run;
-use crate::explore::search::trace::Target;
 use crate::explore::watch::{Limits, Stop, Watch};
 
 /// Steps for which an exploration that has answered everything goes on, to see requests that are refused.
@@ -26,9 +28,9 @@ const LINGER: u64 = 20_000;
 /// Who works on one exploration, and who is told.
 pub(super) struct Supervisor<'a, R: Reduced> {
     /// Randomised search, or why there is none.
-    pub(super) hunt: Result<Hunt, Reason>,
+    hunt: Result<Hunt, Reason>,
     /// What is looked for in zones, or why not.
-    pub(super) proving: Proving<'a, R>,
+    proving: Proving<'a, R>,
     news: Option<News<'a>>,
     /// Steps until which to go on after everything was answered.
     until: Option<u64>,
@@ -46,6 +48,33 @@ impl Legacy {
         Legacy {
             hunt: hunt::suits(watch, limits).map(|()| Hunt::new(watch)),
             zones: zones::suit(rules.system(), watch, limits).map(|()| None),
+        }
+    }
+}
+
+impl<'a, R: Reduced> Overseer<'a, R> for Supervisor<'a, R> {
+    fn look(&mut self, layers: &mut Layers<'a, R>) -> bool {
+        let states = layers.states_now() + self.states_beside();
+        let memory = layers.memory() + self.proving.bytes();
+        let reason = Stop::reason(states, memory, layers.limits, layers.cancel);
+        let too_many = (layers.steps > layers.limits.steps).then_some(Stop::States);
+        if let Some(reason) = reason.or(too_many) {
+            layers.stopped = Some(reason);
+            return true;
+        }
+        self.hunt_if_due(layers);
+        self.proving.work_if_due(layers);
+        if self.answered(layers) && !self.goes_on(layers) {
+            layers.stopped = Some(Stop::Answered);
+        } else {
+            self.tell_news(layers);
+        }
+        layers.stopped.is_some() || layers.diverging.is_some()
+    }
+
+    fn end(&mut self, layers: &mut Layers<'a, R>) {
+        if layers.stopped == Some(Stop::States) && self.may_end_earlier(layers) {
+            self.chase_earlier(layers, self.further(layers));
         }
     }
 }
@@ -71,33 +100,6 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
     }
 
     // ---- Who gets effort -------------------------------------------------------------------
-
-    /// Looks at an exploration: what ends it, and who else is to work. Whether it is over.
-    pub(super) fn look(&mut self, layers: &mut Layers<'a, R>) -> bool {
-        let states = layers.states_now() + self.states_beside();
-        let memory = layers.memory() + self.proving.bytes();
-        let reason = Stop::reason(states, memory, layers.limits, layers.cancel);
-        let too_many = (layers.steps > layers.limits.steps).then_some(Stop::States);
-        if let Some(reason) = reason.or(too_many) {
-            layers.stopped = Some(reason);
-            return true;
-        }
-        self.hunt_if_due(layers);
-        self.proving.work_if_due(layers);
-        if self.answered(layers) && !self.goes_on(layers) {
-            layers.stopped = Some(Stop::Answered);
-        } else {
-            self.tell_news(layers);
-        }
-        layers.stopped.is_some() || layers.diverging.is_some()
-    }
-
-    /// The layers have come to an end.
-    pub(super) fn end(&mut self, layers: &mut Layers<'a, R>) {
-        if layers.stopped == Some(Stop::States) && self.may_end_earlier(layers) {
-            self.chase_earlier(layers, self.further(layers));
-        }
-    }
 
     /// Whether everything that is asked has been seen, or caught.
     fn answered(&self, layers: &Layers<'a, R>) -> bool {

@@ -5,13 +5,12 @@
 //! from ending soon takes longer than any plausible one; if the run repeats itself meanwhile, it can go on
 //! like that.
 
-use super::Order;
-use super::chase::Chase;
+use super::Supervisor;
 use crate::explore::measure::{Diverging, Gauge, How, Timing};
 use crate::explore::reductions::Reduced;
 use crate::explore::run::Run;
+use crate::explore::search::chase::{Chase, Order};
 use crate::explore::search::layers::Layers;
-use crate::explore::search::supervisor::Supervisor;
 use crate::explore::search::watching::Watching;
 use crate::explore::watch::{ResponseTime, Watch, Within};
 use crate::system::Ticks;

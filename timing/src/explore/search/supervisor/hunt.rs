@@ -2,7 +2,7 @@
 //!
 //! In order of time the runs found are short, but whatever can happen earlier is looked at before: what goes
 //! wrong late, or at a moment at which very much can happen, is found late. So beside a search in order of
-//! time, and with a small part of its effort, others go straight on (see [`chase`]): many short ones, in
+//! time, and with a small part of its effort, others go straight on (see [`Chase`]): many short ones, in
 //! different orders, as one that has begun wrongly hardly ever recovers. They prove nothing; what they catch
 //! is a run like any other.
 //!
@@ -10,23 +10,16 @@
 //! and ones that end earlier are chased: both for as long as everything has taken so far, if that is not very
 //! long. What was told is final. In a search that takes long it is told on the way.
 
-mod chase;
-mod endless;
-
 use rustc_hash::FxHashSet;
 
-use self::chase::{Chase, Order};
-use super::goals::{GoalId, Goals, PerGoal};
-use super::layers::Layers;
-use super::supervisor::Supervisor;
-use super::watching::Watching;
-use crate::cancel::Cancel;
-use crate::explore::findings::{Findings, Found};
+use super::Supervisor;
 use crate::explore::reductions::{Kind, Reason, Reduced};
-use crate::explore::rules::with_rules;
 use crate::explore::run::Run;
+use crate::explore::search::chase::{Chase, Order};
+use crate::explore::search::goals::{GoalId, Goals, PerGoal};
+use crate::explore::search::layers::Layers;
+use crate::explore::search::watching::Watching;
 use crate::explore::watch::{Limits, Stop, Watch};
-use crate::system::TimedSystem;
 
 /// Steps after which a search is not small any more.
 const SMALL: u64 = 1000;
@@ -42,7 +35,7 @@ const FURTHER: u64 = 200_000;
 pub(super) struct Hunt {
     caught: PerGoal<Option<Catch>>,
     /// Chases so far.
-    chases: u64,
+    pub(super) chases: u64,
     /// Steps of all chases.
     pub(super) steps: u64,
     /// States that were looked at in them.
@@ -60,7 +53,7 @@ pub(super) struct Hunt {
     /// Something was caught late.
     late: bool,
     /// Gauges of which everything was looked at.
-    bounded: FxHashSet<usize>,
+    pub(super) bounded: FxHashSet<usize>,
     /// Steps of the search at which to tell what was caught.
     tell_at: Option<u64>,
 }
@@ -95,7 +88,7 @@ impl Hunt {
     }
 
     /// In which order the next chase looks at things.
-    fn next_order(&mut self) -> Order {
+    pub(super) fn next_order(&mut self) -> Order {
         self.chases += 1;
         let mut order = Order::numbered(self.chases - 1);
         order.late &= !self.not_late;
@@ -188,7 +181,7 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
         left.next().is_some()
     }
 
-    fn is_hunt_due(&self, layers: &Layers<'a, R>) -> bool {
+    pub(super) fn is_hunt_due(&self, layers: &Layers<'a, R>) -> bool {
         let hunt = self.hunt.as_ref();
         hunt.is_ok_and(|it| it.is_due(layers.steps, layers.is_crowded()))
     }
@@ -311,7 +304,7 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
     }
 
     /// One chase.
-    fn run_chase(
+    pub(super) fn run_chase(
         &mut self,
         layers: &Layers<'a, R>,
         chase: &mut Chase<R>,
@@ -344,45 +337,6 @@ fn beside<'w, R: Reduced>(layers: &Layers<'w, R>, watch: &'w Watch) -> Chase<'w,
     let rules = &layers.watching.rules;
     let watching = Watching::new(rules, watch, &[], layers.limits.without);
     Chase::new(watching, layers.limits, layers.cancel)
-}
-
-/// Only chases a system: what the states of one chase of this number show, of those a [`Watch`] can be
-/// answered by.
-pub fn chase(
-    system: &TimedSystem,
-    watch: &Watch,
-    (number, steps): (u64, u64),
-    limits: Limits,
-    cancel: &Cancel,
-) -> Findings {
-    with_rules!(system, chase_by(watch, (number, steps), limits, cancel))
-}
-
-fn chase_by<R: Reduced>(
-    rules: &R,
-    watch: &Watch,
-    (number, steps): (u64, u64),
-    limits: Limits,
-    cancel: &Cancel,
-) -> Findings {
-    let watching = Watching::new(rules, watch, &[], limits.without);
-    let mut chase = Chase::new(watching, limits, cancel);
-    let room = chase.run(Order::numbered(number), steps, u64::MAX, (0, 0));
-    let goals = Goals::of(watch);
-    let found = |run: Option<Run>| run.map(|run| Found { run });
-    let mut caught = chase.caught().into_values().map(found);
-    let [missed, overdue, reached] = goals.split(goals.each(|_| caught.next().flatten()));
-    Findings {
-        missed,
-        overdue,
-        reached,
-        refused: chase.refused(),
-        states: chase.states(),
-        steps: chase.steps,
-        bytes: chase.memory(),
-        stopped: (!room || !chase.is_done()).then_some(Stop::States),
-        ..Findings::default()
-    }
 }
 
 /// 1 1 2 1 1 2 4 1 1 2 1 1 2 4 8 …: how often to begin anew where luck decides how long something takes (M.

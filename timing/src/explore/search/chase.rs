@@ -8,17 +8,18 @@ use std::hash::BuildHasher;
 
 use rustc_hash::FxBuildHasher;
 
+use super::goals::{Goal, Goals, PerGoal};
+use super::layers::covering;
+use super::watching::{Longest, Sight, Watching};
 use crate::cancel::Cancel;
+use crate::explore::findings::{Findings, Found};
 use crate::explore::reductions::{Held, Reduced, Reductions};
-use crate::explore::rules::{Action, Enabled};
+use crate::explore::rules::{Action, Enabled, with_rules};
 use crate::explore::run::Run;
-use crate::explore::search::goals::{Goal, PerGoal};
-use crate::explore::search::layers::covering;
-use crate::explore::search::watching::{Longest, Sight, Watching};
 use crate::explore::state::State;
 use crate::explore::store::{Encoded, Store, encode};
-use crate::explore::watch::{Limits, Stop};
-use crate::system::{FOREVER, Ticks};
+use crate::explore::watch::{Limits, Stop, Watch};
+use crate::system::{FOREVER, Ticks, TimedSystem};
 
 /// Steps between two looks at what may end the search.
 const LOOKS: u64 = 16;
@@ -407,6 +408,45 @@ impl<'a, R: Reduced> Chase<'a, R> {
         self.passed.memory()
             + self.trail.capacity() * size_of::<(StepId, Step)>()
             + self.open.capacity() * open
+    }
+}
+
+/// Only chases a system: what the states of one chase of this number show, of those a [`Watch`] can be
+/// answered by.
+pub fn chase(
+    system: &TimedSystem,
+    watch: &Watch,
+    (number, steps): (u64, u64),
+    limits: Limits,
+    cancel: &Cancel,
+) -> Findings {
+    with_rules!(system, chase_by(watch, (number, steps), limits, cancel))
+}
+
+fn chase_by<R: Reduced>(
+    rules: &R,
+    watch: &Watch,
+    (number, steps): (u64, u64),
+    limits: Limits,
+    cancel: &Cancel,
+) -> Findings {
+    let watching = Watching::new(rules, watch, &[], limits.without);
+    let mut chase = Chase::new(watching, limits, cancel);
+    let room = chase.run(Order::numbered(number), steps, u64::MAX, (0, 0));
+    let goals = Goals::of(watch);
+    let found = |run: Option<Run>| run.map(|run| Found { run });
+    let mut caught = chase.caught().into_values().map(found);
+    let [missed, overdue, reached] = goals.split(goals.each(|_| caught.next().flatten()));
+    Findings {
+        missed,
+        overdue,
+        reached,
+        refused: chase.refused(),
+        states: chase.states(),
+        steps: chase.steps,
+        bytes: chase.memory(),
+        stopped: (!room || !chase.is_done()).then_some(Stop::States),
+        ..Findings::default()
     }
 }
 

@@ -4,21 +4,21 @@ use std::cell::RefCell;
 
 use rustc_hash::FxHashMap;
 
-use super::goals::{Goal, GoalId};
-use super::graph::NodeId;
-use super::layers::{LOOKS, Layers};
-use super::watching::Sight;
+use super::{LOOKS, Layers};
 use crate::explore::measure::Timing;
 use crate::explore::observe;
 use crate::explore::reductions::{Reduced, Reductions, Renaming};
 use crate::explore::rules::{Action, Enabled};
 use crate::explore::run::Run;
+use crate::explore::search::goals::{Goal, GoalId};
+use crate::explore::search::graph::NodeId;
+use crate::explore::search::watching::Sight;
 use crate::explore::state::State;
 use crate::explore::store::{Encoded, encode, holds};
 use crate::system::Ticks;
 
 /// What a state that was sighted looks like.
-pub(super) enum Target<'g> {
+pub(in crate::explore::search) enum Target<'g> {
     Goal(Goal<'g>),
     Lasts(Timing, Ticks),
     Calm(&'g [u8], &'g [Ticks]),
@@ -26,7 +26,7 @@ pub(super) enum Target<'g> {
 }
 
 /// Runs by what was seen and where: what was told once is not looked for again, and does not change.
-pub(super) type Traced = RefCell<FxHashMap<(GoalId, NodeId, u64), Run>>;
+pub(in crate::explore::search) type Traced = RefCell<FxHashMap<(GoalId, NodeId, u64), Run>>;
 
 /// How a state is like the target.
 #[derive(Default)]
@@ -42,7 +42,7 @@ type Point = Vec<Option<Ticks>>;
 
 impl<R: Reduced> Layers<'_, R> {
     /// The run to a goal, if it was seen.
-    pub(super) fn run_to(&self, goal: GoalId) -> Option<Run> {
+    pub(in crate::explore::search) fn run_to(&self, goal: GoalId) -> Option<Run> {
         let at = self.watching.seen.goals[goal]?;
         let key = (goal, at.parent, at.time);
         let before = self.traced.borrow().get(&key).cloned();
@@ -55,7 +55,7 @@ impl<R: Reduced> Layers<'_, R> {
 
     /// A run to what was seen, without steps if it is too late for that: segments from node to node, found
     /// backwards with the remaining times that the later part of the run needs.
-    pub(super) fn trace(&self, at: Sight<NodeId>, goal: &Target) -> Run {
+    pub(in crate::explore::search) fn trace(&self, at: Sight<NodeId>, goal: &Target) -> Run {
         let left_out = || Run {
             end: at.time,
             left_out: true,
