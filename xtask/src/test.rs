@@ -113,6 +113,7 @@ pub(crate) fn test(options: &Options) -> Result<bool> {
             tools::PYTHON,
             tools::TCL,
             tools::NATIVE_MODULES,
+            tools::DEBUGGER,
         ] {
             if let Err(error) = tools::ensure(tools) {
                 eprintln!("    {error:#}");

@@ -32,6 +32,8 @@ pub(crate) const EMACS: &[Tool] = &[
     Tool::new("emacs", "emacs-nox"),
     Tool::new("/usr/share/doc/elpa-eglot", "elpa-eglot"),
 ];
+/// Attached to components whose codels are looked at; tests without it are skipped, and say so.
+pub(crate) const DEBUGGER: &[Tool] = &[Tool::new("gdb", "gdb")];
 pub(crate) const PYTHON: &[Tool] = &[
     Tool::new("python3", "python3"),
     Tool::new("/usr/share/doc/python3-venv", "python3-venv"),
