@@ -60,7 +60,7 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
     measured,
     debugging,
     vscode.commands.registerCommand('dotgen.debug', (target?: RunTarget) => debugging.start(target)),
-    vscode.commands.registerCommand('dotgen.importTimes', () => measured.write()),
+    vscode.commands.registerCommand('dotgen.importTimes', (codel?: unknown) => measured.write(typeof codel === 'string' ? codel : undefined)),
     vscode.commands.registerCommand('dotgen.simulate', (target?: RunTarget) => runs.start('virtual', target)),
     vscode.commands.registerCommand('dotgen.run', (target?: RunTarget) => runs.start('real', target)),
     vscode.commands.registerCommand('dotgen.stopRun', () => runs.stop()),

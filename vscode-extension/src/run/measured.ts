@@ -7,7 +7,7 @@ import { LANGUAGE } from '../protocol';
 
 /** As `dotgen wcet import --format json` writes it (docs/measuring.md), as far as it is used. Times are in nanoseconds. */
 export interface Times {
-  codels: { codel: string; runs: number; mean: number; greatest: number; declared: number | null; place: Place | null }[];
+  codels: { codel: string; function: string; runs: number; mean: number; greatest: number; declared: number | null; place: Place | null }[];
   edits: (Place & { text: string })[];
   refused: { function: string; why: string }[];
 }
@@ -30,7 +30,7 @@ export interface Question {
   env: NodeJS.ProcessEnv;
 }
 
-export class MeasuredTimes implements vscode.InlayHintsProvider, vscode.CodeLensProvider {
+export class MeasuredTimes implements vscode.InlayHintsProvider, vscode.CodeLensProvider, vscode.CodeActionProvider {
   private question: Question | undefined;
   private times: Times | undefined;
   /** Where hints are, by file; they move with what is typed. */
@@ -45,6 +45,7 @@ export class MeasuredTimes implements vscode.InlayHintsProvider, vscode.CodeLens
       this.changed,
       vscode.languages.registerInlayHintsProvider(LANGUAGE, this),
       vscode.languages.registerCodeLensProvider(LANGUAGE, this),
+      vscode.languages.registerCodeActionsProvider(LANGUAGE, this, { providedCodeActionKinds: [vscode.CodeActionKind.QuickFix] }),
       vscode.workspace.onDidChangeTextDocument((change) => this.move(change)),
       vscode.workspace.onDidChangeConfiguration((change) => change.affectsConfiguration(`${SECTION}.run`) && void this.ask(this.question)),
     );
@@ -69,8 +70,8 @@ export class MeasuredTimes implements vscode.InlayHintsProvider, vscode.CodeLens
     this.changed.fire();
   }
 
-  /** Writes the times into the specification: one edit, which is undone in one step. */
-  async write(): Promise<void> {
+  /** Writes the times into the specification, or that of one codel: one edit, which is undone in one step. */
+  async write(codel?: string): Promise<void> {
     // What is on the disk was read: edits are about that.
     if (!(await vscode.workspace.saveAll(false))) return;
     await this.ask(this.question);
@@ -80,16 +81,17 @@ export class MeasuredTimes implements vscode.InlayHintsProvider, vscode.CodeLens
       return;
     }
     const edit = new vscode.WorkspaceEdit();
-    for (const { file, range, text } of times.edits) edit.replace(vscode.Uri.file(file), rangeOf(range), text);
-    if (times.edits.length > 0 && !(await vscode.workspace.applyEdit(edit))) {
+    const wanted = codel === undefined ? times.edits : editsOf(times, codel);
+    for (const { file, range, text } of wanted) edit.replace(vscode.Uri.file(file), rangeOf(range), text);
+    if (wanted.length > 0 && !(await vscode.workspace.applyEdit(edit))) {
       void vscode.window.showWarningMessage('The times were not written: the text has changed.');
       return;
     }
-    const byHand = times.refused.map((it) => it.function).join(', ');
+    const byHand = times.refused.map((it) => it.function).filter((it) => codel === undefined || it === codel).join(', ');
     if (byHand !== '') void vscode.window.showWarningMessage(`To be written by hand: the times of ${byHand}, which come from a macro or have a comment in them.`);
-    else if (times.edits.length === 0) void vscode.window.showInformationMessage('All measured times are within those declared.');
-    // Nothing is left to import; what was measured stays beside.
-    this.times = { ...times, edits: [] };
+    else if (wanted.length === 0) void vscode.window.showInformationMessage('All measured times are within those declared.');
+    // What was written is not left to import; what was measured stays beside.
+    this.times = { ...times, edits: times.edits.filter((it) => !wanted.includes(it)) };
     this.changed.fire();
   }
 
@@ -116,6 +118,25 @@ export class MeasuredTimes implements vscode.InlayHintsProvider, vscode.CodeLens
     return around.map((it) => new vscode.CodeLens(it.selectionRange, { title, tooltip, command: 'dotgen.importTimes' }));
   }
 
+  /** In the light bulb of a codel: its time, and those of all. */
+  provideCodeActions(document: vscode.TextDocument, range: vscode.Range): vscode.CodeAction[] {
+    const { times } = this;
+    if (times === undefined || document.isDirty) return [];
+    const here = (it: Times['codels'][number]) => it.place !== null && it.place.file === document.uri.fsPath && rangeOf(it.place.range).intersection(range) !== undefined;
+    const names = new Set(times.codels.filter(here).map((it) => it.function));
+    const action = (title: string, ...words: string[]) => {
+      const it = new vscode.CodeAction(title, vscode.CodeActionKind.QuickFix);
+      it.command = { title, command: 'dotgen.importTimes', arguments: words };
+      return it;
+    };
+    return [...names].flatMap((name) => {
+      const text = editsOf(times, name)[0]?.text;
+      if (text === undefined) return [];
+      const one = action(`Import the measured time of ${name}: ${text.trim()}`, name);
+      return times.edits.length > 1 ? [one, action(`Import all ${times.edits.length} measured times`)] : [one];
+    });
+  }
+
   private move({ document, contentChanges }: vscode.TextDocumentChangeEvent): void {
     for (const { rangeOffset, rangeLength, text } of contentChanges) {
       for (const it of this.hints.get(document.uri.fsPath) ?? []) {
@@ -123,6 +144,12 @@ export class MeasuredTimes implements vscode.InlayHintsProvider, vscode.CodeLens
       }
     }
   }
+}
+
+/** The edits that stand in the declaration of a codel. */
+function editsOf(times: Times, codel: string): Times['edits'] {
+  const places = times.codels.filter((it) => it.function === codel).flatMap(({ place }) => (place === null ? [] : [place]));
+  return times.edits.filter((edit) => places.some((it) => it.file === edit.file && rangeOf(it.range).contains(rangeOf(edit.range))));
 }
 
 const rangeOf = ({ start, end }: Place['range']): vscode.Range => new vscode.Range(start.line, start.character, end.line, end.character);

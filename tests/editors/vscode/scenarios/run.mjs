@@ -53,11 +53,21 @@ export function checks(wb) {
       const lens = page.locator('.contentWidgets .codelens-decoration a', { hasText: 'Import 4 measured times' }).first();
       await lens.waitFor();
       await wb.shot('96-measured.png');
+      // In the light bulb of a codel its own time is offered, and those of all.
+      await wb.endOf('pump.gen', 'yield pause::start wcet');
+      const all = page.locator('.action-widget .monaco-list-row', { hasText: 'Import all 4 measured times' });
+      await wb.action('Import the measured time of report_start: wcet 4400 us', () => all.waitFor({ timeout: 4000 }));
+      await page.locator('.view-line', { hasText: '4400' }).first().waitFor();
+      await page.locator('.contentWidgets .codelens-decoration a', { hasText: 'Import 3 measured times' }).first().waitFor();
+      assert.equal(await page.locator('.view-line', { hasText: '3300' }).count(), 0);
+      await page.keyboard.press('Control+Z');
+      await page.locator('.view-line', { hasText: '4400' }).first().waitFor({ state: 'detached' });
       const imported = page.locator('.view-line', { hasText: '3300' }).first();
-      await wb.click(lens, imported);
+      // The log is read again, and all are imported.
+      await wb.click(page.locator('.contentWidgets .codelens-decoration a', { hasText: 'Import 3 measured times' }).first(), imported);
       await page.locator('.view-line', { hasText: '4400' }).first().waitFor();
       // The log of this run has nothing more to import.
-      await lens.waitFor({ state: 'detached' });
+      await page.locator('.contentWidgets .codelens-decoration a', { hasText: 'measured times' }).first().waitFor({ state: 'detached' });
       await page.keyboard.press('Control+Z');
       await imported.waitFor({ state: 'detached' });
       await page.locator('.view-line', { hasText: '4400' }).first().waitFor({ state: 'detached' });
