@@ -54,6 +54,9 @@ pub struct Transition {
     pub to: String,
     /// How often.
     pub taken: u64,
+    /// The greatest time of the codel when it was taken; none if it never was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub greatest: Option<Value>,
 }
 
 /// Tasks, after a time in base units.
@@ -90,7 +93,8 @@ pub(crate) fn machines(prepared: &Prepared, tally: &Tally) -> Vec<OfMachine> {
     let machines = machines.map(|(machine, counts)| {
         let mut transitions = Vec::new();
         for (state, counts) in machine.states.iter().zip(counts) {
-            for (outcome, &taken) in counts.iter().enumerate() {
+            for (outcome, times) in counts.iter().enumerate() {
+                let taken = times.count;
                 let name = |it: usize| machine.states[it].name.clone();
                 let to = match state.yields.get(outcome) {
                     Some(&Yield::Next(to)) => name(to),
@@ -100,7 +104,14 @@ pub(crate) fn machines(prepared: &Prepared, tally: &Tally) -> Vec<OfMachine> {
                     None => "exception".to_owned(),
                 };
                 let from = state.name.clone();
-                transitions.push(Transition { from, to, taken });
+                let greatest =
+                    (taken > 0).then(|| Value::Time(prepared.time(u64::from(times.greatest))));
+                transitions.push(Transition {
+                    from,
+                    to,
+                    taken,
+                    greatest,
+                });
             }
         }
         OfMachine {

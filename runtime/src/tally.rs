@@ -82,8 +82,9 @@ pub struct Tally {
     pub services: Vec<OfService>,
     /// Of each codel.
     pub codels: Vec<OfCodel>,
-    /// Of each machine, its states, and their outcomes (the last: by an exception), how often it was taken.
-    pub transitions: Vec<Vec<Vec<u64>>>,
+    /// Of each machine, its states, and their outcomes (the last: by an exception): the times of the codels
+    /// that ended so.
+    pub transitions: Vec<Vec<Vec<Times>>>,
     pub(crate) busy: Vec<Busy>,
 }
 
@@ -92,7 +93,9 @@ impl Tally {
     pub fn new(system: &TimedSystem) -> Self {
         let machines = system.machines.iter().map(|machine| {
             let states = machine.states.iter();
-            states.map(|it| vec![0; it.yields.len() + 1]).collect()
+            states
+                .map(|it| vec![Times::default(); it.yields.len() + 1])
+                .collect()
         });
         Tally {
             tasks: vec![OfTask::default(); system.tasks.len()],
@@ -128,7 +131,7 @@ impl Tally {
                 if let Work::State { task, .. } = work {
                     self.tasks[task].executed += took;
                 }
-                self.ended(system, &work, outcome);
+                self.ended(system, &work, outcome, ticks(took));
             }
             Seen::Requested { service, .. } => self.services[service].requests += 1,
             Seen::Job { task, response } => {
@@ -156,15 +159,15 @@ impl Tally {
         *greatest = (*greatest).max(Some(time));
     }
 
-    fn ended(&mut self, system: &TimedSystem, work: &Work, outcome: usize) {
+    fn ended(&mut self, system: &TimedSystem, work: &Work, outcome: usize, took: Ticks) {
         match *work {
             Work::State {
                 automaton, state, ..
             } => {
                 let it = &system.automata[automaton];
-                let counts = self.transitions[it.machine].get_mut(state);
-                if let Some(count) = counts.and_then(|it| it.get_mut(outcome)) {
-                    *count += 1;
+                let outcomes = self.transitions[it.machine].get_mut(state);
+                if let Some(times) = outcomes.and_then(|it| it.get_mut(outcome)) {
+                    times.add(took);
                 }
                 let ends = match crate::decide::yielded(system, work, outcome) {
                     Some(it) => it == dotgen_timing::system::Yield::End,

@@ -1,4 +1,5 @@
 // What the preview and its page say to each other.
+import type { Transition } from '../run/messages';
 import type { DiagramKind, DiagramNode, DiagramOptions } from '../protocol';
 
 /** What a preview shows; kept by the page, so that it survives a reload of the window. */
@@ -27,8 +28,9 @@ export interface Shown {
 
 /** What a run does in the machine that is shown. */
 export interface Live {
-  /** How often each was taken; `to` may begin with `pause::`. */
-  transitions: { from: string; to: string; taken: number }[];
+  /** Of times. */
+  unit: string;
+  transitions: Transition[];
   /** The states that activities are in. One that does not execute pauses before its state. */
   activities: { state: string; executes: boolean }[];
 }

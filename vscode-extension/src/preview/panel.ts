@@ -271,7 +271,7 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
     const name = subject.kind === 'fsm' ? `${subject.component ?? ''}.${subject.owner ?? ''}` : undefined;
     const machine = ran?.machines.find((it) => it.machine === name);
     const activities = ran?.activities.filter((it) => it.machine === name) ?? [];
-    const live: Live | undefined = machine === undefined ? undefined : { transitions: machine.transitions, activities };
+    const live: Live | undefined = ran === undefined || machine === undefined ? undefined : { unit: ran.unit, transitions: machine.transitions, activities };
     this.send({ type: 'live', live });
   }
 

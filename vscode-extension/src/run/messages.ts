@@ -14,13 +14,23 @@ export interface OfTask {
   load: number;
 }
 
+/** How often it was taken, and the greatest time of its codel then; `to` may begin with `pause::`. */
+export interface Transition {
+  from: string;
+  to: string;
+  taken: number;
+  greatest?: number;
+}
+
 export interface Machine {
   machine: string;
-  transitions: { from: string; to: string; taken: number }[];
+  transitions: Transition[];
 }
 
 /** What pictures of state machines show of a run. */
 export interface Ran {
+  /** Of times. */
+  unit: string;
   machines: Machine[];
   /** Nothing where the run is over. */
   activities: Progress['activities'];

@@ -109,8 +109,8 @@ export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
     // `dotgen.runs`: the command Stop is shown while something runs.
     void vscode.commands.executeCommand('setContext', 'dotgen.runs', run?.isOver === false);
     const view = run?.view;
-    const machines = view?.report?.machines ?? view?.progress?.machines;
-    this.changed.fire(machines === undefined ? undefined : { machines, activities: run?.isOver === true ? [] : (view?.progress?.activities ?? []) });
+    const known = view?.report ?? view?.progress;
+    this.changed.fire(known === undefined || known === null ? undefined : { unit: known.unit, machines: known.machines, activities: run?.isOver === true ? [] : (view?.progress?.activities ?? []) });
     if (run !== undefined && run !== this.read && run.isOver) {
       this.read = run;
       await this.measured.ask(run.question);

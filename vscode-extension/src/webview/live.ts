@@ -1,4 +1,5 @@
-// What a run does in the picture of a state machine: the states that activities are in, and how often transitions were taken.
+// What a run does in the picture of a state machine: the states that activities are in, how often transitions were taken,
+// and the greatest time of their codels then.
 import type { Live } from '../preview/messages';
 
 const MARKS = ['here', 'executes'] as const;
@@ -23,17 +24,19 @@ export function overlay(view: Element, live: Live | undefined): void {
     if (its.length === 0) continue;
     const taken = its.reduce((sum, it) => sum + it.taken, 0);
     edge.classList.toggle('never', taken === 0);
-    if (taken > 0) count(edge, taken);
+    const greatest = Math.max(...its.map((it) => it.greatest ?? -1));
+    const time = greatest < 0 ? '' : ` · ≤ ${Number(greatest.toPrecision(3))} ${live.unit}`;
+    if (taken > 0) write(edge, `${taken.toLocaleString('en').replaceAll(',', '\u202f')}${time}`);
   }
 }
 
-function count(edge: SVGGElement, taken: number): void {
+function write(edge: SVGGElement, said: string): void {
   const line = edge.querySelector<SVGPathElement>('path.line');
   if (line === null) return;
   const label = edge.querySelector<SVGTextElement>('text.label');
   const text = document.createElementNS('http://www.w3.org/2000/svg', 'text');
   text.classList.add('taken');
-  text.textContent = taken.toLocaleString('en').replaceAll(',', '\u202f');
+  text.textContent = said;
   if (label !== null) {
     // Below what stands there.
     text.setAttribute('x', label.getAttribute('x') ?? '0');

@@ -49,25 +49,25 @@ for (const theme of Object.keys(THEMES)) {
   });
 }
 
-test('a run is shown in its machine: the state it is in, and what was taken how often', async () => {
+test('a run is shown in its machine: the state it is in, and what was taken how often and how long', async () => {
   const it = await pages.open({ width: 700, height: 900 });
   await it.send(picture('fsm', 'goto'));
   assert.equal(await it.page.locator('#ran').isVisible(), false);
   const transitions = [
     { from: 'start', to: 'plan', taken: 1 },
-    { from: 'exec', to: 'pause::exec', taken: 12345 },
+    { from: 'exec', to: 'pause::exec', taken: 12345, greatest: 3.2 },
     { from: 'exec', to: 'wait', taken: 0 },
   ];
-  await it.send({ type: 'live', live: { transitions, activities: [{ state: 'exec', executes: true }] } });
+  await it.send({ type: 'live', live: { unit: 'ms', transitions, activities: [{ state: 'exec', executes: true }] } });
   const taken = () => it.page.locator('.taken').allTextContents();
-  assert.deepEqual(await taken(), ['1', '12\u202f345']);
+  assert.deepEqual(await taken(), ['1', '12\u202f345 · ≤ 3.2 ms']);
   assert.deepEqual(await it.page.locator('.node.here').evaluateAll((all) => all.map((each) => each.dataset.id)), ['exec']);
   assert.deepEqual(await it.page.locator('.edge.never').evaluateAll((all) => all.map((each) => each.dataset.to)), ['wait']);
   assert.equal(await it.page.locator('#ran').isVisible(), true);
   if (process.env.SHOTS) await it.page.screenshot({ path: `${process.env.SHOTS}/diagram-live.png` });
   // A picture that is drawn anew shows it as well; another machine does not.
   await it.send(picture('fsm', 'goto'));
-  assert.deepEqual(await taken(), ['1', '12\u202f345']);
+  assert.deepEqual(await taken(), ['1', '12\u202f345 · ≤ 3.2 ms']);
   await it.send({ type: 'live' });
   assert.deepEqual(await taken(), []);
   assert.equal(await it.page.locator('.here, .executes, .never').count(), 0);
