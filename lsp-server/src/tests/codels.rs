@@ -184,9 +184,11 @@ fn on_disk(uri: &str) -> Option<String> {
 }
 
 /// Writes what an edit makes of the files.
-fn write(edit: &Value) {
+pub(super) fn write(edit: &Value) {
     for (uri, text) in applied(edit, on_disk) {
-        std::fs::write(path(&uri), text).expect("a file");
+        let path = path(&uri);
+        std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+        std::fs::write(path, text).expect("a file");
     }
 }
 

@@ -119,15 +119,9 @@ async fn a_file_that_is_not_found_is_searched_where_it_is() {
     drop(client);
 }
 
-#[tokio::test(flavor = "multi_thread")]
-async fn a_package_that_is_not_found_is_searched_where_it_is() {
-    let folder = Folder::new(&[
-        ("arm.gen", "#pragma requires \"pose-idl >= 1\"\n"),
-        (
-            "devel/lib/pkgconfig/pose-idl.pc",
-            "Name: pose\nDescription: x\nVersion: 1.2\n",
-        ),
-    ]);
+/// A client that can create files, with one specification open; and the quick fix of a title at a place of
+/// it.
+async fn quick_fix(folder: &Folder, at: Value, title: &str) -> (Client, String, Value) {
     let mut capable = super::client::pulling();
     capable["textDocument"]["codeAction"] =
         json!({ "codeActionLiteralSupport": { "codeActionKind": { "valueSet": [] } } });
@@ -138,26 +132,87 @@ async fn a_package_that_is_not_found_is_searched_where_it_is() {
     let uri = folder.uri("arm.gen");
     client.open(&uri, &folder.read("arm.gen")).await;
     let mut params = super::client::document(&uri);
-    let at = json!({ "line": 0, "character": 22 });
     params["range"] = json!({ "start": at, "end": at });
     params["context"] = json!({ "diagnostics": [] });
     let actions = client.ok("textDocument/codeAction", params).await;
-    let title = "Search `devel/lib/pkgconfig` for packages, in dotgen.toml";
     let mut all = actions.as_array().expect("actions").iter();
     let action = all.find(|it| it["title"] == title);
-    let action = action.unwrap_or_else(|| panic!("{actions:#}"));
-    let toml = "package-paths = [\"devel/lib/pkgconfig\"]\n";
-    assert!(
-        action["edit"].to_string().contains("pkgconfig"),
-        "{action:#}"
+    let action = action.unwrap_or_else(|| panic!("{actions:#}")).clone();
+    (client, uri, action)
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_package_that_is_not_found_is_searched_where_it_is() {
+    const PACKAGE: (&str, &str) = (
+        "devel/lib/pkgconfig/pose-idl.pc",
+        "Name: pose\nDescription: x\nVersion: 1.2\n",
     );
-    // With it, the package is found.
-    folder.write("dotgen.toml", toml);
-    let event = folder.event("dotgen.toml", 1);
+    let arm = ("arm.gen", "#pragma requires \"pose-idl >= 1\"\n");
+    let settings = [
+        (None, "package-paths = [\"devel/lib/pkgconfig\"]\n"),
+        (
+            Some("# ours\npackage-paths = [\"pc\"] # more\n"),
+            "# ours\npackage-paths = [\"pc\", \"devel/lib/pkgconfig\"] # more\n",
+        ),
+    ];
+    for (before, after) in settings {
+        let mut files = vec![arm, PACKAGE];
+        files.extend(before.map(|text| ("dotgen.toml", text)));
+        let folder = Folder::new(&files);
+        let title = "Search `devel/lib/pkgconfig` for packages, in dotgen.toml";
+        let at = json!({ "line": 0, "character": 22 });
+        let (mut client, uri, action) = quick_fix(&folder, at, title).await;
+        super::codels::write(&action["edit"]);
+        assert_eq!(folder.read("dotgen.toml"), after);
+        // With it, the package is found.
+        let event = folder.event("dotgen.toml", if before.is_some() { 2 } else { 1 });
+        client
+            .notify("workspace/didChangeWatchedFiles", event)
+            .await;
+        assert_eq!(client.pulled(&uri).await, [""; 0]);
+        client.ignore("textDocument/publishDiagnostics");
+        drop(client);
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_stand_in_is_written_for_an_interface_by_its_use() {
+    let text = "#include \"nav/nav.gen\"
+component arm {
+  version \"1\"; lang \"c\";
+  provides nav;
+  activity go(in long n) {
+    task motion;
+    codel<start> armGo(in n, port in goal, local out plan) yield ether;
+    interrupts track;
+  };
+};
+";
+    let folder = Folder::new(&[("arm.gen", text)]);
+    let at = json!({ "line": 0, "character": 12 });
+    let title = "Write a stand-in for `nav/nav.gen`";
+    let (mut client, uri, action) = quick_fix(&folder, at, title).await;
+    super::codels::write(&action["edit"]);
+    let standin = folder.read(".dotgen/standins/nav/nav.gen");
+    for part in [
+        "task motion",
+        "track()",
+        "activity go(in long n)",
+        "port in ",
+        "local ",
+    ] {
+        assert!(standin.contains(part), "{part}: {standin}");
+    }
+    assert_eq!(folder.read(".dotgen/.gitignore"), "*\n");
+    let event = folder.event(".dotgen/standins/nav/nav.gen", 1);
     client
         .notify("workspace/didChangeWatchedFiles", event)
         .await;
-    assert_eq!(client.pulled(&uri).await, [""; 0]);
+    let left = client.pulled(&uri).await;
+    assert!(
+        !left.iter().any(|it| it == "pp-include-not-found"),
+        "{left:?}"
+    );
     client.ignore("textDocument/publishDiagnostics");
     drop(client);
 }
