@@ -150,6 +150,18 @@ export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bi
       await row.waitFor();
       await row.click();
     },
+    /**
+     * Chooses a file of the workspace in the dialog that asks for one (`files.simpleDialog.enable`). The dialog shows its
+     * input before it writes the folder it starts in there, over what was typed meanwhile.
+     */
+    async choose(path) {
+      const input = page.locator('.quick-input-widget input.input').first();
+      await until('the dialog is in the folder', async () => (await input.inputValue()) === folder + sep, () => `expected ${folder + sep}`);
+      await input.fill(path);
+      await page.locator('.quick-input-list .monaco-list-row.focused', { hasText: basename(path) }).first().waitFor();
+      await page.keyboard.press('Enter');
+      await input.waitFor({ state: 'hidden' });
+    },
     async open(name) {
       const input = await wb.quick('Control+P');
       await input.fill(name);

@@ -91,9 +91,7 @@ export function checks(wb) {
     ['a recorded run of 10,000 steps opens from its file', async () => {
       const open = async (name) => {
         await wb.command('dotgen: Open Recorded Run');
-        const input = page.locator('.quick-input-widget input.input').first();
-        await input.fill(join(wb.folder, name));
-        await page.keyboard.press('Enter');
+        await wb.choose(join(wb.folder, name));
       };
       await open('other.json');
       await page.locator('.notification-toast', { hasText: 'It is no trace' }).waitFor();
