@@ -122,7 +122,12 @@ export class MeasuredTimes implements vscode.InlayHintsProvider, vscode.CodeLens
   provideCodeActions(document: vscode.TextDocument, range: vscode.Range): vscode.CodeAction[] {
     const { times } = this;
     if (times === undefined || document.isDirty) return [];
-    const here = (it: Times['codels'][number]) => it.place !== null && it.place.file === document.uri.fsPath && rangeOf(it.place.range).intersection(range) !== undefined;
+    const here = ({ place }: Times['codels'][number]) => {
+      if (place === null || place.file !== document.uri.fsPath) return false;
+      // Behind its `;` one is still at a codel.
+      const { start, end } = rangeOf(place.range);
+      return new vscode.Range(start, document.lineAt(end.line).range.end).intersection(range) !== undefined;
+    };
     const names = new Set(times.codels.filter(here).map((it) => it.function));
     const action = (title: string, ...words: string[]) => {
       const it = new vscode.CodeAction(title, vscode.CodeActionKind.QuickFix);

@@ -38,6 +38,8 @@ export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
   private readonly waits = new vscode.EventEmitter<Host>();
   /** A component waits for a debugger. */
   readonly onDidWait = this.waits.event;
+  /** One of the times may be imported elsewhere: from a lens or the light bulb. */
+  private readonly imported: vscode.Disposable;
 
   constructor(
     private readonly server: Server,
@@ -45,6 +47,9 @@ export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
     extension: vscode.Uri,
   ) {
     super({ type: 'dotgen.run', title: 'Run', find: true, page }, extension);
+    this.imported = measured.onDidChangeCodeLenses(() => {
+      if (this.run?.isOver === true) this.soon();
+    });
   }
 
   /** What was typed is the page's; no run comes back with a window. */
@@ -53,6 +58,7 @@ export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
   }
 
   override dispose(): void {
+    this.imported.dispose();
     this.end();
     this.changed.dispose();
     this.waits.dispose();
