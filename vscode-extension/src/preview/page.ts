@@ -6,7 +6,8 @@ const STYLE = `
 input[type=search] { width: 8em; }
 #found, .unseen { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }
 #view { flex: 1; padding: 8px; }
-#view svg { margin: 0 auto auto; }
+/* What a run writes beside a loop may stand outside. */
+#view svg { margin: 0 auto auto; overflow: visible; }
 .node { cursor: pointer; }
 .current .shape { stroke-width: 2.6px !important; stroke: var(--vscode-focusBorder) !important; fill: var(--vscode-editor-selectionHighlightBackground, none) !important; }
 .missed { opacity: .3; }
@@ -56,7 +57,7 @@ const BODY = `<header aria-label="Diagram"><h1 class="unseen">Diagram</h1>
 <div id="notice" role="status" aria-live="polite" hidden></div>
 <div id="told" role="status" aria-live="polite" hidden></div>
 <main id="view" aria-label="Picture"></main>
-<footer id="legend" aria-label="Legend"><span><i class="disc"></i>begins</span><span><i class="ring"></i>goes on here when interrupted</span><span><i class="end"></i>ether, the end</span><span><i class="pause"></i>in the next period</span><span><i class="async"></i>async</span><span><i class="missing"></i>no codel</span><span><i class="faint"></i>never reached</span><span>warm colour: share of the period</span><span id="ran" hidden><i></i>a run is here; numbers: how often it went so</span></footer>
+<footer id="legend" aria-label="Legend"><span><i class="disc"></i>begins</span><span><i class="ring"></i>goes on here when interrupted</span><span><i class="end"></i>ether, the end</span><span><i class="pause"></i>in the next period</span><span><i class="async"></i>async</span><span><i class="missing"></i>no codel</span><span><i class="faint"></i>never reached</span><span>warm colour: share of the period</span><span id="ran" hidden><i></i>a run is here; numbers: how often it went so, and how long it took at most</span></footer>
 <section id="details" aria-live="polite" aria-label="Details" hidden></section>`;
 
 export function page(webview: vscode.Webview, extension: vscode.Uri): string {

@@ -38,10 +38,12 @@ function write(edge: SVGGElement, said: string): void {
   text.classList.add('taken');
   text.textContent = said;
   if (label !== null) {
-    // Below what stands there.
-    text.setAttribute('x', label.getAttribute('x') ?? '0');
+    // Below what stands there. At a loop it begins with it: the state is to its left.
+    const { from, to } = edge.dataset;
+    const isLoop = from === to;
+    text.setAttribute('x', isLoop ? String(label.getBBox().x) : (label.getAttribute('x') ?? '0'));
     text.setAttribute('y', String(Number(label.getAttribute('y')) + 13));
-    text.setAttribute('text-anchor', 'middle');
+    text.setAttribute('text-anchor', isLoop ? 'start' : 'middle');
   } else {
     const { x, y } = line.getPointAtLength(line.getTotalLength() / 2);
     text.setAttribute('x', String(x + 5));
