@@ -75,10 +75,32 @@ pub struct Related {
 pub struct Fix {
     /// What it does, in the imperative.
     pub title: String,
-    /// Whether nobody would mend it in another way, so that it can be made unasked.
-    pub plain: bool,
+    /// How sure it is that the author wants it.
+    pub kind: FixKind,
     /// Non-overlapping edits.
     pub edits: Vec<FileEdit>,
+}
+
+/// How sure it is that the author of a text wants a fix.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FixKind {
+    /// There is no other way to mend the finding: the fix can be made unasked.
+    Plain,
+    /// The fix may not be what was meant.
+    Guess,
+    /// The fix changes what the program does (a transition, a throw, a lock, an execution time): never made
+    /// together with others.
+    Choice,
+}
+
+impl FixKind {
+    /// A fix without alternative, or a guess.
+    pub(crate) fn of(plain: bool) -> FixKind {
+        match plain {
+            true => FixKind::Plain,
+            false => FixKind::Guess,
+        }
+    }
 }
 
 /// Replacement of a range of a file.

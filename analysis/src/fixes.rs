@@ -7,6 +7,7 @@ mod braces;
 mod create;
 mod includes;
 mod slips;
+pub(crate) mod trial;
 
 pub(crate) use braces::missing_brace;
 pub(crate) use includes::near_include;
@@ -19,7 +20,7 @@ use dotgen_syntax::{
 };
 
 use crate::{
-    diagnostic::{FileEdit, Fix},
+    diagnostic::{FileEdit, Fix, FixKind},
     lists::appended,
     source_map::bytes,
     spelling::Spelling,
@@ -28,17 +29,25 @@ use crate::{
 /// A fix within one file: its title, and replacements of ranges.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct TextFix {
-    /// See [`Fix::plain`].
-    pub(crate) plain: bool,
+    /// See [`Fix::kind`].
+    pub(crate) kind: FixKind,
     pub(crate) title: String,
     pub(crate) edits: Vec<(TextRange, String)>,
 }
 
 impl TextFix {
-    /// It is what everybody would do.
+    /// The fix as the only way to mend the finding.
     pub(crate) fn plain(self) -> TextFix {
         TextFix {
-            plain: true,
+            kind: FixKind::Plain,
+            ..self
+        }
+    }
+
+    /// The fix as one that changes what the program does.
+    pub(crate) fn choice(self) -> TextFix {
+        TextFix {
+            kind: FixKind::Choice,
             ..self
         }
     }
@@ -51,7 +60,7 @@ impl TextFix {
             new_text,
         };
         Fix {
-            plain: self.plain,
+            kind: self.kind,
             title: self.title,
             edits: self.edits.into_iter().map(edit).collect(),
         }
@@ -102,7 +111,7 @@ impl FixSite<'_> {
             Some((TextRange::empty(base + at), text))
         });
         Some(TextFix {
-            plain: false,
+            kind: FixKind::Guess,
             title,
             edits: edits.collect(),
         })
@@ -147,7 +156,7 @@ impl FixSite<'_> {
             }
         };
         Some(TextFix {
-            plain: false,
+            kind: FixKind::Guess,
             title,
             edits: vec![edit],
         })
@@ -190,7 +199,7 @@ impl FixSite<'_> {
             let text = format!("\n{indent}codel<{state}> {codel_name}() yield ether;");
             let text = self.as_written(&text);
             Some(TextFix {
-                plain: false,
+                kind: FixKind::Choice,
                 title: format!("Declare a codel for the state `{state}`"),
                 edits: vec![(TextRange::empty(end_of(codel.syntax())), text)],
             })
@@ -216,7 +225,7 @@ impl FixSite<'_> {
             let title = format!("Throw `{written}` instead of yielding it");
             let mut fix = self.add_to_list(&owner, ["throw", "throws"], path, title)?;
             fix.edits.push(left_out);
-            Some(fix)
+            Some(fix.choice())
         };
         found().into_iter().collect()
     }
@@ -279,7 +288,7 @@ impl FixSite<'_> {
             fixes.extend(ways.filter_map(|it| add_yield(before.syntax(), it)));
         }
         fixes.push(TextFix {
-            plain: false,
+            kind: FixKind::Guess,
             title: format!("Remove the codel `{name}`"),
             edits: vec![(whole_lines(codel.syntax()), String::new())],
         });
@@ -297,11 +306,30 @@ impl FixSite<'_> {
             .into_iter()
             .filter(|&it| self.text(it) != "ether")
             .map(|range| TextFix {
-                plain: false,
+                kind: FixKind::Choice,
                 title: format!("Pause before `{}`", self.text(range)),
-                edits: vec![(TextRange::empty(range.start()), "pause::".to_owned())],
+                edits: vec![self.paused(range)],
             })
             .collect()
+    }
+
+    /// The edit by which a transition pauses: where the codel yields the state with a pause already, the one
+    /// without goes.
+    fn paused(&self, range: TextRange) -> (TextRange, String) {
+        let pause = (TextRange::empty(range.start()), "pause::".to_owned());
+        let state: Option<ast::State> = self.node(range);
+        let list = state.as_ref().and_then(|it| it.syntax().parent());
+        let Some((state, list)) = state.zip(list.and_then(ast::Yields::cast)) else {
+            return pause;
+        };
+        let paused = format!("pause::{}", self.text(range));
+        match list
+            .states()
+            .any(|it| it.syntax().text() == paused.as_str())
+        {
+            true => (with_comma(state.syntax()), String::new()),
+            false => pause,
+        }
     }
 
     pub(crate) fn end_somewhere(&self) -> Vec<TextFix> {
@@ -324,6 +352,7 @@ impl FixSite<'_> {
             &property,
             format!("Add the codel `{codel}`"),
         )
+        .map(TextFix::choice)
         .into_iter()
         .collect()
     }
@@ -335,6 +364,7 @@ impl FixSite<'_> {
         let name = self.text(self.range);
         let title = format!("Let `{name}` interrupt itself");
         self.add_to_list(service.syntax(), ["interrupts", "interrupt"], &name, title)
+            .map(TextFix::choice)
             .into_iter()
             .collect()
     }
@@ -356,7 +386,7 @@ impl FixSite<'_> {
             .collect();
         let mut fixes: Vec<TextFix> = one
             .map(|edit| TextFix {
-                plain: false,
+                kind: FixKind::Choice,
                 title: format!(
                     "Insert `{}` here, to be replaced by the measured time",
                     PLACEHOLDER.trim()
@@ -367,7 +397,7 @@ impl FixSite<'_> {
             .collect();
         if all.len() > 1 {
             fixes.push(TextFix {
-                plain: false,
+                kind: FixKind::Choice,
                 title: format!(
                     "Insert `{}` in all {} codels",
                     PLACEHOLDER.trim(),
@@ -400,7 +430,7 @@ impl FixSite<'_> {
             Vec::new()
         } else {
             vec![TextFix {
-                plain: false,
+                kind: FixKind::Choice,
                 title,
                 edits,
             }]
@@ -442,7 +472,7 @@ impl FixSite<'_> {
         range
             .into_iter()
             .map(|range| TextFix {
-                plain: false,
+                kind: FixKind::Guess,
                 title: title.clone(),
                 edits: vec![(range, String::new())],
             })
@@ -471,7 +501,7 @@ impl FixSite<'_> {
             before = it.prev_token();
         }
         vec![TextFix {
-            plain: false,
+            kind: FixKind::Guess,
             title: "Remove the comment".into(),
             edits: vec![(range, String::new())],
         }]
@@ -496,7 +526,7 @@ fn add_yield(codel: &SyntaxNode, state: &str) -> Option<TextFix> {
         Some((TextRange::empty(base + at), text))
     });
     Some(TextFix {
-        plain: false,
+        kind: FixKind::Choice,
         title: format!("Let `{}` yield `{state}`", name.syntax().text()),
         edits: edits.collect(),
     })

@@ -306,6 +306,16 @@ impl Analysis {
         self.with(|db| report::file_diagnostics(db, db.file(path)))
     }
 
+    /// Adds fixes to errors of a text that does not parse, where they have none and are `wanted`: changes with
+    /// which it would. Parses the text some hundred times for each, and does so for the first three.
+    pub fn add_trials(
+        &self,
+        diagnostics: &mut [Diagnostic],
+        wanted: impl Fn(&Diagnostic) -> bool,
+    ) -> Cancellable<()> {
+        self.with(|db| report::add_trials(db, diagnostics, &wanted))
+    }
+
     /// Findings of a layer above, as the configuration and the comments of the specifications want
     /// them: with their severities, without what is switched off or allowed.
     pub fn adjusted(&self, diagnostics: Vec<Diagnostic>) -> Cancellable<Vec<Diagnostic>> {

@@ -8,20 +8,20 @@ mod text;
 
 use std::sync::Arc;
 
-use camino::Utf8Path;
+use camino::{Utf8Path, Utf8PathBuf};
 
-use dotgen_syntax::TextRange;
-use rustc_hash::FxHashSet;
+use dotgen_syntax::{SyntaxKind, TextRange};
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::{
-    base::{Db, SourceFile},
+    base::{Db, SourceFile, lexed},
     codes,
-    diagnostic::{Diagnostic, Fix, Reference, Severity, Tag},
+    diagnostic::{Diagnostic, Fix, FixKind, Reference, Severity, Tag},
     finding::{Finding, Kind, Near, files::Reading, lints::Noticing},
-    fixes::{FixSite, TextFix},
+    fixes::{FixSite, TextFix, trial},
     model::Src,
     queries::{WRAPPER, body_count, check_body, elab_findings, lint_body, lint_unused},
-    source_map::{bytes, ptr},
+    source_map::{bytes, ptr, text_range},
     spelling::Spelling,
     suppress::suppressions,
     unit::{
@@ -161,7 +161,7 @@ impl<'db> Reporter<'db> {
         let Some((key, range)) = self.place(it.at) else {
             return;
         };
-        if self.missing.explains(self.db, key, it.code(), range) {
+        if self.missing.explains(self.db, key, it, range) {
             return;
         }
         let file = key.file(self.db);
@@ -270,7 +270,7 @@ impl<'db> Reporter<'db> {
             return None;
         }
         let fix = TextFix {
-            plain: near.plain,
+            kind: FixKind::of(near.plain && !has_odd_quote(self.db, key.file(self.db))),
             title: format!("Change to `{}`", near.name),
             edits: vec![(range, near.text.to_string())],
         };
@@ -332,7 +332,75 @@ pub(crate) fn fixes_at<'db>(
     };
     let path = key.file(db).path(db);
     let fixes = kind.fixes(&here).into_iter();
-    fixes.map(|it| it.within(path)).collect()
+    let mut fixes: Vec<Fix> = fixes.map(|it| it.within(path)).collect();
+    let is_doubtful = |it: &Fix| it.kind == FixKind::Plain && has_odd_quote(db, key.file(db));
+    for fix in fixes.iter_mut().filter(|it| is_doubtful(it)) {
+        fix.kind = FixKind::Guess;
+    }
+    fixes
+}
+
+/// Errors of one text that get repairs by [`trial`].
+const MOST_TRIED: usize = 3;
+
+/// See [`crate::host::Analysis::add_trials`].
+pub(crate) fn add_trials(
+    db: &dyn Db,
+    diagnostics: &mut [Diagnostic],
+    wanted: &dyn Fn(&Diagnostic) -> bool,
+) {
+    let is_parse = |it: &Diagnostic| {
+        dotgen_syntax::codes::find(it.code).is_some()
+            && it.severity == Severity::Error
+            && !codes::is_environment(it.code)
+    };
+    let mut tried: FxHashMap<Utf8PathBuf, usize> = FxHashMap::default();
+    for i in 0..diagnostics.len() {
+        let it = &diagnostics[i];
+        if it.severity != Severity::Error || !it.fixes.is_empty() || !wanted(it) {
+            continue;
+        }
+        let file = db.file(&it.path);
+        let text = file.text(db);
+        let line = |at: usize| text.get(..at).map(|it| it.matches('\n').count());
+        // What follows from an error on the same line is mended with it.
+        let around = diagnostics
+            .iter()
+            .filter(|other| other.path == it.path && is_parse(other));
+        let cause = match is_parse(it) {
+            true => Some(it),
+            false => around
+                .filter(|other| line(other.range.start) == line(it.range.start))
+                .next(),
+        };
+        let Some(cause) = cause else { continue };
+        let count = tried.entry(it.path.clone()).or_default();
+        if *count >= MOST_TRIED {
+            continue;
+        }
+        *count += 1;
+        let repairs = trial::repairs(text, text_range(&cause.range));
+        let path = it.path.clone();
+        diagnostics[i].fixes = repairs.into_iter().map(|it| it.within(&path)).collect();
+    }
+}
+
+/// Whether a quote is missing somewhere in a file: a literal is not closed, or a string begins as the text after
+/// one does. From there on text and strings may have changed places, and what seems to be wrong may be words of
+/// the author.
+#[salsa::tracked(returns(copy))]
+fn has_odd_quote(db: &dyn Db, file: SourceFile) -> bool {
+    let text = file.text(db);
+    let raw = &lexed(db, file).raw;
+    (0..raw.len()).any(|i| match raw.kind(i) {
+        SyntaxKind::OPEN_STRING => true,
+        SyntaxKind::STRING => {
+            let string = &text[raw.range(i)];
+            let inner = string.trim_start_matches('"').trim_start();
+            inner.starts_with([';', ',', ')', '}'])
+        }
+        _ => false,
+    })
 }
 
 /// A diagnostic about a comment.

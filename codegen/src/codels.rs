@@ -22,6 +22,7 @@ pub mod folder;
 pub mod glue;
 pub mod headers;
 pub mod hosted;
+pub mod judge;
 pub mod links;
 mod mapping;
 pub mod rename;

@@ -1,6 +1,5 @@
 //! What the command line and the editor both show.
 
-pub(crate) mod fixes;
 pub mod manual;
 pub(crate) mod model;
 pub mod pictures;

@@ -120,6 +120,19 @@ findings! {
 }
 
 impl Naming {
+    /// See [`Kind::may_be_in_a_package`](super::Kind::may_be_in_a_package).
+    pub(super) fn may_be_in_a_package(&self, is_near: bool) -> bool {
+        match self {
+            Naming::UnknownScope { .. }
+            | Naming::UnknownInterface { .. }
+            | Naming::UnknownInPragma { .. }
+            | Naming::MasqueradeUnknown { .. } => true,
+            Naming::UnknownPath { .. } => !is_near,
+            Naming::Unknown { noun, .. } => *noun != Noun::Exception && !is_near,
+            _ => false,
+        }
+    }
+
     /// What mends it, the best first, made from the text around.
     pub(crate) fn fixes(&self, here: &FixSite<'_>) -> Vec<TextFix> {
         match self {

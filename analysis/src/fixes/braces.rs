@@ -2,6 +2,8 @@
 
 use dotgen_syntax::{SyntaxError, SyntaxKind, SyntaxNode, SyntaxToken, TextRange, TextSize};
 
+use crate::diagnostic::FixKind;
+
 use super::{TextFix, indent_of};
 
 /// The fix of a syntax error that says which brace is missing.
@@ -21,7 +23,7 @@ pub(crate) fn missing_brace(root: &SyntaxNode, error: &SyntaxError) -> Option<Te
         _ => (here, brace.to_owned()),
     };
     Some(TextFix {
-        plain: false,
+        kind: FixKind::Guess,
         title: format!("Insert `{brace}`"),
         edits: vec![(TextRange::empty(at), text)],
     })

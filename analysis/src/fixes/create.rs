@@ -5,6 +5,8 @@ use dotgen_syntax::{
     ast::{self, AstNode},
 };
 
+use crate::diagnostic::FixKind;
+
 use super::{FixSite, TextFix, end_of, indent_of, starts_line};
 
 impl FixSite<'_> {
@@ -123,7 +125,7 @@ impl FixSite<'_> {
         let text = format!("struct {name} {{\n{members}{indent}}};");
         let at = before_comments(&item)?;
         Some(TextFix {
-            plain: false,
+            kind: FixKind::Guess,
             title: format!("Declare the struct `{name}`"),
             edits: vec![(TextRange::empty(at), format!("{text}\n\n{indent}"))],
         })
@@ -178,7 +180,7 @@ impl FixSite<'_> {
             }
         };
         Some(TextFix {
-            plain: false,
+            kind: FixKind::Guess,
             title,
             edits: vec![edit],
         })

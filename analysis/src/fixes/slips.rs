@@ -2,6 +2,8 @@
 
 use dotgen_syntax::{SyntaxNode, TextRange, TextSize, ast, ast::AstNode, parser::Repair};
 
+use crate::diagnostic::FixKind;
+
 use super::{FixSite, TextFix, braces::token_before, end_of, with_comma};
 
 impl FixSite<'_> {
@@ -15,7 +17,7 @@ impl FixSite<'_> {
             () => format!("Change to `{shown}`"),
         };
         TextFix {
-            plain: repair.plain,
+            kind: FixKind::of(repair.plain),
             title,
             edits: vec![(repair.range, text.to_owned())],
         }
@@ -40,7 +42,7 @@ impl FixSite<'_> {
         let number = number.unwrap_or(text.len());
         let unit = self.range.start() + TextSize::try_from(number).ok()?;
         Some(TextFix {
-            plain: false,
+            kind: FixKind::Choice,
             title: format!("Write `{} us`", &text[..number]),
             edits: vec![(TextRange::empty(unit), " ".to_owned())],
         })
@@ -49,7 +51,7 @@ impl FixSite<'_> {
     /// The word `wcet` before an execution time.
     pub(crate) fn add_wcet_word(&self) -> TextFix {
         TextFix {
-            plain: false,
+            kind: FixKind::Choice,
             title: "Write `wcet` before the duration".to_owned(),
             edits: vec![(TextRange::empty(self.range.start()), "wcet ".to_owned())],
         }
@@ -58,7 +60,7 @@ impl FixSite<'_> {
     /// Another text in the place of this one.
     pub(crate) fn replace(&self, text: &str) -> TextFix {
         TextFix {
-            plain: false,
+            kind: FixKind::Guess,
             title: format!("Change to `{text}`"),
             edits: vec![(self.range, text.to_owned())],
         }
@@ -72,7 +74,7 @@ impl FixSite<'_> {
     /// Takes out what is here, which cannot be shown.
     pub(crate) fn remove_as(&self, title: &str) -> TextFix {
         TextFix {
-            plain: false,
+            kind: FixKind::Guess,
             title: title.to_owned(),
             edits: vec![(self.range, String::new())],
         }
@@ -112,7 +114,7 @@ impl FixSite<'_> {
 
 fn insert(at: TextSize, text: &str) -> TextFix {
     TextFix {
-        plain: false,
+        kind: FixKind::Guess,
         title: format!("Insert `{}`", text.trim()),
         edits: vec![(TextRange::empty(at), text.to_owned())],
     }
@@ -120,7 +122,7 @@ fn insert(at: TextSize, text: &str) -> TextFix {
 
 fn remove(range: TextRange, what: &str) -> TextFix {
     TextFix {
-        plain: false,
+        kind: FixKind::Guess,
         title: format!("Remove `{what}`"),
         edits: vec![(range, String::new())],
     }

@@ -1,20 +1,23 @@
 //! What only follows from something else that is wrong, and is left out: one cause, one diagnostic.
 
-use dotgen_syntax::{SyntaxKind, SyntaxNode, TextRange};
+use dotgen_syntax::{Fragment, SyntaxKind, SyntaxNode, TextRange};
 use rustc_hash::FxHashSet;
 use smol_str::SmolStr;
 
 use crate::{
     base::Db,
+    finding::Finding,
     source_map::bytes,
-    unit::{FileKey, Outcome, parsed, text_facts},
+    unit::{FileKey, Outcome, include_fragments, parsed, text_facts},
 };
 
 /// What of a unit could not be read, so that names may well be missing.
 #[derive(Default)]
 pub(super) struct Missing {
-    /// Whole files or declarations: see [`is_incomplete`].
+    /// Declarations of any kind: see [`is_incomplete`].
     incomplete: bool,
+    /// Packages, or files that are included where components are declared: see [`lacks_files`].
+    files: bool,
     /// See [`lacks_name`].
     nameless: bool,
     /// See [`unparsed_words`].
@@ -25,22 +28,25 @@ impl Missing {
     /// Adds what is missing in a file.
     pub(super) fn add(&mut self, db: &dyn Db, key: FileKey<'_>) {
         self.incomplete |= is_incomplete(db, key);
+        self.files |= lacks_files(db, key);
         self.nameless |= lacks_name(db, key);
         self.unparsed
             .extend(unparsed_words(db, key).iter().cloned());
     }
 
-    /// Whether a report at a place only follows from it.
+    /// Whether a finding at a place only follows from it.
     pub(super) fn explains(
         &self,
         db: &dyn Db,
         key: FileKey<'_>,
-        code: &str,
+        finding: &Finding,
         range: TextRange,
     ) -> bool {
+        let code = finding.code();
         let inside_out = text_facts(db, key).inside_out;
         let around = |it: &TextRange| it.contains_range(range);
         inside_out.is_some_and(|from| range.start() >= from)
+            || self.files && finding.kind.may_be_in_a_package(finding.near.is_some())
             || self.nameless && is_about_names_in_components(code)
             || is_about_machines(code) && broken_machines(db, key).iter().any(around)
             || follows_from_missing_text(code)
@@ -58,17 +64,29 @@ impl Missing {
     }
 }
 
-/// Whether something that the text relies on was not read, so that names may well be missing.
+/// Whether text was not read or understood in which anything may be declared.
 fn is_incomplete(db: &dyn Db, key: FileKey<'_>) -> bool {
     let facts = text_facts(db, key);
     if facts.inside_out.is_some() || facts.bad_include || facts.misplaced_includes {
         return true;
     }
-    let failed = key.outcomes(db).iter().any(|it| match it {
+    let includes = key.outcomes(db).iter().filter_map(|it| match it {
+        Outcome::Include(result) => Some(result.is_err()),
+        Outcome::Requires(_) => None,
+    });
+    let fragments = include_fragments(db, key);
+    let in_body = |ordinal: usize| fragments.get(ordinal) != Some(&Some(Fragment::Specification));
+    let mut failed = includes.enumerate().filter(|(_, failed)| *failed);
+    failed.any(|(ordinal, _)| in_body(ordinal)) || !key.file(db).status(db).is_text()
+}
+
+/// Whether packages or files are missing, which can bring types, constants and interfaces. They cannot bring a
+/// task, a state, a codel or a member of a type that is known: what an interface brings, elaboration knows.
+fn lacks_files(db: &dyn Db, key: FileKey<'_>) -> bool {
+    key.outcomes(db).iter().any(|it| match it {
         Outcome::Include(result) => result.is_err(),
         Outcome::Requires(result) => result.is_err(),
-    });
-    failed || !key.file(db).status(db).is_text()
+    })
 }
 
 /// Whether some data, task or service has no name yet: codels may well mention the one it is to get.

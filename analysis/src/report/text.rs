@@ -13,7 +13,7 @@ use smol_str::SmolStr;
 use super::{fixes_at, shown};
 use crate::{
     base::{Db, FileStatus, SourceFile, lexed},
-    diagnostic::{Diagnostic, Related},
+    diagnostic::{Diagnostic, FixKind, Related},
     finding::{Kind, files::Reading},
     fixes::{TextFix, near_include},
     source_map::{bytes, offset},
@@ -42,7 +42,7 @@ pub(super) fn text_report<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<Vec<Di
                 let meant = format!("did you mean `{path}`?");
                 let mut it = shown(&kind, None, Some(&meant), file.path(db), error.range);
                 let fix = TextFix {
-                    plain: false,
+                    kind: FixKind::Guess,
                     title: format!("Change to `{path}`"),
                     edits: vec![(range, path)],
                 };

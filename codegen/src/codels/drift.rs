@@ -135,6 +135,11 @@ pub struct Drift {
 }
 
 impl Drift {
+    /// The repair by which the sources follow the specification, if that is the best one.
+    pub fn following(&self) -> Option<&Repair> {
+        self.repairs.first().filter(|it| it.follows_specification())
+    }
+
     /// What is wrong and what would be right.
     pub fn message(&self) -> String {
         self.kind.wording().to_string()
@@ -243,6 +248,19 @@ impl Repair {
     /// Whether it changes what code does, so that it does what the specification allows.
     pub fn changes_code(&self) -> bool {
         matches!(self, Repair::ReturnDeclared(_) | Repair::RaiseDeclared(_))
+    }
+
+    /// Whether it changes the sources and nothing else, and has no alternative that changes as little.
+    pub fn follows_specification(&self) -> bool {
+        matches!(
+            self,
+            Repair::Stub { .. }
+                | Repair::UpdateSignature { .. }
+                | Repair::RefreshComment { .. }
+                | Repair::ReturnDeclared(_)
+                | Repair::FollowMember { .. }
+                | Repair::RenameFunction { .. }
+        )
     }
 
     /// Whether only people can know that it is right, so that it is never made unasked.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::diagnostic::FileEdit;
 use dotgen_syntax::encoding::LineEnd;
 use serde::Serialize;
 
@@ -26,9 +27,39 @@ pub struct Edit {
 }
 
 impl Edit {
+    /// The edit that makes some replacements. Insertions at one place stay in their order.
+    pub fn of(edits: &[FileEdit]) -> Edit {
+        let mut all = Edit::default();
+        for it in edits {
+            all.changed
+                .entry(it.path.clone())
+                .or_default()
+                .push(TextEdit {
+                    range: it.range.clone(),
+                    text: it.new_text.clone(),
+                });
+        }
+        for edits in all.changed.values_mut() {
+            edits.sort_by_key(|it| it.range.start);
+        }
+        all
+    }
+
     /// No change.
     pub fn is_empty(&self) -> bool {
         self.created.is_empty() && self.changed.is_empty()
+    }
+
+    /// Whether another edit changes a place that this one changes, or one right beside it.
+    pub fn touches(&self, other: &Edit) -> bool {
+        let apart =
+            |a: &TextEdit, b: &TextEdit| a.range.end < b.range.start || b.range.end < a.range.start;
+        other.changed.iter().any(|(path, edits)| {
+            let mine = self.changed.get(path).map_or(&[][..], Vec::as_slice);
+            edits
+                .iter()
+                .any(|it| !mine.iter().all(|mine| apart(mine, it)))
+        })
     }
 
     /// Adds one replacement. An equal one is added once only.

@@ -60,7 +60,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         if arguments.fix || arguments.diff {
             trouble.or_tell(fix::mend(&mut session, &mut changed));
         }
+        let from = report.diagnostics.len();
         check(&mut session, &mut report, &mut trouble);
+        fix::judge(&mut session, &changed, &mut report.diagnostics[from..]);
     }
     if arguments.diff {
         return fix::print(&changed);

@@ -147,10 +147,22 @@ pub(crate) fn around(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Ar
     if !snapshot.is_code(path) {
         return Ok(vec![of_unit(snapshot, &snapshot.analysis.root_of(path)?)?]);
     }
-    let Some(config) = &snapshot.config.codels else {
-        return Ok(Vec::new());
-    };
+    let mut out = Vec::new();
+    for root in roots_around(snapshot, path)? {
+        let compared = of_unit(snapshot, &root)?;
+        if compared.folders().any(|it| it.sources.file(path).is_some()) {
+            out.push(compared);
+        }
+    }
+    Ok(out)
+}
+
+/// The roots of the units whose codels are in the folder of a source.
+pub(crate) fn roots_around(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Utf8PathBuf>> {
     let mut roots: Vec<Utf8PathBuf> = Vec::new();
+    let Some(config) = &snapshot.config.codels else {
+        return Ok(roots);
+    };
     for root in snapshot.roots.iter() {
         if path.starts_with(config.folder_of(root)) {
             let root = snapshot.analysis.root_of(root)?;
@@ -159,14 +171,7 @@ pub(crate) fn around(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Ar
             }
         }
     }
-    let mut out = Vec::new();
-    for root in roots {
-        let compared = of_unit(snapshot, &root)?;
-        if compared.folders().any(|it| it.sources.file(path).is_some()) {
-            out.push(compared);
-        }
-    }
-    Ok(out)
+    Ok(roots)
 }
 
 /// The folders of the unit of a root, compared.

@@ -57,6 +57,46 @@ impl<'a> Project<'a> {
         self.overlay.insert(path, text.into());
     }
 
+    /// Puts the text back that was there before [`Project::overlay`]; `None` if there was no file.
+    pub fn restore(&mut self, path: Utf8PathBuf, text: Option<String>) {
+        self.overlay.remove(&path);
+        let text = text.map(Arc::<str>::from);
+        if self.files.read(&path) != text
+            && let Some(text) = &text
+        {
+            self.overlay.insert(path.clone(), text.clone());
+        }
+        let text = text.map(|it| it.to_string());
+        self.host.apply(Change {
+            files: vec![(path, text)],
+            ..Change::default()
+        });
+    }
+
+    /// Findings of the specifications of some roots, and of what they include.
+    pub fn diagnostics(&self, roots: &[Utf8PathBuf]) -> Vec<Diagnostic> {
+        let analysis = self.host.analysis();
+        let reports = roots.iter().map(|it| analysis.root_diagnostics(it));
+        let found = reports.flatten().flat_map(|it| it.to_vec());
+        let mut seen = FxHashSet::default();
+        found
+            .filter(|it| {
+                seen.insert((
+                    it.path.clone(),
+                    it.range.clone(),
+                    it.code,
+                    it.message.clone(),
+                ))
+            })
+            .collect()
+    }
+
+    /// Roots whose units contain a file.
+    pub fn roots_of(&self, path: &Utf8Path) -> Vec<Utf8PathBuf> {
+        let roots = self.host.analysis().roots_containing(path);
+        roots.unwrap_or_default()
+    }
+
     /// Present text of a file.
     pub fn text(&self, path: &Utf8Path) -> Option<Arc<str>> {
         self.overlay

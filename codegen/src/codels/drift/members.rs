@@ -313,9 +313,9 @@ impl<'a> Members<'a, '_> {
         Some(named.map_or(ty.src, |it| it.src))
     }
 
-    /// What unknown members are called now: the member that a parameter of that name stands for; the nearest
-    /// name that nothing uses yet, both ways; and where one is left on either side, that one. It must be of
-    /// use in the same way.
+    /// What unknown members are called now: the member that a parameter of that name stands for, or the nearest
+    /// name that nothing uses yet, both ways. A member that only is left over is no evidence. The member must be
+    /// of use in the same way.
     fn renamed(&self) -> FxHashMap<Unknown, SmolStr> {
         let mut out = FxHashMap::default();
         let mut structures: Vec<&SmolStr> = self.unknown.keys().map(|it| &it.0).collect();
@@ -346,11 +346,6 @@ impl<'a> Members<'a, '_> {
                 if let Some(to) = to.filter(|_| back == Some(name)) {
                     pairs.push(((*name).clone(), to.into()));
                 }
-            }
-            lost.retain(|it| pairs.iter().all(|pair| pair.0 != **it));
-            free.retain(|it| pairs.iter().all(|pair| pair.1 != **it));
-            if let ([name], [to]) = (lost.as_slice(), free.as_slice()) {
-                pairs.push(((*name).clone(), (*to).clone()));
             }
             for (name, to) in pairs {
                 let key = (structure.clone(), name);

@@ -463,7 +463,28 @@ impl<'a> Scope<'a> {
 
     /// The structure that a designator `.x` in an initializer belongs to.
     pub(crate) fn designated(&self, designator: Node<'_>) -> Option<SmolStr> {
-        self.types.structure_of(&self.initialized(designator, 0)?)
+        let whole = self.initialized(designator, 0)?;
+        let pair = designator.parent()?;
+        let mut cursor = pair.walk();
+        let steps = pair.children_by_field_name("designator", &mut cursor);
+        let before = steps.take_while(|it| *it != designator);
+        self.types.structure_of(&self.within(whole, before)?)
+    }
+
+    /// The type of what some designators, one after the other, name in a value.
+    fn within<'t>(&self, of: CType, steps: impl Iterator<Item = Node<'t>>) -> Option<CType> {
+        let mut ty = of;
+        for step in steps {
+            ty = match step.kind() {
+                "field_designator" => {
+                    let name = source(step.named_child(0)?, self.text);
+                    let structure = self.types.structure_of(&ty)?;
+                    self.types.member(&structure, name)?.clone()
+                }
+                _ => self.types.element(&ty)?,
+            };
+        }
+        Some(ty)
     }
 
     /// The type of what the list around a node initializes.
@@ -482,19 +503,12 @@ impl<'a> Scope<'a> {
                 Some(of_descriptor(outer.child_by_field_name("type")?, self.text))
             }
             "initializer_pair" => {
-                let mut ty = self.initialized(outer, depth + 1)?;
+                let whole = self.initialized(outer, depth + 1)?;
                 let mut cursor = outer.walk();
-                for step in outer.children_by_field_name("designator", &mut cursor) {
-                    ty = match step.kind() {
-                        "field_designator" => {
-                            let name = source(step.named_child(0)?, self.text);
-                            let structure = self.types.structure_of(&ty)?;
-                            self.types.member(&structure, name)?.clone()
-                        }
-                        _ => self.types.element(&ty)?,
-                    };
-                }
-                Some(ty)
+                self.within(
+                    whole,
+                    outer.children_by_field_name("designator", &mut cursor),
+                )
             }
             "initializer_list" => self.types.element(&self.initialized(at, depth + 1)?),
             _ => None,

@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 
 use camino::{Utf8Path, Utf8PathBuf};
-use dotgen_analysis::diagnostic::{FileEdit, Fix};
-use dotgen_analysis::host::Change;
+use dotgen_analysis::diagnostic::{Diagnostic, Fix, FixKind, Severity};
+use dotgen_codegen::codels::command::Project;
+use dotgen_codegen::codels::edit::Edit;
+use dotgen_codegen::codels::judge::{Judge, MOST_TRIALS, Verdict};
 
 use super::{FileReports, Outcome, Session, Trouble, check};
-use crate::cli::{fmt, report, session};
-use crate::views::fixes::together;
+use crate::cli::{codels, fmt, report, session};
 
 /// Repairs may show what else is wrong; texts in which more than so many lie one below the other are left.
 const MOST_ROUNDS: usize = 20;
@@ -16,34 +17,97 @@ const MOST_ROUNDS: usize = 20;
 /// Texts as they were and as they are now, by file.
 pub(super) type Changed = BTreeMap<Utf8PathBuf, (String, String)>;
 
-/// Repairs the texts that a session reads, in memory.
+/// Repairs the texts that a session reads, in memory. A repair is made if it was tried and is whole: see
+/// [`judge`](dotgen_codegen::codels::judge).
 pub(super) fn mend(session: &mut Session, changed: &mut Changed) -> anyhow::Result<()> {
+    let mut room = MOST_TRIALS;
     for _ in 0..MOST_ROUNDS {
         let mut report = FileReports::default();
         // What cannot be read is told once, with the report.
         check(session, &mut report, &mut Trouble::silent());
-        let first = report.diagnostics.iter().filter_map(|it| it.fixes.first());
-        let plain = first.filter(|it| it.plain && is_ours(session, it));
-        let mut edits = together(plain);
-        if edits.is_empty() {
+        let found = report.diagnostics.iter();
+        let plain = found.filter_map(|it| Some((it.fixes.first()?, it.code)));
+        let plain = plain.filter(|it| it.0.kind == FixKind::Plain && is_ours(session, it.0));
+        let edits: Vec<(Edit, &str)> = plain.map(|it| (Edit::of(&it.0.edits), it.1)).collect();
+        let mut project = project(session, changed);
+        let mut made = Vec::new();
+        for (roots, edits) in by_roots(&project, edits) {
+            let mut judge = Judge::new(&mut project, &roots);
+            judge.room = room;
+            let edit = judge.together(&edits).0;
+            room = judge.room;
+            // Edits of other units are judged beside these.
+            for it in project.changes(&edit) {
+                project.overlay(it.path.clone(), it.after.clone());
+                made.push(it);
+            }
+        }
+        if made.is_empty() {
             return Ok(());
         }
-        edits.sort_by(|a, b| (&a.path, b.range.start).cmp(&(&b.path, a.range.start)));
-        let mut files = Vec::new();
-        for edits in edits.chunk_by(|a, b| a.path == b.path) {
-            let path = &edits[0].path;
-            let old = session.ask(path, |it| it.text(path))?.unwrap_or_default();
-            let new = edited(&old, edits);
-            let entry = changed.entry(path.clone());
-            entry.or_insert_with(|| (old.to_string(), String::new())).1 = new.clone();
-            files.push((path.clone(), Some(new)));
+        for it in made {
+            let before = it.before.unwrap_or_default();
+            changed.entry(it.path).or_insert((before, String::new())).1 = it.after;
         }
-        session.host_mut().apply(Change {
-            files,
-            ..Change::default()
-        });
     }
     Ok(())
+}
+
+/// Keeps, of the fixes of findings, those that are whole. A fix that could not be tried is not plain.
+pub(super) fn judge(session: &mut Session, changed: &Changed, found: &mut [Diagnostic]) {
+    let is_open = |it: &Diagnostic| it.severity == Severity::Error || !it.fixes.is_empty();
+    if !found.iter().any(is_open) {
+        return;
+    }
+    // Nothing cancels: the host is ours alone.
+    _ = session.host_mut().analysis().add_trials(found, |_| true);
+    let mut project = project(session, changed);
+    let mut room = MOST_TRIALS;
+    let mut at = 0;
+    while at < found.len() {
+        let path = found[at].path.clone();
+        let end = at + found[at..].iter().take_while(|it| it.path == path).count();
+        let roots = project.roots_of(&path);
+        let mut judge = Judge::new(&mut project, &roots);
+        judge.room = room;
+        for it in &mut found[at..end] {
+            let code = it.code;
+            it.fixes.retain_mut(|fix| {
+                let verdict = judge.verdict(&Edit::of(&fix.edits), Some(code));
+                if verdict != Verdict::Whole && fix.kind == FixKind::Plain {
+                    fix.kind = FixKind::Guess;
+                }
+                matches!(verdict, Verdict::Whole | Verdict::Unknown)
+            });
+        }
+        room = judge.room;
+        at = end;
+    }
+}
+
+/// The specifications of a session and their codels, with the texts that were changed.
+fn project<'s>(session: &'s mut Session, changed: &Changed) -> Project<'s> {
+    let mut project = codels::project(session);
+    for (path, (_, new)) in changed {
+        project.overlay(path.clone(), new.clone());
+    }
+    project
+}
+
+/// Edits with the roots of the units that they concern, where these are the same.
+fn by_roots<'e>(
+    project: &Project<'_>,
+    edits: Vec<(Edit, &'e str)>,
+) -> Vec<(Vec<Utf8PathBuf>, Vec<(Edit, &'e str)>)> {
+    let mut out: BTreeMap<Vec<Utf8PathBuf>, Vec<(Edit, &str)>> = BTreeMap::new();
+    for it in edits {
+        let paths = it.0.changed.keys();
+        let mut roots: Vec<_> = paths.flat_map(|it| project.roots_of(it)).collect();
+        roots.sort();
+        roots.dedup();
+        out.entry(roots).or_default().push(it);
+    }
+    out.into_iter().collect()
 }
 
 /// Shows what would change.
@@ -78,13 +142,4 @@ fn is_ours(session: &Session, fix: &Fix) -> bool {
         folders.any(|it| path.starts_with(it))
     };
     fix.edits.iter().all(|it| beside(&it.path))
-}
-
-/// A text after edits, which are in order from its end.
-fn edited(text: &str, edits: &[FileEdit]) -> String {
-    let mut out = text.to_owned();
-    for it in edits {
-        out.replace_range(it.range.clone(), &it.new_text);
-    }
-    out
 }

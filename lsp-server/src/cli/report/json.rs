@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use camino::Utf8Path;
-use dotgen_analysis::diagnostic::{Diagnostic, Fix, Severity};
+use dotgen_analysis::diagnostic::{Diagnostic, Fix, FixKind, Severity};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -197,7 +197,7 @@ fn mending(fix: &Fix, texts: &Texts) -> Mending {
     });
     Mending {
         title: fix.title.clone(),
-        safe: fix.plain,
+        safe: fix.kind == FixKind::Plain,
         edits: edits.collect(),
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::io::Write;
 
 use camino::Utf8Path;
-use dotgen_analysis::diagnostic::{Diagnostic, Fix, Severity};
+use dotgen_analysis::diagnostic::{Diagnostic, Fix, FixKind, Severity};
 use serde_json::{Value, json};
 
 use super::FileReports;
@@ -80,7 +80,7 @@ fn fix(report: &FileReports, it: &Fix) -> Value {
     json!({
         "description": { "text": it.title },
         "artifactChanges": changes.collect::<Vec<_>>(),
-        "properties": { "safe": it.plain },
+        "properties": { "safe": it.kind == FixKind::Plain },
     })
 }
 

@@ -1,10 +1,10 @@
 //! Code actions that bring specifications and codels together.
 
 use camino::{Utf8Path, Utf8PathBuf};
-use dotgen_analysis::host::{AnalysisHost, Cancellable, Change};
+use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::model::{CodelRef, Owner};
 use dotgen_analysis::source_map::Locations;
-use dotgen_codegen::codels::command::{FileChange, Project, SyncOptions, sync};
+use dotgen_codegen::codels::command::{FileChange, SyncOptions, sync};
 use dotgen_codegen::codels::diagnostics::{Side, diagnostics};
 use dotgen_codegen::codels::drift::{Drift, Repair};
 use dotgen_codegen::codels::edit::{Edit, apply, line_edits};
@@ -13,7 +13,6 @@ use dotgen_codegen::codels::files::Files as _;
 use dotgen_codegen::codels::folder::Folder;
 use dotgen_codegen::codels::links;
 use dotgen_codegen::codels::repair::Repairs;
-use dotgen_codegen::codels::stub::StubOptions;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
@@ -21,6 +20,7 @@ use crate::features::codels::{self, Texts};
 use crate::features::commands::SHOW_CODEL;
 use crate::features::convert::diagnostic;
 use crate::features::convert::edit::{Edited, Review, edit_of, is_wanted, with_edit};
+use crate::features::judged::{self, Offers};
 use crate::protocol::convert::Lines;
 use crate::protocol::refusable::Refusable;
 use crate::protocol::types::*;
@@ -51,13 +51,10 @@ pub(crate) fn handle(
         return Ok(None);
     };
     let mut out = Vec::new();
-    actions(
-        snapshot,
-        subject,
-        &range,
-        &|it| offered(params, it),
-        &mut out,
-    )?;
+    judged::offers(snapshot, &subject.path, |offers| {
+        let wanted = |it: &CodeActionKind| offered(params, it);
+        actions(snapshot, subject, &range, &wanted, offers, &mut out)
+    })?;
     Ok(Some(out))
 }
 
@@ -72,6 +69,7 @@ pub(crate) fn actions(
     subject: &Subject,
     range: &std::ops::Range<usize>,
     wanted: &dyn Fn(&CodeActionKind) -> bool,
+    offers: &mut Offers<'_, '_, '_>,
     out: &mut Vec<CodeActionOrCommand>,
 ) -> Cancellable<()> {
     let quick = wanted(&CodeActionKind::QUICKFIX);
@@ -94,10 +92,10 @@ pub(crate) fn actions(
             };
             mendable += findings.iter().filter(|it| !it.repairs.is_empty()).count();
             for drift in findings.iter().filter(|_| quick) {
-                here |= work.fixes(drift, range, out)?;
+                here |= work.fixes(drift, range, offers, out)?;
             }
             if rewrite && !snapshot.is_code(&subject.path) {
-                work.stubs_at(range, out)?;
+                work.stubs_at(range, offers, out)?;
             }
         }
         let fix = here && mendable > 1 && quick;
@@ -122,6 +120,7 @@ impl Work<'_> {
         &self,
         drift: &Drift,
         range: &std::ops::Range<usize>,
+        offers: &mut Offers<'_, '_, '_>,
         out: &mut Vec<CodeActionOrCommand>,
     ) -> Cancellable<bool> {
         let one = std::slice::from_ref(drift);
@@ -149,7 +148,8 @@ impl Work<'_> {
                 is_preferred: Some(preferred),
                 ..CodeAction::default()
             };
-            out.extend(self.action(action, edit, written)?);
+            let code = Some(drift.code.as_str());
+            out.extend(self.action(action, edit, written, code, offers)?);
             Ok(())
         };
         let name = |at: CodelRef| expected.component().codel(at).name.as_str();
@@ -180,6 +180,7 @@ impl Work<'_> {
     fn stubs_at(
         &self,
         range: &std::ops::Range<usize>,
+        offers: &mut Offers<'_, '_, '_>,
         out: &mut Vec<CodeActionOrCommand>,
     ) -> Cancellable<()> {
         for expected in &self.folder.expected() {
@@ -230,7 +231,7 @@ impl Work<'_> {
                     ..CodeAction::default()
                 };
                 let first = codels.first().map(|it| component.codel(*it).name.as_str());
-                out.extend(self.action(action, &edit, first)?);
+                out.extend(self.action(action, &edit, first, None, offers)?);
             }
         }
         Ok(())
@@ -243,6 +244,8 @@ impl Work<'_> {
         action: CodeAction,
         edit: &Edit,
         written: Option<&str>,
+        mends: Option<&str>,
+        offers: &mut Offers<'_, '_, '_>,
     ) -> Cancellable<Option<CodeActionOrCommand>> {
         let mut created = edit.created.keys();
         if edit.is_empty() || created.any(|it| self.texts.read(it).is_some()) {
@@ -254,8 +257,7 @@ impl Work<'_> {
                 .map(|it| Command::new("Show".to_owned(), SHOW_CODEL.to_owned(), Some(vec![it]))),
             ..action
         };
-        let edit = edit_of(self.snapshot, Review::None, edit)?;
-        Ok(with_edit(self.snapshot, action, edit).map(CodeActionOrCommand::CodeAction))
+        offers.action(action, edit, mends)
     }
 
     /// The place of the body of a function in the texts that an edit makes, for clients that can go there.
@@ -369,9 +371,9 @@ fn sync_edit(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Option<Edited>
     }
     roots.sort();
     roots.dedup();
-    let mut host = private_host(snapshot)?;
+    let mut host = judged::private_host(snapshot)?;
     let texts = Texts::new(snapshot);
-    let mut project = project(&mut host, snapshot, &texts);
+    let mut project = judged::project(&mut host, snapshot, &texts);
     // A yield that the code does not use was meant by somebody: it goes only where that is asked for.
     let options = SyncOptions::default();
     let done = sync(&mut project, &roots, &options);
@@ -399,35 +401,4 @@ fn sync_edit(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Option<Edited>
         return Ok(None);
     }
     edit_of(snapshot, Review::SeveralFiles(FIX_ALL), &edit).map(Some)
-}
-
-/// A database of our own with the texts of a snapshot, for work that tries changes.
-pub(crate) fn private_host(snapshot: &Snapshot) -> Cancellable<AnalysisHost> {
-    let mut host = AnalysisHost::new(snapshot.vfs.clone());
-    let mut files = Vec::new();
-    for path in snapshot.open.keys() {
-        let text = snapshot.analysis.text(path)?;
-        files.push((path.clone(), text.map(|it| it.to_string())));
-    }
-    host.apply(Change {
-        files,
-        roots: Some(snapshot.roots.to_vec()),
-        config: Some(snapshot.config.for_analysis()),
-        ..Change::default()
-    });
-    Ok(host)
-}
-
-/// A project over a database of our own.
-pub(crate) fn project<'a>(
-    host: &'a mut AnalysisHost,
-    snapshot: &Snapshot,
-    texts: &'a Texts<'a>,
-) -> Project<'a> {
-    let files = snapshot.config.codels.clone().unwrap_or_default();
-    let stubs = StubOptions {
-        use_parameters: true,
-        ..StubOptions::default()
-    };
-    Project::new(host, texts, files, stubs)
 }

@@ -5,8 +5,8 @@ use dotgen_analysis::host::{AnalysisHost, Cancellable};
 use dotgen_codegen::codels::command;
 use serde::{Deserialize, Serialize};
 
-use super::actions;
 use crate::features::codels::{self, Texts};
+use crate::features::judged;
 use crate::protocol::messages::DocumentParams;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
@@ -55,9 +55,9 @@ pub(crate) fn handle(
         return Ok(Refusable::default());
     };
     let output = base.join(FOLDER);
-    let mut host: AnalysisHost = actions::private_host(snapshot)?;
+    let mut host: AnalysisHost = judged::private_host(snapshot)?;
     let texts = Texts::new(snapshot);
-    let mut project = actions::project(&mut host, snapshot, &texts);
+    let mut project = judged::project(&mut host, snapshot, &texts);
     let files = match command::headers(&mut project, &specification, &output, &[]) {
         Ok(files) => files,
         Err(why) => return Ok(Refusable(Err(why))),

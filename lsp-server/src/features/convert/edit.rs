@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use camino::Utf8Path;
 use dotgen_analysis::diagnostic::FileEdit;
 use dotgen_analysis::host::Cancellable;
-use dotgen_codegen::codels::{self, edit::Edit};
+use dotgen_codegen::codels::edit::Edit;
 use dotgen_syntax::encoding::LineEnd;
 
 use crate::protocol::types::*;
@@ -47,7 +47,7 @@ fn fitted(line_end: LineEnd, text: &str, path: &Utf8Path) -> std::result::Result
 
 /// As one workspace edit, made at once.
 pub(crate) fn workspace_edit(snapshot: &Snapshot, edits: &[FileEdit]) -> Cancellable<Edited> {
-    edit_of(snapshot, Review::None, &gathered(edits))
+    edit_of(snapshot, Review::None, &Edit::of(edits))
 }
 
 /// The edits of one file.
@@ -181,24 +181,6 @@ pub(crate) fn edit_of(snapshot: &Snapshot, review: Review<'_>, edit: &Edit) -> C
 
 /// Name of the annotation of what is shown first.
 const REVIEWED: &str = "reviewed";
-
-/// As the edit of a whole, for [`edit_of`]. Insertions at one place stay in their order.
-pub(crate) fn gathered(edits: &[FileEdit]) -> Edit {
-    let mut all = Edit::default();
-    for it in edits {
-        all.changed
-            .entry(it.path.clone())
-            .or_default()
-            .push(codels::edit::TextEdit {
-                range: it.range.clone(),
-                text: it.new_text.clone(),
-            });
-    }
-    for edits in all.changed.values_mut() {
-        edits.sort_by_key(|it| it.range.start);
-    }
-    all
-}
 
 /// An action with its edit. One that cannot be made is shown with the reason, where the client does that.
 pub(crate) fn with_edit(

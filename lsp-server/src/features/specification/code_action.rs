@@ -1,17 +1,16 @@
 //! `textDocument/codeAction`: the fixes that diagnostics bring along, and refactorings.
 
-use dotgen_analysis::diagnostic::{Diagnostic, Fix};
+use dotgen_analysis::diagnostic::{Diagnostic, Fix, FixKind};
 use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::ide::AssistKind;
+use dotgen_codegen::codels::edit::Edit;
 
 use crate::features::codels::{actions, standins};
 use crate::features::convert::diagnostic;
-use crate::features::convert::edit::{
-    Review, edit_of, gathered, is_wanted, with_edit, workspace_edit,
-};
+use crate::features::convert::edit::{Review, edit_of, is_wanted, with_edit};
+use crate::features::judged::{self, Offers};
 use crate::features::specification::search_paths;
 use crate::protocol::types::*;
-use crate::views::fixes::together;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
 /// Files are generated from a component.
@@ -26,6 +25,17 @@ pub(crate) fn handle(
     subject: &Subject,
     params: &CodeActionParams,
 ) -> Cancellable<Option<CodeActionResponse>> {
+    judged::offers(snapshot, &subject.path, |offers| {
+        offered(snapshot, subject, params, offers)
+    })
+}
+
+fn offered(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &CodeActionParams,
+    offers: &mut Offers<'_, '_, '_>,
+) -> Cancellable<Option<CodeActionResponse>> {
     let wanted = |kind: &CodeActionKind| is_wanted(params, kind);
     let Some(lines) = snapshot.lines(&subject.path)? else {
         return Ok(None);
@@ -36,6 +46,10 @@ pub(crate) fn handle(
     let mut actions = Vec::new();
     let codels = |kind: &CodeActionKind| actions::offered(params, kind);
     let mut all = snapshot.analysis.diagnostics(&subject.path)?;
+    if params.context.only.is_none() || wanted(&CodeActionKind::QUICKFIX) {
+        let here = |it: &Diagnostic| touches(&it.range, &range);
+        snapshot.analysis.add_trials(&mut all, here)?;
+    }
     all.extend(crate::features::codels::unused_in(snapshot, &subject.path)?);
     // Only on request: it changes the whole file.
     let plain = "Fix all that has one plain repair";
@@ -43,10 +57,10 @@ pub(crate) fn handle(
         (CodeActionKind::SOURCE_FIX_ALL, plain, false),
         (FIX_FINDINGS, "Fix all that has a fix", true),
     ] {
-        let which = |it: &Diagnostic| guesses || it.fixes.first().is_some_and(|it| it.plain);
+        let which = |it: &Fix| guesses || it.kind == FixKind::Plain;
         if params.context.only.is_some()
             && wanted(&kind)
-            && let Some(it) = fix_all(snapshot, title, &all, which)?
+            && let Some(it) = fix_all(snapshot, title, all.iter(), which, offers)?
         {
             actions.push(CodeActionOrCommand::CodeAction(CodeAction {
                 kind: Some(kind),
@@ -59,10 +73,10 @@ pub(crate) fn handle(
             actions.push(CodeActionOrCommand::CodeAction(it));
         }
     }
-    actions::actions(snapshot, subject, &range, &codels, &mut actions)?;
+    actions::actions(snapshot, subject, &range, &codels, offers, &mut actions)?;
     if !wanted(&CodeActionKind::QUICKFIX) {
         generate(snapshot, subject, &range, params, &mut actions)?;
-        refactorings(snapshot, subject, &range, params, &mut actions)?;
+        refactorings(snapshot, subject, &range, params, offers, &mut actions)?;
         return Ok(Some(actions));
     }
     search_paths::fixes(snapshot, subject, &range, &mut actions)?;
@@ -72,7 +86,7 @@ pub(crate) fn handle(
     let (here, elsewhere): (Vec<_>, Vec<_>) = all.iter().partition(|it| touches(&it.range, &range));
     for it in here {
         for (rank, fix) in it.fixes.iter().enumerate() {
-            actions.extend(quick_fix(snapshot, it, fix, rank == 0)?);
+            actions.extend(quick_fix(snapshot, it, fix, rank == 0, offers)?);
             offered.push(fix);
         }
         if !it.fixes.is_empty() && !codes.contains(&it.code) {
@@ -84,23 +98,24 @@ pub(crate) fn handle(
             let mut edits = fix.edits.iter();
             let mends = edits.any(|it| it.path == subject.path && touches(&it.range, &range));
             if mends && !offered.contains(&fix) {
-                actions.extend(quick_fix(snapshot, it, fix, false)?);
+                actions.extend(quick_fix(snapshot, it, fix, false, offers)?);
                 offered.push(fix);
             }
         }
     }
     actions.extend(standins::actions(snapshot, subject, &all, &range)?);
     for code in codes {
-        let alike = all
-            .iter()
-            .filter(|it| it.code == code && !it.fixes.is_empty());
-        if alike.count() > 1 {
+        let alike = || {
+            all.iter()
+                .filter(|it| it.code == code && !it.fixes.is_empty())
+        };
+        if alike().count() > 1 {
             let title = format!("Fix all `{code}` in this file");
-            let action = fix_all(snapshot, &title, &all, |it| it.code == code)?;
+            let action = fix_all(snapshot, &title, alike(), |_| true, offers)?;
             actions.extend(action.map(CodeActionOrCommand::CodeAction));
         }
     }
-    refactorings(snapshot, subject, &range, params, &mut actions)?;
+    refactorings(snapshot, subject, &range, params, offers, &mut actions)?;
     generate(snapshot, subject, &range, params, &mut actions)?;
     Ok(Some(actions))
 }
@@ -116,17 +131,17 @@ fn quick_fix(
     it: &Diagnostic,
     fix: &Fix,
     first: bool,
+    offers: &mut Offers<'_, '_, '_>,
 ) -> Cancellable<Option<CodeActionOrCommand>> {
     let action = CodeAction {
         title: fix.title.clone(),
         kind: Some(CodeActionKind::QUICKFIX),
         diagnostics: diagnostic::to_proto(snapshot, it)?.map(|it| vec![it]),
         // Editors may apply a preferred fix without showing it.
-        is_preferred: Some(first && fix.plain),
+        is_preferred: Some(first && fix.kind == FixKind::Plain),
         ..CodeAction::default()
     };
-    let action = with_edit(snapshot, action, workspace_edit(snapshot, &fix.edits)?);
-    Ok(action.map(CodeActionOrCommand::CodeAction))
+    offers.action(action, &Edit::of(&fix.edits), Some(it.code))
 }
 
 /// Refactorings of the selection, and what changes the whole file when it is asked for.
@@ -135,6 +150,7 @@ fn refactorings(
     subject: &Subject,
     range: &std::ops::Range<usize>,
     params: &CodeActionParams,
+    offers: &mut Offers<'_, '_, '_>,
     actions: &mut Vec<CodeActionOrCommand>,
 ) -> Cancellable<()> {
     let only = params.context.only.as_deref();
@@ -163,8 +179,7 @@ fn refactorings(
                 kind: Some(kind),
                 ..CodeAction::default()
             };
-            let action = with_edit(snapshot, action, workspace_edit(snapshot, &it.edits)?);
-            actions.extend(action.map(CodeActionOrCommand::CodeAction));
+            actions.extend(offers.action(action, &Edit::of(&it.edits), None)?);
         }
     }
     Ok(())
@@ -209,16 +224,20 @@ fn generate(
     Ok(())
 }
 
-/// One action that applies the first fix of each diagnostic, where they do not touch each other.
-fn fix_all(
+/// One action that applies the first fix of each diagnostic, where they go together and none changes what the
+/// program does.
+fn fix_all<'d>(
     snapshot: &Snapshot,
     title: &str,
-    all: &[Diagnostic],
-    which: impl Fn(&Diagnostic) -> bool,
+    of: impl Iterator<Item = &'d Diagnostic>,
+    which: impl Fn(&Fix) -> bool,
+    offers: &mut Offers<'_, '_, '_>,
 ) -> Cancellable<Option<CodeAction>> {
-    let chosen = all.iter().filter(|it| which(it));
-    let edits = together(chosen.filter_map(|it| it.fixes.first()));
-    if edits.is_empty() {
+    let first = of.filter_map(|it| Some((it.fixes.first()?, it.code)));
+    let chosen = first.filter(|(fix, _)| fix.kind != FixKind::Choice && which(fix));
+    let edits = chosen.map(|(fix, code)| (Edit::of(&fix.edits), code));
+    let edit = offers.together(&edits.collect::<Vec<_>>())?;
+    if edit.is_empty() {
         return Ok(None);
     }
     let action = CodeAction {
@@ -226,6 +245,6 @@ fn fix_all(
         kind: Some(CodeActionKind::QUICKFIX),
         ..CodeAction::default()
     };
-    let edit = edit_of(snapshot, Review::SeveralFiles(title), &gathered(&edits))?;
+    let edit = edit_of(snapshot, Review::SeveralFiles(title), &edit)?;
     Ok(with_edit(snapshot, action, edit))
 }

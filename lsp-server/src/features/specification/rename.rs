@@ -3,10 +3,11 @@
 use camino::Utf8PathBuf;
 use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::ide::FilePosition;
+use dotgen_codegen::codels::edit::Edit;
 use dotgen_codegen::codels::rename::listed;
 
 use crate::features::codels::navigation;
-use crate::features::convert::edit::{Review, edit_of, gathered, workspace_edit};
+use crate::features::convert::edit::{Review, edit_of, workspace_edit};
 use crate::features::mentions;
 use crate::protocol::convert::uri;
 use crate::protocol::refusable::Refusable;
@@ -77,7 +78,7 @@ pub(crate) fn rename_at(
         Ok(sources) => sources,
         Err(why) => return Ok(Refusable(Err(why))),
     };
-    let mut all = gathered(&edits);
+    let mut all = Edit::of(&edits);
     for (path, edits) in sources.edit.changed {
         for it in edits {
             all.replace(&path, it.range, it.text);

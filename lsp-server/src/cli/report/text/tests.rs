@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use dotgen_analysis::diagnostic::{FileEdit, Related};
+use dotgen_analysis::diagnostic::{FileEdit, FixKind, Related};
 
 use super::*;
 use crate::protocol::convert::Encoding;
@@ -54,7 +54,7 @@ fn place_explanation_and_fix_are_shown() {
         message: "a port with a similar name".to_owned(),
     });
     it.fixes.push(Fix {
-        plain: false,
+        kind: FixKind::Guess,
         title: "change it to `goal`".to_owned(),
         edits: vec![FileEdit {
             path: "/robot/arm.gen".into(),

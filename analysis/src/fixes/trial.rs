@@ -1,0 +1,361 @@
+//! Repairs of syntax errors that are found by trying: small changes around an error are made in turn, and
+//! those after which the text parses best are kept.
+//!
+//! The grammar knows a repair where one follows from what it expects ([`dotgen_syntax::parser::Repair`]). Where
+//! it does not, the slips of the pen are few: a character that is missing, doubled or another one, two words in
+//! the wrong order, a word too much. All of them are tried, the likeliest first.
+
+use std::ops::Range;
+
+use dotgen_syntax::{
+    Fragment, SyntaxKind, TextRange,
+    lexer::{RawTokens, lex},
+    parse,
+    preproc::{MacroEnv, NoIncludes, PpError, preprocess},
+};
+
+use super::TextFix;
+use crate::{codes::is_environment, diagnostic::FixKind, source_map::text_range};
+
+/// Longer texts are not tried: each trial parses all of it.
+const MOST_BYTES: usize = 128 * 1024;
+
+/// Repairs that are kept for an error.
+const MOST_KEPT: usize = 4;
+
+/// Tokens in front of an error at which something may be wrong.
+const BEFORE: usize = 2;
+
+/// Tokens from an error on at which something may be wrong.
+const BEHIND: usize = 2;
+
+/// What is often left out, with the side of the error on which it is looked for first.
+const INSERTED: [&str; 11] = [
+    ";",
+    ",",
+    ">",
+    ")",
+    "]",
+    "::",
+    "=",
+    "<",
+    "in ",
+    "yield ",
+    "codel<start> ",
+];
+
+/// Marks that are taken for one another.
+const MARKS: [&str; 12] = [";", ",", ":", "::", ".", "(", ")", "[", "]", "{", "}", ">"];
+
+/// A change that is tried.
+struct Trial {
+    title: String,
+    edits: Vec<(Range<usize>, String)>,
+    /// The lower, the likelier.
+    cost: u32,
+}
+
+/// The repairs of a syntax error at a place of a text, the best first: those after which the fewest errors are
+/// left, and fewer than before.
+pub(crate) fn repairs(text: &str, at: TextRange) -> Vec<TextFix> {
+    if text.len() > MOST_BYTES {
+        return Vec::new();
+    }
+    let before = errors_in(text);
+    let mut kept: Vec<(usize, Trial)> = Vec::new();
+    for trial in trials(text, at) {
+        let left = errors_in(&applied(text, &trial.edits));
+        if left < before {
+            kept.push((left, trial));
+        }
+    }
+    kept.sort_by_key(|(left, trial)| (*left, trial.cost));
+    let best = kept.first().map(|it| it.0);
+    kept.retain(|it| Some(it.0) == best);
+    kept.truncate(MOST_KEPT);
+    let fix = |(_, trial): (usize, Trial)| TextFix {
+        kind: FixKind::Guess,
+        title: trial.title,
+        edits: trial
+            .edits
+            .into_iter()
+            .map(|(range, text)| (text_range(&range), text))
+            .collect(),
+    };
+    kept.into_iter().map(fix).collect()
+}
+
+/// Number of errors of the lexer, the preprocessor and the parser, without what is included.
+fn errors_in(text: &str) -> usize {
+    let raw = lex(text);
+    let read = preprocess(&"".into(), text, &raw, MacroEnv::default(), &mut NoIncludes);
+    let missing = |it: &&PpError| is_environment(it.kind.code());
+    let missing = read.errors.iter().filter(missing).count();
+    let parse = parse(text, &raw, &read, Fragment::Specification);
+    read.errors.len() - missing + parse.errors.len() + usize::from(parse.inside_out.is_some())
+}
+
+fn applied(text: &str, edits: &[(Range<usize>, String)]) -> String {
+    let mut out = text.to_owned();
+    for (range, new) in edits.iter().rev() {
+        out.replace_range(range.clone(), new);
+    }
+    out
+}
+
+/// The tokens around an error.
+struct Window<'t> {
+    text: &'t str,
+    raw: RawTokens,
+    /// Numbers of tokens that are no trivia, in order.
+    tokens: Vec<usize>,
+    /// Index into `tokens` of the one at the error.
+    at: usize,
+}
+
+impl Window<'_> {
+    fn range(&self, number: usize) -> Range<usize> {
+        self.raw.range(self.tokens[number])
+    }
+
+    fn token(&self, number: usize) -> &str {
+        &self.text[self.range(number)]
+    }
+
+    fn kind(&self, number: usize) -> SyntaxKind {
+        self.raw.kind(self.tokens[number])
+    }
+
+    fn around(&self) -> Range<usize> {
+        let end = (self.at + BEHIND).min(self.tokens.len());
+        self.at.saturating_sub(BEFORE).min(end)..end
+    }
+
+    /// The likelihood of a mistake at a token: the error itself, what is in front of it, what is behind.
+    fn distance(&self, number: usize) -> u32 {
+        let far = number.abs_diff(self.at) as u32;
+        2 * far + u32::from(number > self.at)
+    }
+
+    fn is_mark(&self, number: usize) -> bool {
+        !self
+            .token(number)
+            .starts_with(|it: char| it.is_alphanumeric() || matches!(it, '_' | '"' | '\''))
+    }
+}
+
+fn trials(text: &str, at: TextRange) -> Vec<Trial> {
+    let raw = lex(text);
+    let is_code = |it: &usize| !raw.kind(*it).is_trivia();
+    let tokens: Vec<usize> = (0..raw.len()).filter(is_code).collect();
+    let start = usize::from(at.start());
+    let error = tokens.partition_point(|it| raw.range(*it).end <= start);
+    let window = Window {
+        text,
+        raw,
+        at: error,
+        tokens,
+    };
+    let mut out = Vec::new();
+    removals(&window, at, &mut out);
+    replacements(&window, &mut out);
+    insertions(&window, &mut out);
+    orders(&window, &mut out);
+    habits(&window, &mut out);
+    out
+}
+
+/// What stands there is too much: a mark, a word, or all that the error is about.
+fn removals(window: &Window<'_>, at: TextRange, out: &mut Vec<Trial>) {
+    let mut remove = |range: Range<usize>, cost: u32| {
+        let title = format!("Remove `{}`", window.text[range.clone()].trim());
+        let range = with_blank(window.text, range);
+        out.push(Trial {
+            title,
+            edits: vec![(range, String::new())],
+            cost,
+        });
+    };
+    let whole = usize::from(at.start())..usize::from(at.end());
+    if !whole.is_empty() && !window.text[whole.clone()].contains('\n') {
+        remove(whole, 24);
+    }
+    for first in window.around() {
+        let is_doubled = first > 0 && window.token(first) == window.token(first - 1);
+        let base = match window.is_mark(first) {
+            true if is_doubled => 4,
+            true => 12,
+            false => 30,
+        };
+        for last in first..(first + 3).min(window.tokens.len()) {
+            let range = window.range(first).start..window.range(last).end;
+            if window.text[range.clone()].contains('\n') {
+                break;
+            }
+            remove(
+                range,
+                base + 6 * (last - first) as u32 + window.distance(first),
+            );
+        }
+    }
+}
+
+/// One mark in the place of another, one kind of quotes in the place of the other, a mark of comments.
+fn replacements(window: &Window<'_>, out: &mut Vec<Trial>) {
+    for number in window.around() {
+        let (range, token) = (window.range(number), window.token(number));
+        let mut replace = |with: &str, cost: u32| {
+            out.push(Trial {
+                title: format!("Change `{token}` to `{with}`"),
+                edits: vec![(range.clone(), with.to_owned())],
+                cost: cost + window.distance(number),
+            });
+        };
+        match window.kind(number) {
+            SyntaxKind::OPEN_STRING | SyntaxKind::CHAR => {
+                let inner = token.trim_matches('\'');
+                if token.len() > 2 && token.starts_with('\'') && !inner.contains(['"', '\n']) {
+                    replace(&format!("\"{inner}\""), 2);
+                }
+            }
+            SyntaxKind::HASH | SyntaxKind::STRAY if token.starts_with('#') => replace("//", 2),
+            _ if window.is_mark(number) => {
+                for mark in MARKS.into_iter().filter(|it| *it != token) {
+                    replace(mark, if is_like(token, mark) { 3 } else { 14 });
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Whether two marks look alike or stand in like places.
+fn is_like(a: &str, b: &str) -> bool {
+    const LIKE: [&[&str]; 4] = [
+        &[";", ":", ","],
+        &[":", "::", "."],
+        &["(", "[", "{", "<"],
+        &[")", "]", "}", ">"],
+    ];
+    LIKE.iter().any(|all| all.contains(&a) && all.contains(&b))
+}
+
+/// Something is missing in front of the error, or of the token before it.
+fn insertions(window: &Window<'_>, out: &mut Vec<Trial>) {
+    for number in window.around().skip(1).take(BEFORE) {
+        let behind = window.range(number - 1).end;
+        let before = window.range(number).start;
+        for (rank, what) in (0u32..).zip(INSERTED) {
+            // A word stands in front of what it belongs to, a mark behind what it ends.
+            let at = if what.ends_with(' ') { before } else { behind };
+            out.push(Trial {
+                title: format!("Insert `{}`", what.trim()),
+                edits: vec![(at..at, what.to_owned())],
+                cost: 8 + rank + window.distance(number),
+            });
+        }
+    }
+}
+
+/// Two neighbours in the wrong order, one word in two pieces, and the length of an array in front of the name.
+fn orders(window: &Window<'_>, out: &mut Vec<Trial>) {
+    for first in window.around() {
+        let Some(second) = Some(first + 1).filter(|it| *it < window.tokens.len()) else {
+            break;
+        };
+        let (a, b) = (window.range(first), window.range(second));
+        let (one, other) = (window.token(first), window.token(second));
+        let between = &window.text[a.end..b.start];
+        if !between.trim().is_empty() {
+            continue;
+        }
+        let words = !window.is_mark(first) && !window.is_mark(second);
+        if words {
+            out.push(Trial {
+                title: format!("Write `{other} {one}`"),
+                edits: vec![(a.start..b.end, format!("{other}{between}{one}"))],
+                cost: 10 + window.distance(first),
+            });
+        }
+        if !between.is_empty() {
+            out.push(Trial {
+                title: format!("Write `{one}{other}`"),
+                edits: vec![(a.start..b.end, format!("{one}{other}"))],
+                cost: 9 + window.distance(first),
+            });
+        }
+        // `octet[4] code`
+        let close = (first..window.tokens.len().min(first + 8)).find(|it| window.token(*it) == "]");
+        if one == "["
+            && let Some(close) = close
+            && close + 1 < window.tokens.len()
+        {
+            let group = a.start..window.range(close).end;
+            let name = window.range(close + 1);
+            let length = window.text[group.clone()].to_owned();
+            out.push(Trial {
+                title: format!("Write `{length}` behind `{}`", window.token(close + 1)),
+                edits: vec![(group.clone(), String::new()), (name.end..name.end, length)],
+                cost: 5,
+            });
+        }
+    }
+}
+
+/// Habits from C: a pointer to characters, `typedef` in front of a structure, a comment that does not end.
+fn habits(window: &Window<'_>, out: &mut Vec<Trial>) {
+    for number in window.around() {
+        let second = number + 1;
+        if window.token(number) == "char"
+            && second < window.tokens.len()
+            && window.token(second) == "*"
+        {
+            let range = window.range(number).start..window.range(second).end;
+            let glued = window.text[range.end..].starts_with(|it: char| !it.is_whitespace());
+            out.push(Trial {
+                title: "Change `char *` to `string`".to_owned(),
+                edits: vec![(range, if glued { "string " } else { "string" }.to_owned())],
+                cost: 1,
+            });
+        }
+    }
+    let word = (0..window.at.min(window.tokens.len()))
+        .rev()
+        .find(|it| window.token(*it) == "typedef");
+    if let Some(word) = word {
+        let range = with_blank(window.text, window.range(word));
+        out.push(Trial {
+            title: "Remove `typedef`".to_owned(),
+            edits: vec![(range, String::new())],
+            cost: 20,
+        });
+    }
+    for token in 0..window.raw.len() {
+        let range = window.raw.range(token);
+        if !matches!(
+            window.raw.kind(token),
+            SyntaxKind::BLOCK_COMMENT | SyntaxKind::OPEN_COMMENT
+        ) {
+            continue;
+        }
+        if let Some(at) = window.text[range.clone()].find("* /") {
+            let at = range.start + at;
+            out.push(Trial {
+                title: "Change `* /` to `*/`".to_owned(),
+                edits: vec![(at..at + 3, "*/".to_owned())],
+                cost: 1,
+            });
+        }
+    }
+}
+
+/// A range with the blank behind it, or in front of it at the end of a line.
+fn with_blank(text: &str, range: Range<usize>) -> Range<usize> {
+    if text[range.end..].starts_with(' ') && text[..range.start].ends_with([' ', '\n', '(', '<']) {
+        range.start..range.end + 1
+    } else if text[..range.start].ends_with(' ') && !text[range.end..].starts_with(' ') {
+        range.start - 1..range.end
+    } else {
+        range
+    }
+}

@@ -1,0 +1,314 @@
+//! Judges an edit before it is offered: the edit is applied to copies of the documents, specification and
+//! codels, and the findings before and after are compared.
+//!
+//! An edit is *whole* when it adds no finding and removes the one that it is for. An edit of the specification
+//! whose only new findings have a repair in the sources is paired with that repair.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::codes::lints;
+use dotgen_analysis::diagnostic::{Diagnostic, Severity};
+use rustc_hash::FxHashMap;
+
+use super::{
+    command::{FileChange, Project},
+    diagnostics::{Side, diagnostics},
+    drift::{Drift, Repair},
+    edit::{Edit, line_edits},
+    folder::Folder,
+};
+
+/// Edits that are tried for one request or command; each costs about one analysis of the units concerned.
+pub const MOST_TRIALS: usize = 400;
+
+/// Units in which an edit is tried. An edit of a file that more units include is not judged.
+pub const MOST_UNITS: usize = 8;
+
+/// Rounds of repairs that may follow an edit to make it whole.
+const ROUNDS: usize = 2;
+
+/// The answer of a judge.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Verdict {
+    /// The edit adds no finding, and removes the one it is for.
+    Whole,
+    /// The edit is whole together with changes of the sources; this is all of it.
+    Paired(Edit),
+    /// The edit adds a finding, or the finding it is for stays.
+    Refused,
+    /// There was no room to try the edit.
+    Unknown,
+}
+
+impl Verdict {
+    /// Whether the edit may be offered.
+    pub fn allows(&self) -> bool {
+        *self != Verdict::Refused
+    }
+}
+
+/// Tries edits on a project, whose texts are the same afterwards.
+pub struct Judge<'j, 'p> {
+    project: &'j mut Project<'p>,
+    roots: Vec<Utf8PathBuf>,
+    before: Option<Findings>,
+    /// Edits that may still be tried. Later ones are not judged.
+    pub room: usize,
+    /// The edits are tried in all units that they concern.
+    is_complete: bool,
+}
+
+impl<'j, 'p> Judge<'j, 'p> {
+    /// A judge of edits that concern the units of some roots. Nothing is analysed before the first edit.
+    pub fn new(project: &'j mut Project<'p>, roots: &[Utf8PathBuf]) -> Judge<'j, 'p> {
+        Judge {
+            project,
+            roots: roots[..roots.len().min(MOST_UNITS)].to_vec(),
+            before: None,
+            room: MOST_TRIALS,
+            is_complete: roots.len() <= MOST_UNITS,
+        }
+    }
+
+    /// Judges an edit that is to remove a finding of the code `mends`, or to remove none.
+    pub fn verdict(&mut self, edit: &Edit, mends: Option<&str>) -> Verdict {
+        let Some(room) = self.room.checked_sub(1) else {
+            return Verdict::Unknown;
+        };
+        self.room = room;
+        let before = match self.before.take() {
+            Some(before) => before,
+            None => Findings::of(self.project, &self.roots),
+        };
+        let verdict = match self.tried(edit, mends, &before) {
+            Verdict::Refused => Verdict::Refused,
+            _ if !self.is_complete => Verdict::Unknown,
+            verdict => verdict,
+        };
+        self.before = Some(before);
+        verdict
+    }
+
+    fn tried(&mut self, edit: &Edit, mends: Option<&str>, before: &Findings) -> Verdict {
+        let changes = self.project.changes(edit);
+        let mut touched = Touched::default();
+        changes.iter().for_each(|it| touched.note(it));
+        let mut originals = self.overlay(changes);
+        let mut after = Findings::of(self.project, &self.roots);
+        let mut is_paired = false;
+        for _ in 0..ROUNDS {
+            let added = before.added(&after, &touched);
+            if added.is_empty() || !added.iter().all(|it| after.is_followed(it)) {
+                break;
+            }
+            let repair = after.following(self.project, &added);
+            if repair.is_empty() {
+                break;
+            }
+            is_paired = true;
+            let changes = self.project.changes(&repair);
+            for (path, text) in self.overlay(changes) {
+                originals.entry(path).or_insert(text);
+            }
+            after = Findings::of(self.project, &self.roots);
+        }
+        let is_mended = mends.is_none_or(|code| after.count(code) < before.count(code));
+        let is_whole = before.added(&after, &touched).is_empty() && is_mended;
+        let paired = (is_whole && is_paired).then(|| self.difference(&originals));
+        self.restore(originals);
+        match (is_whole, paired) {
+            (true, Some(edit)) => Verdict::Paired(edit),
+            (true, None) => Verdict::Whole,
+            (false, _) => Verdict::Refused,
+        }
+    }
+
+    /// Of edits, each with the code of the finding that it is for, those that can be made together: each whole
+    /// by itself and beside those before it. Edits that touch each other are left for another time. Returns
+    /// the edits as one, and the numbers of those that are in it.
+    pub fn together(&mut self, edits: &[(Edit, &str)]) -> (Edit, Vec<usize>) {
+        let mut chosen = Edit::default();
+        let mut numbers = Vec::new();
+        for (number, (edit, code)) in edits.iter().enumerate() {
+            let mut more = chosen.clone();
+            if more.touches(edit)
+                || self.verdict(edit, Some(code)) != Verdict::Whole
+                || !more.merge(edit.clone())
+            {
+                continue;
+            }
+            if numbers.is_empty() || self.verdict(&more, Some(code)) == Verdict::Whole {
+                chosen = more;
+                numbers.push(number);
+            }
+        }
+        (chosen, numbers)
+    }
+
+    /// Puts texts in the place of files; returns what was there.
+    fn overlay(&mut self, changes: Vec<FileChange>) -> BTreeMap<Utf8PathBuf, Option<String>> {
+        let mut originals = BTreeMap::new();
+        for it in changes {
+            self.project.overlay(it.path.clone(), it.after);
+            originals.insert(it.path, it.before);
+        }
+        originals
+    }
+
+    fn restore(&mut self, originals: BTreeMap<Utf8PathBuf, Option<String>>) {
+        for (path, text) in originals {
+            self.project.restore(path, text);
+        }
+    }
+
+    /// The edit that makes the present texts of some that were.
+    fn difference(&self, originals: &BTreeMap<Utf8PathBuf, Option<String>>) -> Edit {
+        let mut edit = Edit::default();
+        for (path, before) in originals {
+            let after = self.project.text(path).unwrap_or_default();
+            match before {
+                None => {
+                    edit.created.insert(path.clone(), after.to_string());
+                }
+                Some(before) => {
+                    for it in line_edits(before, &after) {
+                        edit.replace(path, it.range, it.text);
+                    }
+                }
+            }
+        }
+        edit
+    }
+}
+
+/// The lines that an edit changes, in the text after it.
+#[derive(Default)]
+struct Touched {
+    lines: BTreeMap<Utf8PathBuf, Vec<Range<usize>>>,
+}
+
+impl Touched {
+    fn note(&mut self, change: &FileChange) {
+        let before = change.before.as_deref().unwrap_or_default();
+        let mut moved = 0isize;
+        for it in line_edits(before, &change.after) {
+            let start = it.range.start.saturating_add_signed(moved);
+            let ranges = self.lines.entry(change.path.clone()).or_default();
+            ranges.push(start..start + it.text.len());
+            moved += it.text.len() as isize - it.range.len() as isize;
+        }
+    }
+
+    /// Whether a place is on a changed line.
+    fn is_at(&self, path: &Utf8Path, at: &Range<usize>) -> bool {
+        let mut ranges = self.lines.get(path).into_iter().flatten();
+        ranges.any(|it| it.start <= at.end && at.start <= it.end)
+    }
+}
+
+/// All findings about some specifications and their codels.
+#[derive(Default)]
+struct Findings {
+    all: Vec<Diagnostic>,
+    drifts: Vec<(usize, Drift)>,
+    folders: Vec<Folder>,
+    counts: FxHashMap<&'static str, usize>,
+    errors: usize,
+}
+
+impl Findings {
+    fn of(project: &mut Project<'_>, roots: &[Utf8PathBuf]) -> Findings {
+        let mut out = Findings {
+            all: project.diagnostics(roots),
+            ..Findings::default()
+        };
+        out.errors = out
+            .all
+            .iter()
+            .filter(|it| it.severity == Severity::Error)
+            .count();
+        for folder in project.folders(roots, &mut Vec::new()) {
+            if !folder.sources.exists {
+                continue;
+            }
+            let expected = folder.expected();
+            let found = project.findings(&folder, &expected);
+            drop(expected);
+            out.all
+                .extend(diagnostics(&found, &*folder.unit.locations, Side::First));
+            let index = out.folders.len();
+            out.drifts.extend(found.into_iter().map(|it| (index, it)));
+            out.folders.push(folder);
+        }
+        for it in &out.all {
+            *out.counts.entry(it.code).or_default() += 1;
+        }
+        out
+    }
+
+    fn count(&self, code: &str) -> usize {
+        self.counts.get(code).copied().unwrap_or(0)
+    }
+
+    /// Codes of which there are more afterwards, but for findings that were there and could not be seen: where
+    /// an error is gone, hints, rules that wait until a specification is accepted, and findings away from the
+    /// changed lines.
+    fn added(&self, after: &Findings, touched: &Touched) -> Vec<&'static str> {
+        let reveals = after.errors < self.errors;
+        let mut out = Vec::new();
+        for (&code, &count) in &after.counts {
+            if count <= self.count(code) {
+                continue;
+            }
+            let waits = lints::find(code).is_some_and(|it| it.absence);
+            let new = after.all.iter().filter(|it| it.code == code);
+            let mut told = new.filter(|it| it.severity <= Severity::Warning);
+            if !reveals || !waits && told.any(|it| touched.is_at(&it.path, &it.range)) {
+                out.push(code);
+            }
+        }
+        out
+    }
+
+    /// Whether every finding of a code has a repair by which the sources follow.
+    fn is_followed(&self, code: &&'static str) -> bool {
+        let of_code = |it: &&(usize, Drift)| it.1.code.as_str() == *code;
+        let mut found = self.drifts.iter().filter(of_code).peekable();
+        found.peek().is_some() && found.all(|it| it.1.following().is_some())
+    }
+
+    /// The repairs of findings of some codes by which the sources follow, together.
+    fn following(&self, project: &Project<'_>, codes: &[&'static str]) -> Edit {
+        let mut edit = Edit::default();
+        for (index, folder) in self.folders.iter().enumerate() {
+            let options = project.stub_options(&folder.specification);
+            for expected in &folder.expected() {
+                let repairs = project.repairs(folder, expected, &options);
+                let mut stubs = Vec::new();
+                let here = self.drifts.iter().filter(|(at, it)| {
+                    *at == index
+                        && it.component == expected.component
+                        && codes.contains(&it.code.as_str())
+                });
+                for (_, drift) in here {
+                    match drift.following() {
+                        Some(Repair::Stub { at }) => stubs.push(*at),
+                        Some(repair) => {
+                            let one = repairs.edit(repair);
+                            one.into_iter().for_each(|it| _ = edit.merge(it));
+                        }
+                        None => {}
+                    }
+                }
+                if let Ok(one) = repairs.stub(&stubs)
+                    && !stubs.is_empty()
+                {
+                    edit.merge(one);
+                }
+            }
+        }
+        edit
+    }
+}

@@ -1,0 +1,114 @@
+//! Edits as they may be offered: each was tried on a copy of the documents, see [`judge`].
+//!
+//! [`judge`]: dotgen_codegen::codels::judge
+
+use camino::Utf8Path;
+use dotgen_analysis::host::{AnalysisHost, Cancellable, Change};
+use dotgen_codegen::codels::command::Project;
+use dotgen_codegen::codels::edit::Edit;
+use dotgen_codegen::codels::judge::{Judge, Verdict};
+use dotgen_codegen::codels::stub::StubOptions;
+
+use crate::features::codels::{self, Texts};
+use crate::features::convert::edit::{Review, edit_of, with_edit};
+use crate::protocol::types::{CodeAction, CodeActionOrCommand};
+use crate::workspace::snapshot::Snapshot;
+
+/// Makes actions of edits that a judge allows.
+pub(crate) struct Offers<'o, 'j, 'p> {
+    snapshot: &'o Snapshot,
+    texts: &'o Texts<'o>,
+    judge: Judge<'j, 'p>,
+}
+
+/// Calls `offer` with a judge of edits around a document.
+pub(crate) fn offers<T>(
+    snapshot: &Snapshot,
+    path: &Utf8Path,
+    offer: impl FnOnce(&mut Offers<'_, '_, '_>) -> Cancellable<T>,
+) -> Cancellable<T> {
+    let mut roots = match snapshot.is_code(path) {
+        true => codels::roots_around(snapshot, path)?,
+        false => snapshot.analysis.roots_containing(path)?,
+    };
+    if roots.is_empty() {
+        roots.push(path.to_owned());
+    }
+    let mut host = private_host(snapshot)?;
+    let texts = Texts::new(snapshot);
+    let mut project = project(&mut host, snapshot, &texts);
+    let judge = Judge::new(&mut project, &roots);
+    let out = offer(&mut Offers {
+        snapshot,
+        texts: &texts,
+        judge,
+    })?;
+    texts.check()?;
+    Ok(out)
+}
+
+impl Offers<'_, '_, '_> {
+    /// The action that makes an edit, if the judge allows the edit. `mends`: the code of the finding that it is
+    /// for.
+    pub(crate) fn action(
+        &mut self,
+        action: CodeAction,
+        edit: &Edit,
+        mends: Option<&str>,
+    ) -> Cancellable<Option<CodeActionOrCommand>> {
+        let verdict = self.judge.verdict(edit, mends);
+        // What was read after a cancellation is nothing.
+        self.texts.check()?;
+        let is_whole = verdict == Verdict::Whole;
+        let (title, edit) = match &verdict {
+            Verdict::Refused => return Ok(None),
+            Verdict::Paired(all) => (format!("{}, and change the codels", action.title), all),
+            Verdict::Whole | Verdict::Unknown => (action.title.clone(), edit),
+        };
+        let action = CodeAction {
+            title,
+            is_preferred: action.is_preferred.map(|it| it && is_whole),
+            ..action
+        };
+        let edit = edit_of(self.snapshot, Review::None, edit)?;
+        Ok(with_edit(self.snapshot, action, edit).map(CodeActionOrCommand::CodeAction))
+    }
+
+    /// See [`Judge::together`].
+    pub(crate) fn together(&mut self, edits: &[(Edit, &str)]) -> Cancellable<Edit> {
+        let edit = self.judge.together(edits).0;
+        self.texts.check()?;
+        Ok(edit)
+    }
+}
+
+/// A database of our own with the texts of a snapshot, for work that tries changes.
+pub(crate) fn private_host(snapshot: &Snapshot) -> Cancellable<AnalysisHost> {
+    let mut host = AnalysisHost::new(snapshot.vfs.clone());
+    let mut files = Vec::new();
+    for path in snapshot.open.keys() {
+        let text = snapshot.analysis.text(path)?;
+        files.push((path.clone(), text.map(|it| it.to_string())));
+    }
+    host.apply(Change {
+        files,
+        roots: Some(snapshot.roots.to_vec()),
+        config: Some(snapshot.config.for_analysis()),
+        ..Change::default()
+    });
+    Ok(host)
+}
+
+/// A project over a database of our own.
+pub(crate) fn project<'a>(
+    host: &'a mut AnalysisHost,
+    snapshot: &Snapshot,
+    texts: &'a Texts<'a>,
+) -> Project<'a> {
+    let files = snapshot.config.codels.clone().unwrap_or_default();
+    let stubs = StubOptions {
+        use_parameters: true,
+        ..StubOptions::default()
+    };
+    Project::new(host, texts, files, stubs)
+}
