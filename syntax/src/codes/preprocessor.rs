@@ -162,8 +162,8 @@ pub(super) const CODES: &[Code] = &[
         "pp-requires-unresolved",
         "A package is not installed, or not in a suitable version.",
         "The files of the package cannot be included, so their types and interfaces are unknown.",
-        "Install the package, or add the directory with its `.pc` file to `PKG_CONFIG_PATH`. `dotgen \
-         deps` lists what is missing and how to install it.",
+        "Install the package, or add the directory with its `.pc` file to `package-paths` in \
+         `dotgen.toml`. `dotgen deps` lists what is missing and how to install it.",
         "#pragma requires \"missing\"\n",
         "",
     ),
@@ -329,8 +329,8 @@ pub(super) const CODES: &[Code] = &[
     ours(warning(
         "not-utf8",
         "A file is not UTF-8.",
-        "It is read as Latin-1. Accents in comments and strings come out wrong in generated code and \
-         documentation that expect UTF-8.",
+        "Accents in its comments and strings come out wrong in editors, generated code and \
+         documentation.",
         "Save the file as UTF-8.",
         "// a Latin-1 accent\n",
         "",
