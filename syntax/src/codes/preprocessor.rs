@@ -145,7 +145,8 @@ pub(super) const CODES: &[Code] = &[
     error(
         "pp-requires-empty",
         "`#pragma requires` names no package.",
-        "The pragma adds the include directories of a package; without a name it has nothing to add.",
+        "The pragma makes the files of a package available. Without a name there is nothing to look \
+         for.",
         "Write the name of the package, or remove the line.",
         "#pragma requires\n",
         "#pragma requires \"demo-idl\"\n",
@@ -227,7 +228,8 @@ pub(super) const CODES: &[Code] = &[
     warning(
         "pp-no-newline",
         "The file ends on an `#else` or `#endif` without a line end.",
-        "When another file includes this one, its next line can be read as part of the directive.",
+        "`genom3` warns about `#else` and `#endif` at the very end, and misreads other directives \
+         there.",
         "Add a line end.",
         "#if 1\n#endif",
         "#if 1\n#endif\n",

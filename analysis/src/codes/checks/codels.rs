@@ -111,8 +111,8 @@ pub(super) const CODES: &[Code] = &[
     error(
         "codel-param-source",
         "A port or remote service is passed to a codel without states.",
-        "The control task executes `validate` codels and the codels of functions and attributes. It \
-         has no access to ports and remotes, which could keep it waiting.",
+        "The control task executes `validate` codels and the codels of functions and attributes. Only \
+         codels that run in a task can use ports and remote services.",
         "Make the service an activity, or let a task copy the data of the port into the ids.",
     ),
     error(

@@ -15,7 +15,7 @@ pub(super) const CODES: &[Code] = &[
         "prop-not-in-task",
         "A property stands in a task or port that cannot have it.",
         "A task takes `period`, `delay`, `priority`, `scheduling`, `stack`, `doc`, `throws` and \
-         codels. A port takes little more than `doc`.",
+         codels. A port takes only `doc`.",
         "Move the property to the component or service that it is about.",
     ),
     error(
@@ -135,8 +135,8 @@ pub(super) const CODES: &[Code] = &[
     error(
         "pragma-provides-component",
         "`#pragma provides` names a component.",
-        "The pragma gives an interface to all components that follow. A component cannot be given to \
-         another one.",
+        "Every component that follows provides the interfaces of the pragma. A component cannot be \
+         given to another one.",
         "Name an interface, or change the keyword `component` to `interface`.",
     ),
     error(
@@ -149,7 +149,7 @@ pub(super) const CODES: &[Code] = &[
     error(
         "pragma-masquerade-type",
         "`#pragma masquerade` names a type that is not declared before it.",
-        "The type is looked up where the pragma stands, from the outermost scope.",
+        "The type is looked up like any other name, in the scope and at the place of the pragma.",
         "Move the pragma below the type, correct the name, or qualify it (`module::type`).",
     ),
     error(

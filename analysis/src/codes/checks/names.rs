@@ -53,8 +53,7 @@ pub(super) const CODES: &[Code] = &[
     error(
         "forward-other-file",
         "A type that one file declares in advance is defined in another file.",
-        "GenoM3 writes the types of each file separately, so declaration and definition have to be in \
-         the same file.",
+        "GenoM3 completes a forward declaration only within its file.",
         "Remove the forward declaration if the other file is included before the first use, or move \
          the definition into this file.",
     ),

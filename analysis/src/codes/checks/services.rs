@@ -25,8 +25,8 @@ pub(super) const CODES: &[Code] = &[
     ),
     error(
         "service-param-conflict",
-        "A service is declared again with a parameter of another direction or type, or a local \
-         variable of another type.",
+        "A service is declared again with another direction or type of a parameter, or another type of \
+         a local variable.",
         "A second declaration adds to the first and repeats its parameters: a service has one \
          signature.",
         "Repeat directions and types as in the first declaration, which can come from an interface.",

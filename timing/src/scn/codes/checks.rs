@@ -6,7 +6,7 @@ pub(super) const CODES: &[Code] = &[
     warning(
         "scn-no-check",
         "A scenario checks nothing.",
-        "The run ends without a verdict.",
+        "Verification ends without a verdict.",
         "Add `check schedulable *;` or another check.",
         "scenario s {\n  use \"robot.gen\";\n  cores 2;\n}\n",
         "scenario s {\n  use \"robot.gen\";\n  cores 2;\n  check schedulable *;\n}\n",

@@ -16,8 +16,9 @@ pub(super) const CODES: &[Code] = &[
     error(
         "scn-semantics",
         "An item or step does not exist in the published models.",
-        "`semantics published;` follows formal models that know no preemption, no order of services \
-         and no end of requests.",
+        "The formal models that `semantics published;` follows have no preemption and no order of \
+         services, and clients cannot use `await ended ok`, `await ended failed`, `abort`, `connect` \
+         or `kill`.",
         "Write `semantics servers;`, or leave the item out.",
         "scenario s {\n  use \"robot.gen\";\n  semantics published;\n  policy priority;\n  check schedulable *;\n}\n",
         "scenario s {\n  use \"robot.gen\";\n  semantics servers;\n  policy priority;\n  check schedulable *;\n}\n",
@@ -37,7 +38,7 @@ pub(super) const CODES: &[Code] = &[
     error(
         "scn-period-unit",
         "A period is not a multiple of the unit of the scenario.",
-        "The unit rounds execution times. A rounded period would make another system.",
+        "Execution times are rounded to the unit. Rounding a period would give another system.",
         "Write the unit that the message proposes, or leave `unit` out.",
         "scenario s {\n  use \"robot.gen\";\n  unit 3 ms;\n  check schedulable *;\n}\n",
         "scenario s {\n  use \"robot.gen\";\n  unit 1 ms;\n  check schedulable *;\n}\n",

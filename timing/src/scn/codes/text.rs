@@ -6,7 +6,7 @@ pub(super) const CODES: &[Code] = &[
     error(
         "scn-syntax",
         "A text does not fit the grammar of scenarios.",
-        "The item is skipped, so nothing would be verified as it is meant.",
+        "The item cannot be read, and nothing is verified until the text is complete.",
         "The message says what is expected at that place. Often a `;` is missing before it.",
         "scenario s {\n  use \"robot.gen\";\n  cores 2\n  check schedulable *;\n}\n",
         "scenario s {\n  use \"robot.gen\";\n  cores 2;\n  check schedulable *;\n}\n",
@@ -78,7 +78,7 @@ pub(super) const CODES: &[Code] = &[
     error(
         "scn-slots",
         "The number of slots is not between 1 and 32.",
-        "Without a slot a task or activity never runs. Each further slot multiplies the states to \
+        "Without a slot, a task or activity never runs. Each further slot multiplies the states to \
          explore.",
         "Write a number from 1 to 32.",
         "scenario s {\n  use \"robot.gen\";\n  slots sensor.acquire 0;\n  check schedulable *;\n}\n",
