@@ -1,5 +1,5 @@
-//! The checks of template files, which do not run them: tags of markers that do not match, and Tcl that cannot
-//! be complete.
+//! The checks of template files, which do not run them: tags of markers that do not match, and Tcl that
+//! cannot be complete.
 
 use std::ops::Range;
 
