@@ -34,8 +34,8 @@ impl Loader for Headers {
     }
 }
 
-/// `line: code: message` of every diagnostic.
-fn diagnostics(text: &str) -> Vec<(usize, &'static str, String)> {
+/// All diagnostics of a text.
+fn reported(text: &str) -> Vec<Diagnostic> {
     let host = AnalysisHost::new(Arc::new(Headers));
     let input = BatchInput {
         inputs: vec![Input::Text {
@@ -45,7 +45,13 @@ fn diagnostics(text: &str) -> Vec<(usize, &'static str, String)> {
         ..BatchInput::default()
     };
     let result = host.analysis().batch(&input).unwrap();
-    let all = result.diagnostics.iter();
+    result.diagnostics.to_vec()
+}
+
+/// `line: code: message` of every diagnostic.
+fn diagnostics(text: &str) -> Vec<(usize, &'static str, String)> {
+    let found = reported(text);
+    let all = found.iter();
     // Lints have tests of their own.
     let is_hint = |it: &Diagnostic| it.severity == Severity::Hint && find(it.code).is_none();
     all.filter(|it| !is_hint(it) && codes::lints::find(it.code).is_none())
@@ -112,6 +118,21 @@ fn every_fixture_has_a_code() {
             let code = code.to_str().unwrap();
             assert!(find(code).is_some(), "{code} is no code");
         }
+    }
+}
+
+/// The codes of syntax have their examples in the table; both need other files.
+const OF_FILES: [&str; 2] = ["pp-include-depth", "pp-include-place"];
+
+#[test]
+fn examples_of_syntax_trigger_their_codes_until_they_are_corrected() {
+    let shows = |text: &str, id: &str| reported(text).iter().any(|it| it.code == id);
+    for code in dotgen_syntax::codes::all() {
+        if code.corrected.is_empty() || OF_FILES.contains(&code.id) {
+            continue;
+        }
+        assert!(shows(code.example, code.id), "{}", code.id);
+        assert!(!shows(code.corrected, code.id), "{}", code.id);
     }
 }
 
