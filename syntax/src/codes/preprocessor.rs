@@ -212,7 +212,7 @@ pub(super) const CODES: &[Code] = &[
     error(
         "pp-extra-tokens",
         "Something follows the name of `#ifdef`, `#ifndef` or `#undef`.",
-        "These directives look at one name and would ignore the rest.",
+        "These directives test or remove one name; the rest would have no effect.",
         "Remove the rest, or write the condition with `#if defined(A) && defined(B)`.",
         "#ifdef A B\n#endif\n",
         "#if defined(A) && defined(B)\n#endif\n",

@@ -61,14 +61,14 @@ pub(super) const CODES: &[Code] = &[
         "newer-release",
         "Only newer releases of GenoM3 accept this, and the specification claims to work with older \
          ones.",
-        "Whoever builds the component with an older release gets an error.",
+        "An older release that the requirements allow rejects the component.",
         "Require the release: `requires \"genom3 >= 2.99.41\";`. Or write it in a form that older \
          releases accept; `docs/releases.md` lists the differences.",
     )),
     ours(warning(
         "inout-input-port",
         "An input port is passed as `inout`.",
-        "`genom3` accepts this, but nobody sees what the codel writes to an input port.",
+        "`genom3` accepts this, but what the codel writes to an input port reaches no other component.",
         "Write `in`, or declare the port as `port out`.",
     )),
     ours(warning(

@@ -63,8 +63,8 @@ pub(super) const CODES: &[Code] = &[
     error(
         "service-fsm-codel",
         "An attribute or function has a codel with states.",
-        "The control task calls the codels of an attribute or function once, in order. There is no \
-         machine that could change states.",
+        "The control task calls the codels of an attribute or function once, in order, without a state \
+         machine.",
         "Remove the states and the `yields` list, or make the service an activity.",
     ),
     error(

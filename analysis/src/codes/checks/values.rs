@@ -31,8 +31,8 @@ pub(super) const CODES: &[Code] = &[
     error(
         "const-convert",
         "A value cannot be converted to the declared type.",
-        "Values are not converted silently: a fraction is no integer, a negative number is no unsigned \
-         one, and a number is neither a string nor a boolean.",
+        "Values are not converted silently: a fraction is not an integer, a negative number is not \
+         unsigned, and a number is neither a string nor a boolean.",
         "Change the value or the type. Write `TRUE` and `FALSE` for booleans, quotes for strings.",
     ),
     error(
