@@ -19,17 +19,19 @@ pub struct Code {
     pub id: &'static str,
     /// Severity unless configured otherwise.
     pub severity: Severity,
-    /// Whether it is reported unless configured otherwise.
+    /// Set if it is reported unless configured otherwise.
     pub on: bool,
-    /// What it means, in one line.
+    /// The meaning, in one sentence.
     pub meaning: &'static str,
-    /// Why it matters, when that is not plain.
-    pub why: Option<&'static str>,
-    /// A text that triggers it, where the table has one.
+    /// The reason for the rule, or what goes wrong.
+    pub why: &'static str,
+    /// A text that triggers it; `None` if a fixture of the tests has it.
     pub example: Option<&'static str>,
-    /// What to do about it.
-    pub fix: Option<&'static str>,
-    /// Whether the reference compiler reports it too.
+    /// The example as it should be; `None` if a fixture has it, or no text can show that.
+    pub corrected: Option<&'static str>,
+    /// Advice on how to mend the text.
+    pub fix: &'static str,
+    /// Set if the reference compiler reports it too.
     pub reference: bool,
 }
 
@@ -44,7 +46,7 @@ pub fn is_environment(code: &str) -> bool {
 
 /// All codes of this layer and those below.
 pub fn all() -> impl Iterator<Item = Code> {
-    let syntax = syntax::CODES.iter().map(|it| Code {
+    let syntax = syntax::all().map(|it| Code {
         id: it.id,
         severity: match it.severity {
             preproc::Severity::Error => Severity::Error,
@@ -53,19 +55,21 @@ pub fn all() -> impl Iterator<Item = Code> {
         },
         on: true,
         meaning: it.meaning,
-        why: None,
+        why: it.why,
         example: Some(it.example),
-        fix: None,
+        corrected: shown(it.corrected),
+        fix: it.fix,
         reference: it.reference,
     });
-    let checks = checks::CODES.iter().map(|it| Code {
+    let checks = checks::all().map(|it| Code {
         id: it.id,
         severity: it.severity,
         on: true,
         meaning: it.meaning,
-        why: None,
+        why: it.why,
         example: None,
-        fix: None,
+        corrected: None,
+        fix: it.fix,
         reference: it.reference,
     });
     let lints = lints::CODES
@@ -76,10 +80,16 @@ pub fn all() -> impl Iterator<Item = Code> {
             severity: it.severity,
             on: it.on,
             meaning: it.meaning,
-            why: Some(it.why),
+            why: it.why,
             example: Some(it.example),
-            fix: Some(it.fix),
+            corrected: shown(it.corrected),
+            fix: it.fix,
             reference: false,
         });
     syntax.chain(checks).chain(lints)
+}
+
+/// A text of a table, unless it is empty.
+fn shown(text: &'static str) -> Option<&'static str> {
+    (!text.is_empty()).then_some(text)
 }

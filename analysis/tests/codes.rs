@@ -1,8 +1,9 @@
 //! Each diagnostic code has a fixture, `data/codes/CODE.gen`, with a text that triggers it and, after
-//! the line `// near miss`, one that almost does.
+//! the line `// near miss`, one that almost does. A third one after `// corrected` is the first text as it
+//! should be, for the manual; without it the near miss is.
 //!
 //! In the first text a comment `//!` marks each line where the code is reported; nothing else may be
-//! reported (one cause, one diagnostic). In the second text there is no problem at all.
+//! reported (one cause, one diagnostic). In the other texts there is no problem at all.
 
 use std::{fs, path::Path, sync::Arc};
 
@@ -10,7 +11,7 @@ use camino::Utf8Path;
 use dotgen_analysis::{
     codes::{
         self,
-        checks::{CODES, find},
+        checks::{all, find},
     },
     diagnostic::{Diagnostic, Severity},
     host::{AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags},
@@ -33,8 +34,8 @@ impl Loader for Headers {
     }
 }
 
-/// `line: code: message` of every diagnostic.
-fn diagnostics(text: &str) -> Vec<(usize, &'static str, String)> {
+/// All diagnostics of a text.
+fn reported(text: &str) -> Vec<Diagnostic> {
     let host = AnalysisHost::new(Arc::new(Headers));
     let input = BatchInput {
         inputs: vec![Input::Text {
@@ -44,7 +45,13 @@ fn diagnostics(text: &str) -> Vec<(usize, &'static str, String)> {
         ..BatchInput::default()
     };
     let result = host.analysis().batch(&input).unwrap();
-    let all = result.diagnostics.iter();
+    result.diagnostics.to_vec()
+}
+
+/// `line: code: message` of every diagnostic.
+fn diagnostics(text: &str) -> Vec<(usize, &'static str, String)> {
+    let found = reported(text);
+    let all = found.iter();
     // Lints have tests of their own.
     let is_hint = |it: &Diagnostic| it.severity == Severity::Hint && find(it.code).is_none();
     all.filter(|it| !is_hint(it) && codes::lints::find(it.code).is_none())
@@ -64,7 +71,7 @@ fn diagnostics(text: &str) -> Vec<(usize, &'static str, String)> {
 fn every_code_has_a_fixture_that_triggers_it() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/codes");
     let mut failures = Vec::new();
-    for code in CODES {
+    for code in all() {
         let path = folder.join(code.id).with_extension("gen");
         let Ok(fixture) = fs::read_to_string(&path) else {
             failures.push(format!("{}: there is no fixture", code.id));
@@ -86,9 +93,11 @@ fn every_code_has_a_fixture_that_triggers_it() {
         if wanted.is_empty() || lines != wanted || found.iter().any(|it| it.1 != code.id) {
             failures.push(format!("{}: should be at {wanted:?}: {found:#?}", code.id));
         }
-        let found = diagnostics(good);
-        if !found.is_empty() {
-            failures.push(format!("{}: near miss: {found:#?}", code.id));
+        for accepted in good.split("// corrected\n") {
+            let found = diagnostics(accepted);
+            if !found.is_empty() {
+                failures.push(format!("{}: {accepted}: {found:#?}", code.id));
+            }
         }
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
@@ -107,8 +116,23 @@ fn every_fixture_has_a_code() {
             }
             let code = path.strip_prefix(&folder).unwrap().with_extension("");
             let code = code.to_str().unwrap();
-            assert!(CODES.iter().any(|it| it.id == code), "{code} is no code");
+            assert!(find(code).is_some(), "{code} is no code");
         }
+    }
+}
+
+/// The codes of syntax have their examples in the table; both need other files.
+const OF_FILES: [&str; 2] = ["pp-include-depth", "pp-include-place"];
+
+#[test]
+fn examples_of_syntax_trigger_their_codes_until_they_are_corrected() {
+    let shows = |text: &str, id: &str| reported(text).iter().any(|it| it.code == id);
+    for code in dotgen_syntax::codes::all() {
+        if code.corrected.is_empty() || OF_FILES.contains(&code.id) {
+            continue;
+        }
+        assert!(shows(code.example, code.id), "{}", code.id);
+        assert!(!shows(code.corrected, code.id), "{}", code.id);
     }
 }
 

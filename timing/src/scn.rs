@@ -5,6 +5,7 @@
 //! components by [`names`], which is also what editor features ask.
 
 pub mod ast;
+pub mod codes;
 pub mod complete;
 mod default;
 pub mod describe;

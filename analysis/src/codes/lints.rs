@@ -1,4 +1,4 @@
-//! What each finding means: the one table from which manual pages and settings are generated.
+//! The table of rules, from which manual pages and settings are generated.
 
 use crate::diagnostic::Severity;
 
@@ -9,19 +9,21 @@ pub struct LintCode {
     pub id: &'static str,
     /// Severity unless configured otherwise.
     pub severity: Severity,
-    /// Whether it is reported unless configured otherwise.
+    /// Set if it is reported unless configured otherwise.
     pub on: bool,
     /// It says that something is missing, so it waits until the specification is accepted.
     pub absence: bool,
-    /// What it marks can be removed; editors fade it.
+    /// The marked text can be removed; editors fade it.
     pub unnecessary: bool,
-    /// What is reported, in one line.
+    /// The meaning, in one sentence.
     pub meaning: &'static str,
-    /// Why it matters.
+    /// The reason for the rule.
     pub why: &'static str,
     /// A specification that triggers it.
     pub example: &'static str,
-    /// What to do.
+    /// The example as it should be; empty if no text can show that.
+    pub corrected: &'static str,
+    /// Advice on how to mend the text.
     pub fix: &'static str,
 }
 
@@ -43,12 +45,14 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
-        meaning: "a cycle of states without `pause::`",
-        why: "Within one turn of the task the machine can go round such a cycle any number of times, so the execution \
-              time of a job has no bound and nothing can be proved about deadlines. Often it is intended (a receive loop, \
-              a wait state) and each round is short; then a verification scenario bounds it with `loop`.",
+        meaning: "A cycle of states has no `pause::`.",
+        why: "In one turn of the task the machine can go round such a cycle any number of times. The execution \
+              time of a job then has no bound, and no deadline can be proved. Often the cycle is intended (a receive loop, \
+              a wait state) and each round is short.",
         example: "component c {\n  task t { period 5 ms;\n    codel<start> f() yield main;\n    codel<main> g() yield main, ether;\n  };\n};\n",
-        fix: "Yield `pause::main` where each round may wait for the next period.",
+        corrected: "component c {\n  task t { period 5 ms;\n    codel<start> f() yield main;\n    codel<main> g() yield pause::main, ether;\n  };\n};\n",
+        fix: "Yield `pause::main` if each round may wait for the next period. Otherwise limit the rounds with `loop` in a \
+              verification scenario.",
     },
     LintCode {
         id: "fsm/no-termination",
@@ -56,10 +60,11 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: false,
-        meaning: "an activity that can neither end nor pause",
+        meaning: "An activity can neither end nor pause.",
         why: "No path leads to `ether` and some cycle has no `pause::`: once started, the activity can keep its task \
               for ever, and no other activity of the task gets its turn.",
         example: "component c {\n  task t { period 5 ms; };\n  activity a() { task t;\n    codel<start> f() yield run;\n    codel<run> g() yield run;\n  };\n};\n",
+        corrected: "component c {\n  task t { period 5 ms; };\n  activity a() { task t;\n    codel<start> f() yield run;\n    codel<run> g() yield pause::run, ether;\n  };\n};\n",
         fix: "Yield `ether` when the work is done, or `pause::` to give others a turn.",
     },
     LintCode {
@@ -68,10 +73,11 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
-        meaning: "`pause::` in a task without period where nothing can end the pause",
+        meaning: "A task without a period yields `pause::`, and nothing can end the pause.",
         why: "In a task without period `pause::` waits for an internal event: a transition of another activity, or a \
               request for an activity, attribute or function. In a component with nothing of the kind it waits for ever.",
         example: "component c {\n  task t {\n    codel<start> f() yield pause::start, ether;\n  };\n};\n",
+        corrected: "component c {\n  task t { period 5 ms;\n    codel<start> f() yield pause::start, ether;\n  };\n};\n",
         fix: "Give the task a `period`, or yield the state without `pause::`.",
     },
     LintCode {
@@ -80,9 +86,10 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
-        meaning: "a state all of whose successors are undefined",
-        why: "After its codel the machine has nowhere to go.",
+        meaning: "A state leads only to undefined states.",
+        why: "After the codel of the state, the machine has nowhere to go.",
         example: "component c {\n  task t { period 1 s;\n    codel<start> f() yield a, b;\n  };\n};\n",
+        corrected: "component c {\n  task t { period 1 s;\n    codel<start> f() yield a, ether;\n    codel<a> g() yield ether;\n  };\n};\n",
         fix: "Declare a codel for one of the states, or yield `ether`.",
     },
     LintCode {
@@ -91,11 +98,12 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
-        meaning: "a codel with the name that the mapping gives to a state of the component",
+        meaning: "A codel has the name that the mapping gives to a state of the component.",
         why: "In C the mapping defines `COMPONENT_state` for every state, and `COMPONENT_pause_state` for every state \
               that follows a `pause::`. A function of the same name cannot be compiled.",
         example: "component c {\n  task t { period 5 ms;\n    codel<start> c_start() yield pause::start, ether;\n  };\n};\n",
-        fix: "Call the codel otherwise, after its task or service, say: `c_t_start`.",
+        corrected: "component c {\n  task t { period 5 ms;\n    codel<start> c_t_start() yield pause::start, ether;\n  };\n};\n",
+        fix: "Rename the codel, for instance after its task or service: `c_t_start`.",
     },
     LintCode {
         id: "fsm/missing-stop",
@@ -103,10 +111,11 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: false,
-        meaning: "an activity that is interrupted while it changes data, without `stop` codel",
+        meaning: "An activity that changes data can be interrupted and has no `stop` codel.",
         why: "An interrupted activity runs its `stop` codel and nothing else. Without one, ports and ids keep whatever the \
               last codel left in them: a robot may go on with its last speed.",
         example: "component c {\n  ids { long speed; };\n  task t { period 5 ms; };\n  activity go() { task t; interrupts go;\n    codel<start> f(out speed) yield pause::start, ether;\n  };\n};\n",
+        corrected: "component c {\n  ids { long speed; };\n  task t { period 5 ms; };\n  activity go() { task t; interrupts go;\n    codel<start> f(out speed) yield pause::start, ether;\n    codel<stop> halt(out speed) yield ether;\n  };\n};\n",
         fix: "Add `codel<stop> …(…) yield ether;` that leaves the data in a safe state.",
     },
     LintCode {
@@ -115,10 +124,11 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
-        meaning: "an output port written by codels of different tasks",
-        why: "Which of the two values readers see depends on scheduling. (Codels of a task that only start \
-            or stop it do not count.)",
+        meaning: "Codels of different tasks write the same output port.",
+        why: "Which of the two values readers see depends on scheduling. Codels that only start or stop a task \
+            do not count.",
         example: "struct s { long x; };\ncomponent c {\n  port out s p;\n  task t { period 5 ms; codel<start> f(out p) yield pause::main; codel<main> h(out p) yield pause::main; };\n  task u { period 5 ms; codel<start> g(out p) yield pause::main; codel<main> k(out p) yield pause::main; };\n};\n",
+        corrected: "struct s { long x; };\ncomponent c {\n  port out s p;\n  port out s q;\n  task t { period 5 ms; codel<start> f(out p) yield pause::main; codel<main> h(out p) yield pause::main; };\n  task u { period 5 ms; codel<start> g(out q) yield pause::main; codel<main> k(out q) yield pause::main; };\n};\n",
         fix: "Let one task write the port, or declare a port for each.",
     },
     LintCode {
@@ -127,10 +137,11 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: false,
-        meaning: "an output port that no codel writes",
+        meaning: "An output port has no codel that writes it.",
         why: "Components that read it wait for data that never comes.",
         example: "struct s { long x; };\ncomponent c {\n  port out s p;\n  task t { codel<start> f() yield ether; };\n};\n",
-        fix: "Add it as `out` parameter to the codel that computes it, or remove the port.",
+        corrected: "struct s { long x; };\ncomponent c {\n  port out s p;\n  task t { codel<start> f(out p) yield ether; };\n};\n",
+        fix: "Add the port as `out` parameter to the codel that computes the data, or remove the port.",
     },
     LintCode {
         id: "port/never-read",
@@ -138,10 +149,11 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: true,
-        meaning: "an input port that no codel reads",
-        why: "The component asks to be connected for nothing.",
+        meaning: "An input port has no codel that reads it.",
+        why: "Somebody has to connect the port, and nothing uses the data.",
         example: "struct s { long x; };\ncomponent c {\n  port in s p;\n  task t { codel<start> f() yield ether; };\n};\n",
-        fix: "Add it as `in` parameter to a codel, or remove the port.",
+        corrected: "struct s { long x; };\ncomponent c {\n  port in s p;\n  task t { codel<start> f(in p) yield ether; };\n};\n",
+        fix: "Add the port as `in` parameter to a codel, or remove the port.",
     },
     LintCode {
         id: "ids/never-written",
@@ -149,10 +161,11 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: false,
-        meaning: "a member of the ids that is read but never written",
-        why: "Its readers get whatever memory holds.",
+        meaning: "A member of the ids is read but never written.",
+        why: "Its readers get an undefined value.",
         example: "component c {\n  ids { long x; };\n  task t { codel<start> f(in x) yield ether; };\n};\n",
-        fix: "Write it in the `start` codel of a task, or add an attribute that sets it.",
+        corrected: "component c {\n  ids { long x; };\n  task t { codel<start> f(in x) yield ether; };\n  attribute set_x(in x);\n};\n",
+        fix: "Write the member in the `start` codel of a task, or add an attribute that sets it.",
     },
     LintCode {
         id: "ids/never-read",
@@ -160,10 +173,11 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: true,
-        meaning: "a member of the ids that nothing reads",
-        why: "It costs memory and attention, and locks codels against each other for nothing.",
+        meaning: "A member of the ids is never read.",
+        why: "The member takes memory, and the codels that write it exclude each other for nothing.",
         example: "component c {\n  ids { long x; };\n  task t { codel<start> f() yield ether; };\n};\n",
-        fix: "Remove it, or add the attribute or codel that should read it.",
+        corrected: "component c {\n  ids { long x; };\n  task t { codel<start> f(out x) yield ether; };\n  attribute get_x(out x);\n};\n",
+        fix: "Remove the member, or add the attribute or codel that should read it.",
     },
     LintCode {
         id: "ids/read-before-write",
@@ -171,11 +185,12 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: false,
-        meaning: "a permanent activity reads what only requests write",
+        meaning: "A permanent activity reads what only requests write.",
         why: "Permanent activities run from the start of the component. Until the first request the value \
             is undefined.",
         example: "component c {\n  ids { long x; };\n  task t { period 5 ms; codel<start> f(in x) yield pause::start; };\n  attribute set(in x);\n};\n",
-        fix: "Give it an initial value in the `start` codel of a task.",
+        corrected: "component c {\n  ids { long x; };\n  task t { period 5 ms;\n    codel<start> init(out x) yield main;\n    codel<main> f(in x) yield pause::main;\n  };\n  attribute set(in x);\n};\n",
+        fix: "Write an initial value in the `start` codel of a task.",
     },
     LintCode {
         id: "lock/long-hold",
@@ -183,10 +198,11 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
-        meaning: "a codel holds data for longer than the period of a task that needs it",
-        why: "GenoM3 locks the ids members and ports a codel names while it runs. A task with a shorter period then waits, \
-              and misses ticks, however many cores there are.",
+        meaning: "A codel holds data for longer than the period of a task that needs them.",
+        why: "While a codel runs, GenoM3 locks the members of the ids and the ports that the codel names. A task with a \
+              shorter period then waits and misses ticks, however many cores there are.",
         example: "component c {\n  ids { long x; };\n  task slow { period 1 s; codel<start> f(out x) yield pause::start wcet 100 ms; };\n  task fast { period 10 ms; codel<start> g(in x) yield pause::start wcet 1 ms; };\n};\n",
+        corrected: "component c {\n  ids { long x; long result; };\n  task slow { period 1 s;\n    codel<start> f(out result) yield copy wcet 100 ms;\n    codel<copy> h(in result, out x) yield pause::start wcet 1 ms;\n  };\n  task fast { period 10 ms; codel<start> g(in x) yield pause::start wcet 1 ms; };\n};\n",
         fix: "Split the codel so that the long part works on a copy, or name a smaller part of the data \
             (`x.y` instead of `x`).",
     },
@@ -196,10 +212,11 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
-        meaning: "an asynchronous codel shares data with another codel of its own task",
+        meaning: "An `async` codel shares data with another codel of its own task.",
         why: "While an `async` codel runs, its task goes on with other activities. If one of them needs the same data, \
-              either the task waits for its own activity or both touch the data at once.",
+              either the task waits for its own activity, or both access the data at once.",
         example: "component c {\n  ids { long x; };\n  task t { period 5 ms; };\n  activity a() { task t; async codel<start> f(out x) yield ether; };\n  activity b() { task t; codel<start> g(in x) yield ether; };\n};\n",
+        corrected: "component c {\n  ids { long x; };\n  task t { period 5 ms; };\n  activity a() { task t; local long z;\n    async codel<start> f(out z) yield copy;\n    codel<copy> h(in z, out x) yield ether;\n  };\n  activity b() { task t; codel<start> g(in x) yield ether; };\n};\n",
         fix: "Let the asynchronous codel work on `local` variables and copy the result in a codel after it.",
     },
     LintCode {
@@ -208,9 +225,10 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: false,
-        meaning: "codels without execution time in a component that has some",
-        why: "The verifier takes them as taking no time, which makes its answers too good.",
+        meaning: "Some codels of a component have no execution time, although others have one.",
+        why: "Verification counts them as 0. Its response times are then too short.",
         example: "component c {\n  task t { period 5 ms;\n    codel<start> f() yield main wcet 10 us;\n    codel<main> g() yield pause::main;\n  };\n};\n",
+        corrected: "component c {\n  task t { period 5 ms;\n    codel<start> f() yield main wcet 10 us;\n    codel<main> g() yield pause::main wcet 20 us;\n  };\n};\n",
         fix: "Add `wcet` with the measured or estimated worst case.",
     },
     LintCode {
@@ -219,9 +237,10 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
-        meaning: "a codel, or a chain of codels up to the next pause, longer than the period of its task",
+        meaning: "A codel, or a chain of codels up to the next pause, takes longer than the period of its task.",
         why: "The job of one period is then not finished when the next begins.",
         example: "component c {\n  task t { period 5 ms;\n    codel<start> f() yield main wcet 3 ms;\n    codel<main> g() yield pause::main wcet 4 ms;\n  };\n};\n",
+        corrected: "component c {\n  task t { period 5 ms;\n    codel<start> f() yield pause::main wcet 3 ms;\n    codel<main> g() yield pause::main wcet 4 ms;\n  };\n};\n",
         fix: "Pause in between, shorten the codels, make the long one `async`, or lengthen the period.",
     },
     LintCode {
@@ -230,9 +249,10 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
-        meaning: "permanent activities need more processor time than there is",
+        meaning: "Permanent activities need more processor time than there is.",
         why: "The sum of execution times over periods exceeds the number of cores set in the configuration.",
         example: "component c {\n  task t { period 5 ms; codel<start> f() yield pause::start wcet 4 ms; };\n  task u { period 5 ms; codel<start> g() yield pause::start wcet 4 ms; };\n};\n",
+        corrected: "component c {\n  task t { period 10 ms; codel<start> f() yield pause::start wcet 4 ms; };\n  task u { period 10 ms; codel<start> g() yield pause::start wcet 4 ms; };\n};\n",
         fix: "Lengthen periods, shorten codels, or run on more cores (`timing.cores` in dotgen.toml).",
     },
     LintCode {
@@ -241,9 +261,10 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: false,
-        meaning: "a pausing permanent activity with execution times in a task without period",
+        meaning: "A permanent activity that pauses has execution times, but its task has no period.",
         why: "Nothing says how often it runs, so its load and response times cannot be computed.",
         example: "component c {\n  task t { codel<start> f() yield pause::start wcet 1 ms; };\n};\n",
+        corrected: "component c {\n  task t { period 10 ms; codel<start> f() yield pause::start wcet 1 ms; };\n};\n",
         fix: "Give the task a `period`.",
     },
     LintCode {
@@ -252,9 +273,10 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
-        meaning: "an execution time above 10 s or a period below 10 µs",
+        meaning: "An execution time is above 10 s, or a period below 10 µs.",
         why: "Numbers without unit are seconds; a forgotten `ms` is easily overlooked.",
         example: "component c {\n  task t { period 5 s; codel<start> f() yield pause::start wcet 26; };\n};\n",
+        corrected: "component c {\n  task t { period 5 s; codel<start> f() yield pause::start wcet 26 ms; };\n};\n",
         fix: "Write the unit.",
     },
     LintCode {
@@ -263,10 +285,11 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: false,
-        meaning: "an activity that changes data and does not interrupt itself",
-        why: "Each request starts another instance. Two instances of a motion, say, take turns in writing \
-            the reference.",
+        meaning: "An activity changes data and does not interrupt itself.",
+        why: "Each request starts another instance. Two instances of a motion, for example, write \
+            the reference in turns.",
         example: "component c {\n  ids { long x; };\n  task t { period 5 ms; };\n  activity go() { task t; codel<start> f(out x) yield pause::start, ether; };\n};\n",
+        corrected: "component c {\n  ids { long x; };\n  task t { period 5 ms; };\n  activity go() { task t; interrupts go; codel<start> f(out x) yield pause::start, ether; };\n};\n",
         fix: "Add `interrupts` with the name of the activity itself.",
     },
     LintCode {
@@ -275,10 +298,10 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: false,
-        meaning: "a setter whose `validate` codel does not get the new value",
-        why: "`ids in x` is the value before the request: the new one is checked only when it is named with \
-            `local in x`.",
+        meaning: "The `validate` codel of a setter does not get the new value.",
+        why: "`ids in x` is the value before the request. The new value is `local in x`.",
         example: "component c {\n  ids { long x; };\n  attribute set(in x) { validate check(ids in x); };\n};\n",
+        corrected: "component c {\n  ids { long x; };\n  attribute set(in x) { validate check(local in x); };\n};\n",
         fix: "Write `local in x`.",
     },
     LintCode {
@@ -287,11 +310,12 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
-        meaning: "a function or attribute that keeps the control task busy",
+        meaning: "A function or attribute keeps the control task busy.",
         why: "The control task executes functions and attributes itself and serves no other request meanwhile, \
               not even one to stop.",
         example: "component c {\n  function f() { codel g() wcet 200 ms; };\n};\n",
-        fix: "Make it an activity, or raise `timing.control-task-budget` in dotgen.toml.",
+        corrected: "component c {\n  task t;\n  activity f() { task t;\n    codel<start> g() yield ether wcet 200 ms;\n  };\n};\n",
+        fix: "Make the service an activity, or raise `timing.control-task-budget` in dotgen.toml.",
     },
     LintCode {
         id: "service/order-cycle",
@@ -299,9 +323,10 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
-        meaning: "`before` and `after` relations in a circle",
+        meaning: "The `before` and `after` relations of services form a cycle.",
         why: "No order of services satisfies them.",
         example: "component c {\n  function f() { before g; };\n  function g() { before f; };\n};\n",
+        corrected: "component c {\n  function f() { before g; };\n  function g();\n};\n",
         fix: "Remove one of the relations.",
     },
     LintCode {
@@ -310,10 +335,11 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: true,
-        meaning: "an exception that no `throw` names",
-        why: "Clients prepare for an error that never comes.",
+        meaning: "An exception appears in no `throw`.",
+        why: "Clients handle an error that never occurs.",
         example: "component c {\n  exception e_never;\n  task t { codel<start> f() yield ether; };\n};\n",
-        fix: "Name it in a `throw`, or remove it.",
+        corrected: "component c {\n  exception e_never;\n  task t { throw e_never; codel<start> f() yield ether; };\n};\n",
+        fix: "Name the exception in a `throw`, or remove it.",
     },
     LintCode {
         id: "unused/type",
@@ -321,10 +347,11 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: true,
-        meaning: "a type of a component that nothing uses",
-        why: "Less to read, less to generate.",
+        meaning: "A type of a component is never used.",
+        why: "The type is generated and read for nothing.",
         example: "component c {\n  struct s { long x; };\n  task t { codel<start> f() yield ether; };\n};\n",
-        fix: "Remove it.",
+        corrected: "component c {\n  task t { codel<start> f() yield ether; };\n};\n",
+        fix: "Remove the declaration.",
     },
     LintCode {
         id: "unused/local",
@@ -332,10 +359,11 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: true,
-        meaning: "a local variable that no codel uses",
-        why: "Each instance of the service carries it.",
+        meaning: "A local variable is never used.",
+        why: "Each instance of the service reserves memory for the variable.",
         example: "component c {\n  task t { period 1 s; };\n  activity a() { task t; local long x;\n    codel<start> f() yield ether;\n  };\n};\n",
-        fix: "Remove it.",
+        corrected: "component c {\n  task t { period 1 s; };\n  activity a() { task t; local long x;\n    codel<start> f(out x) yield ether;\n  };\n};\n",
+        fix: "Remove the declaration.",
     },
     LintCode {
         id: "style/missing-doc",
@@ -343,9 +371,10 @@ pub const CODES: &[LintCode] = &[
         on: false,
         absence: true,
         unnecessary: false,
-        meaning: "a component or service without `doc`",
+        meaning: "A component or service has no `doc`.",
         why: "Clients and generated manuals show these texts.",
         example: "component c {\n  function f();\n};\n",
+        corrected: "component c {\n  doc \"Counts things.\";\n  function f() { doc \"Starts again at zero.\"; };\n};\n",
         fix: "Add a `doc` property.",
     },
     LintCode {
@@ -354,10 +383,11 @@ pub const CODES: &[LintCode] = &[
         on: false,
         absence: false,
         unnecessary: false,
-        meaning: "a service named unlike the others of its component",
-        why: "Clients guess names.",
+        meaning: "A service is named unlike the others of its component.",
+        why: "Users of a component guess the names of its services.",
         example: "component c {\n  function set_speed();\n  function get_speed();\n  function StopNow();\n};\n",
-        fix: "Rename it.",
+        corrected: "component c {\n  function set_speed();\n  function get_speed();\n  function stop_now();\n};\n",
+        fix: "Rename the service.",
     },
     LintCode {
         id: "style/order",
@@ -365,10 +395,11 @@ pub const CODES: &[LintCode] = &[
         on: false,
         absence: false,
         unnecessary: false,
-        meaning: "services not in the order attributes, functions, activities",
-        why: "Readers find things where they are in other components.",
+        meaning: "Services do not stand in the order attributes, functions, activities.",
+        why: "Readers expect services where other components have them.",
         example: "component c {\n  ids { long x; };\n  function f();\n  attribute a(in x);\n};\n",
-        fix: "Move it.",
+        corrected: "component c {\n  ids { long x; };\n  attribute a(in x);\n  function f();\n};\n",
+        fix: "Move the service.",
     },
     LintCode {
         id: UNUSED_SUPPRESSION,
@@ -376,9 +407,10 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: false,
-        meaning: "a comment allows something that is not reported",
-        why: "It would hide the next real finding at that place.",
+        meaning: "A comment allows something that is not reported.",
+        why: "The comment would hide the next real finding at that place.",
         example: "component c {\n  // dotgen: allow(port/write-race) only one of them runs\n  task t { codel<start> f() yield ether; };\n};\n",
+        corrected: "component c {\n  task t { codel<start> f() yield ether; };\n};\n",
         fix: "Remove the code from the comment.",
     },
     LintCode {
@@ -387,9 +419,10 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
-        meaning: "a comment allows a finding without saying why",
-        why: "Whoever reads it next has to find out again.",
+        meaning: "A comment allows a finding without a reason.",
+        why: "The next reader has to find out again why the finding is harmless.",
         example: "component c {\n  // dotgen: allow(service/order-cycle)\n  function f() { before g; };\n  function g() { before f; };\n};\n",
-        fix: "Give the reason after the parenthesis.",
+        corrected: "component c {\n  // dotgen: allow(service/order-cycle) the clients never call both\n  function f() { before g; };\n  function g() { before f; };\n};\n",
+        fix: "Write the reason after the parenthesis.",
     },
 ];

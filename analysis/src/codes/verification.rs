@@ -1,5 +1,5 @@
-//! What verification reports (`dotgen_timing` computes it, the editor shows it). It stands here so that
-//! the manual and the configuration see one table.
+//! The findings of verification. `dotgen_timing` computes them and the editor shows them; they stand here so
+//! that the manual and the configuration see one table.
 
 use crate::codes::lints::LintCode;
 use crate::diagnostic::Severity;
@@ -9,6 +9,7 @@ const fn code(
     meaning: &'static str,
     why: &'static str,
     example: &'static str,
+    corrected: &'static str,
     fix: &'static str,
 ) -> LintCode {
     LintCode {
@@ -20,6 +21,7 @@ const fn code(
         meaning,
         why,
         example,
+        corrected,
         fix,
     }
 }
@@ -28,87 +30,96 @@ const fn code(
 pub const CODES: &[LintCode] = &[
     code(
         "timing/deadline-miss",
-        "a task that can miss its deadline: there is a run in which its next period begins before the job of the last one \
-         has ended",
-        "It is found by looking at every run of the timed model, with the locks, cores and clients of the scenario \
-         (without one: any client, at any time). The related places are the last steps of such a run; *Show the timeline of \
-         the run* shows all of it.",
+        "A task can miss its deadline: in some run, its next period begins before the job of the last one has ended.",
+        "Verification explores all runs of the timed model, with the locks, cores and clients of the scenario. \
+         Without a scenario, any client requests anything at any time. The related places are the last steps of a \
+         run that misses; *Show the timeline of the run* shows all of it.",
         "component c {\n  task t { period 5 ms;\n    codel<start> f() yield ether wcet 6 ms;\n  };\n};\n",
-        "Make the codels that the task runs or waits for shorter, the period longer, or share less between tasks; more cores \
-         help when the task waits for one. The what-if fields of the verification panel tell what would be enough.",
+        "component c {\n  task t { period 8 ms;\n    codel<start> f() yield ether wcet 6 ms;\n  };\n};\n",
+        "Shorten the codels that the task runs or waits for, lengthen the period, or share less data between tasks. \
+         More cores help if the task waits for one. The what-if fields of the verification panel show what would be \
+         enough.",
     ),
     code(
         "timing/response-exceeded",
-        "a response time, or the time between two events, that can be longer than the bound a scenario asks for, or has \
-         none",
-        "The value given is exact: some run reaches it. Which run, the timeline shows.",
+        "A response time, or the time between two events, can be longer than the bound of the scenario, or has no \
+         bound.",
+        "The reported value is exact: some run reaches it. The timeline shows that run.",
         "scenario s {\n  use \"c.gen\";\n  check response c.t <= 4 ms;\n}\n",
-        "Raise the bound if it was only a guess; otherwise look in the timeline for what the task waits for.",
+        "",
+        "If the bound was a guess, raise it. Otherwise find out in the timeline what the task waits for.",
     ),
     code(
         "timing/check-failed",
-        "a check of a scenario that does not hold",
-        "There is a run that contradicts it (for `reachable`: no run that shows it).",
+        "A check of a scenario does not hold.",
+        "Some run contradicts the check. For `reachable`, no run shows the state.",
         "scenario s {\n  use \"c.gen\";\n  check always not c.t.start;\n}\n",
-        "Look at the run in the timeline; change the specification, or the check if it asks for the wrong \
-            thing.",
+        "",
+        "Read the run in the timeline. Change the specification, or the check if it asks for the wrong thing.",
     ),
     LintCode {
         severity: Severity::Information,
         ..code(
             "timing/gave-up",
-            "a check that was neither proved nor refuted within the limits",
-            "A verification ends at a number of states, an amount of memory or a time, all of which are settings. What was \
-             not found may still exist, and a value is then a lower bound.",
+            "A check was neither proved nor refuted within the limits.",
+            "A verification ends at a number of states, an amount of memory or a time. Runs that were not explored \
+             can still violate the check, and a reported value is a lower bound.",
             "scenario s {\n  use \"large.gen\";\n  check schedulable *;\n}\n",
-            "Raise `verification.max-states` or `verification.time-limit`, verify on the command line, which takes its time, \
-             or make the scenario smaller: fewer requests, `loop once`, a coarser `unit`.",
+            "",
+            "Raise `verification.max-states` or `verification.time-limit`, or verify on the command line. Or make \
+             the scenario smaller: fewer requests, `loop once`, a coarser `unit`.",
         )
     },
     code(
         "timing-no-wcet",
-        "codels that a verification takes to need no time, as they have no `wcet`",
-        "What is proved then holds for codels that take no time, and real ones are later. It stands at the `use` of a scenario, \
-         and is told by `dotgen verify`; `timing/missing-wcet` says it in the specification.",
+        "Verification counts codels without `wcet` as taking no time.",
+        "A proof then holds for codels that take no time, and real ones are later. The warning stands at the `use` \
+         of a scenario and in the output of `dotgen verify`. In the specification, `timing/missing-wcet` reports it.",
         "component c {\n  task t { period 5 ms;\n    codel<start> f() yield main wcet 10 us;\n    codel<main> g() yield pause::main;\n  };\n};\n",
+        "component c {\n  task t { period 5 ms;\n    codel<start> f() yield main wcet 10 us;\n    codel<main> g() yield pause::main wcet 20 us;\n  };\n};\n",
         "Add `wcet` with the measured or estimated worst case, or a `duration` in the scenario.",
     ),
     code(
         "timing-state-cycle",
-        "a cycle of states without `pause::` that a verification follows without limit",
-        "Every turn may go round it any number of times, so response times have no bound. It stands in the scenario, and is told by \
-         `dotgen verify`; `fsm/busy-loop` says it in the specification.",
+        "A cycle of states has no `pause::`, and verification follows it without a limit.",
+        "In each turn the machine can go round the cycle any number of times, so response times have no bound. The \
+         warning stands in the scenario and in the output of `dotgen verify`. In the specification, `fsm/busy-loop` \
+         reports it.",
         "component c {\n  task t { period 5 ms;\n    codel<start> f() yield main;\n    codel<main> g() yield main, ether;\n  };\n};\n",
-        "Yield `pause::main` where each round may wait for the next period, or limit the rounds with `loop` \
-            in the scenario.",
+        "component c {\n  task t { period 5 ms;\n    codel<start> f() yield main;\n    codel<main> g() yield pause::main, ether;\n  };\n};\n",
+        "Yield `pause::main` if each round may wait for the next period, or limit the rounds with `loop` in the \
+         scenario.",
     ),
     code(
         "timing-lock-queue",
-        "a codel that keeps a task waiting in the lock queue with which it shares nothing, for longer than its \
-         period",
-        "The servers have one queue for all codels of a component. While its head waits for a codel that \
-         executes, everybody behind it waits as well, whether or not they want the same data. It stands in the \
-         scenario, and is told by `dotgen verify`.",
+        "A codel keeps a task waiting in the lock queue for longer than the task's period, although the two share no \
+         data.",
+        "The servers have one lock queue for all codels of a component. While its head waits for a codel that \
+         executes, all codels behind it wait as well, even for other data. The warning stands in the scenario and in \
+         the output of `dotgen verify`.",
         "component c {\n  ids { long map; };\n  task slow { period 100 ms;\n    codel<start> plan(inout map) yield pause::start wcet 40 ms;\n  };\n  task look { period 100 ms;\n    codel<start> read(in map) yield pause::start wcet 1 ms;\n  };\n  task fast { period 10 ms;\n    codel<start> move() yield pause::start wcet 1 ms;\n  };\n};\n",
-        "Let the long codel work on a `local` copy, and take the data it shares in a short one before and \
-         after.",
+        "component c {\n  ids { long map; long draft; };\n  task slow { period 100 ms;\n    codel<start> plan(inout draft) yield copy wcet 40 ms;\n    codel<copy> copy(in draft, out map) yield pause::start wcet 1 ms;\n  };\n  task look { period 100 ms;\n    codel<start> read(in map) yield pause::start wcet 1 ms;\n  };\n  task fast { period 10 ms;\n    codel<start> move() yield pause::start wcet 1 ms;\n  };\n};\n",
+        "Let the long codel work on a `local` copy or on data of its own, and exchange the shared data in short \
+         codels before and after.",
     ),
     code(
         "timing-port-hold",
-        "a codel that holds a port for longer than the period of a task of another component that uses it",
-        "Where ports are locks, as in the published models (`ports lock;`), a codel has its ports from its \
-         beginning to its end; meanwhile the task of the other component waits and misses a tick. It stands in \
-         the scenario, and is told by `dotgen verify`.",
+        "A codel holds a port for longer than the period of a task of another component that uses the port.",
+        "With `ports lock;`, as in the published models, a codel holds its ports from its beginning to its end. \
+         Meanwhile the task of the other component waits and misses a tick. The warning stands in the scenario and \
+         in the output of `dotgen verify`.",
         "component c {\n  port out p::map map;\n  task plan { period 500 ms;\n    codel<start> plan(out map) yield pause::start wcet 180 ms;\n  };\n};\ncomponent d {\n  port in p::map map;\n  task move { period 50 ms;\n    codel<start> move(in map) yield pause::start wcet 1 ms;\n  };\n};\n",
-        "Let the long codel work on a `local` copy, and write the port in a short one.",
+        "component c {\n  ids { p::map draft; };\n  port out p::map map;\n  task plan { period 500 ms;\n    codel<start> plan(out draft) yield publish wcet 180 ms;\n    codel<publish> publish(in draft, out map) yield pause::start wcet 1 ms;\n  };\n};\ncomponent d {\n  port in p::map map;\n  task move { period 50 ms;\n    codel<start> move(in map) yield pause::start wcet 1 ms;\n  };\n};\n",
+        "Let the long codel work on a `local` copy or on the ids, and write the port in a short codel.",
     ),
     code(
         "timing-only-refused",
-        "a request of a scenario that is refused every time, as what has to succeed before cannot",
-        "A service that comes `after` others is refused until all of them have succeeded. Here no client requests one of them, or it \
-         is refused itself, so a verification says nothing about the service. It stands in the scenario, and is \
-         told by `dotgen verify`.",
+        "A request of a scenario is refused every time, because a service that has to succeed before it cannot.",
+        "A service that comes `after` others is refused until all of them have succeeded. Here no client requests \
+         one of them, or that one is refused itself. Verification then says nothing about the service. The warning \
+         stands in the scenario and in the output of `dotgen verify`.",
         "component c {\n  task t { period 5 ms; };\n  function init() { };\n  function go() { after init; };\n};\n",
-        "Let a client of the scenario request what has to come before, or write `order off;` in it.",
+        "",
+        "Let a client of the scenario request the earlier service first, or write `order off;` in the scenario.",
     ),
 ];

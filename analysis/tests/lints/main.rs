@@ -87,6 +87,13 @@ fn every_example_triggers_its_code() {
             code.id,
             code.example
         );
+        let found = codes_of(code.corrected);
+        assert!(
+            !found.contains(&code.id),
+            "{}: corrected: {found:?}\n{}",
+            code.id,
+            code.corrected
+        );
     }
 }
 

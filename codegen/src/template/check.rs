@@ -1,5 +1,5 @@
-//! What is wrong with the files of a template, told without running it: tags of markers that do not
-//! match, and Tcl that cannot be complete.
+//! The checks of template files, which do not run them: tags of markers that do not match, and Tcl that
+//! cannot be complete.
 
 use std::ops::Range;
 
@@ -17,49 +17,48 @@ pub const TCL: &str = "template/tcl";
 /// Text that a comment swallows.
 pub const COMMENT: &str = "template/comment";
 
-/// What the codes of this module mean.
+/// The codes of this module.
 pub const CODES: &[Code] = &[
     Code {
         id: MARKER,
         severity: Severity::Error,
         on: true,
-        meaning: "a marker of a template source that is not closed, not opened, or closed with the other \
-            quote",
-        why: Some(
-            "The engine refuses the source. `<'` ends at the first `'>` or `\">` after it, and so does `<\"`: markers \
+        meaning: "A marker of a template source is not closed, not opened, or closed with the other quote.",
+        why: "The engine refuses the source. `<'` ends at the first `'>` or `\">` after it, and so does `<\"`: markers \
              cannot be nested, and no tag can be quoted.",
-        ),
         example: Some(
             "<'foreach c [dotgen components] {\n  #include \"<\"[$c name]\">.h\"\n<'}'>\n",
         ),
-        fix: Some("Close `<'` with `'>` and `<\"` with `\">`, or take the lone tag out."),
+        corrected: Some(
+            "<'foreach c [dotgen components] {'>\n  #include \"<\"[$c name]\">.h\"\n<'}'>\n",
+        ),
+        fix: "Close `<'` with `'>` and `<\"` with `\">`, or remove the extra tag.",
         reference: true,
     },
     Code {
         id: TCL,
         severity: Severity::Error,
         on: true,
-        meaning: "Tcl in a template that cannot be complete: a brace, bracket or quote without its other \
-            half",
-        why: Some(
-            "The code of all markers of a source is one Tcl program, with the text between them as commands that print \
+        meaning: "The Tcl code of a template lacks a brace, bracket or quote.",
+        why: "The code of all markers of a source is one Tcl program, with the text between them as commands that print \
              it. A brace may be opened in one marker and closed in another, but the whole has to be complete.",
-        ),
         example: Some("<'foreach c [dotgen components] {'>\n  component <\"[$c name]\">\n"),
-        fix: Some("Add the missing half, here `<'}'>` at the end, or take the other one out."),
+        corrected: Some(
+            "<'foreach c [dotgen components] {'>\n  component <\"[$c name]\">\n<'}'>\n",
+        ),
+        fix: "Add the missing half, here `<'}'>` at the end, or remove the other one.",
         reference: true,
     },
     Code {
         id: COMMENT,
         severity: Severity::Error,
         on: true,
-        meaning: "a Tcl comment at the end of a marker, which takes the text behind it with it",
-        why: Some(
-            "A comment ends with the line of the program, not with the marker: the text behind the marker, up to the \
-             end of the line, is part of the comment and is not written, and what follows is no Tcl.",
-        ),
+        meaning: "A Tcl comment at the end of a marker comments out the text behind the marker.",
+        why: "A comment ends with the line of the program, not with the marker: the text behind the marker, up to the \
+             end of the line, is part of the comment and is not written, and what follows is not Tcl.",
         example: Some("<'set n 0 ;# how many so far'> first line\n"),
-        fix: Some("Put `'>` on a line of its own."),
+        corrected: Some("<'set n 0 ;# how many so far\n'> first line\n"),
+        fix: "Put `'>` on a line of its own.",
         reference: true,
     },
 ];
@@ -393,6 +392,8 @@ mod tests {
             let found = source("t.c".into(), code.example.unwrap_or_default());
             let codes: Vec<&str> = found.iter().map(|it| it.code).collect();
             assert_eq!(codes, [code.id]);
+            let found = source("t.c".into(), code.corrected.unwrap_or_default());
+            assert_eq!(found, [], "{}", code.id);
         }
     }
 }

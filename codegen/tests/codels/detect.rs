@@ -1,6 +1,6 @@
 //! Small cases of what is drift and what is not.
 
-use dotgen_codegen::codels::codes;
+use dotgen_codegen::codels::codes::{self, Corrected};
 use dotgen_codegen::codels::drift::{DriftCode, Repair};
 use dotgen_codegen::codels::edit::apply;
 use dotgen_codegen::codels::repair::Repairs;
@@ -491,6 +491,13 @@ fn every_code_of_the_manual_is_found_in_its_example_and_nothing_else() {
         let fixture = Fixture::new(entry.specification, &[("c_codels.c", entry.source)]);
         let found: Vec<_> = fixture.check().iter().map(|it| it.code).collect();
         assert_eq!(found, [code], "{:?}", fixture.report());
+        let (specification, source) = match entry.corrected {
+            Corrected::Specification(text) => (text, entry.source),
+            Corrected::Source(text) => (entry.specification, text),
+        };
+        let fixture = Fixture::new(specification, &[("c_codels.c", source)]);
+        let found: Vec<_> = fixture.check().iter().map(|it| it.code).collect();
+        assert_eq!(found, [], "{code:?}: {:?}", fixture.report());
     }
     assert_eq!(codes::CODES.len(), DriftCode::ALL.len());
 }

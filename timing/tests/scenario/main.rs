@@ -4,6 +4,7 @@ mod abstraction;
 mod advice;
 mod beside;
 mod chains;
+mod codes;
 mod findings;
 mod language;
 mod quick;

@@ -1,0 +1,49 @@
+//! The examples of the manual: each triggers its code, and its correction does not.
+
+use dotgen_timing::scn::{codes, parse};
+use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
+
+use crate::{ROBOT, load};
+
+/// The codes that a scenario over a specification gets.
+fn found(specification: &str, scenario: &str) -> Vec<&'static str> {
+    let unit = load(specification);
+    let parsed = parse(scenario);
+    if !parsed.errors.is_empty() {
+        return parsed.errors.iter().map(|error| error.code).collect();
+    }
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let options = Options::default();
+    let report = verify(&input, &parsed.scenario, &options, &Cancel::default());
+    report.diagnostics.iter().map(|error| error.code).collect()
+}
+
+/// The codes of reading the files of a scenario, which the layer above reports.
+const OF_FILES: [&str; 2] = ["scn-no-use", "scn-use-not-found"];
+
+#[test]
+fn the_examples_of_the_manual_trigger_their_codes() {
+    for code in codes::all() {
+        let id = code.id;
+        if code.example.starts_with("//") || OF_FILES.contains(&id) {
+            continue;
+        }
+        let specification = match code.specification {
+            "" => ROBOT,
+            specification => specification,
+        };
+        let codes = found(specification, code.example);
+        assert!(codes.contains(&id), "{id}: {codes:?}");
+        let codes = match code.corrected.starts_with("scenario ") {
+            true => found(specification, code.corrected),
+            false => found(code.corrected, code.example),
+        };
+        let errors: Vec<_> = codes
+            .iter()
+            .filter(|code| code.starts_with("scn-"))
+            .collect();
+        assert!(errors.is_empty(), "{id}: corrected: {errors:?}");
+    }
+}
