@@ -41,7 +41,7 @@ use crate::process;
 #[derive(Debug, Parser)]
 #[command(name = "dotgen", version, max_term_width = 100)]
 struct Cli {
-    /// Use colours: on a terminal, always, or never
+    /// When to use colours
     #[arg(long, global = true, value_enum, default_value_t, value_name = "WHEN")]
     color: Colour,
 
@@ -102,16 +102,16 @@ impl Colour {
 /// How specifications are read.
 #[derive(Debug, Clone, Default, Args)]
 struct Reading {
-    /// Search this directory for included files, before those of dotgen.toml
+    /// Search DIR for included files, before the directories of dotgen.toml
     #[arg(short = 'I', value_name = "DIR", action = clap::ArgAction::Append)]
     include_paths: Vec<String>,
 
-    /// Define a macro; its body is 1 when no VALUE is given
+    /// Define a macro; without VALUE, it expands to 1
     #[arg(short = 'D', value_name = "NAME[=VALUE]", action = clap::ArgAction::Append, value_parser = definition)]
     defines: Vec<String>,
 
-    /// Read specifications as this release of GenoM3 does, for example 2.99.41; by default as dotgen.toml
-    /// says, else as the installed one, else as the greatest that they require
+    /// Read specifications as this release of GenoM3 does, for example 2.99.41 [default: the release in
+    /// dotgen.toml, else the installed one, else the newest that the specifications require]
     #[arg(long, value_name = "RELEASE")]
     release: Option<Release>,
 }
@@ -212,3 +212,6 @@ fn failure(error: &anyhow::Error) {
         encoding::shown(&error)
     );
 }
+
+#[cfg(all(test, unix))]
+mod tests;

@@ -12,47 +12,47 @@ use crate::hosting::places;
 
 /// Request a service of a component that runs (`dotgen run --clock real`)
 ///
-/// Prints the outputs as JSON when the service has ended. Ctrl-C leaves an activity to itself.
+/// Prints the outputs as JSON when the service has ended. After Ctrl-C, the activity goes on.
 ///
-/// Exit status: 0 when it has ended, 1 when it was refused, interrupted, or has thrown an exception, 2 if
+/// Exit status: 0 if the service ended, 1 if it was refused, was interrupted or threw an exception, 2 if
 /// nothing could be requested.
 #[derive(Debug, Args)]
 pub(super) struct Call {
-    /// The component
+    /// Component of the service
     component: String,
 
-    /// The service
+    /// Service to request
     service: String,
 
-    /// Its inputs by name, as a JSON object; what is not given has its default, or is zero
+    /// Inputs by name, as a JSON object; the others have their default, or are zero
     #[arg(value_name = "JSON", default_value = "{}")]
     input: String,
 
-    /// Only until the service is accepted
+    /// Return as soon as the service is accepted
     #[arg(long)]
     ack: bool,
 
-    /// The socket of the run [default: the only one there is]
+    /// Socket of the run [default: the only run on this machine]
     #[arg(long, value_name = "PATH")]
     socket: Option<Utf8PathBuf>,
 }
 
-/// Print what a component writes to an output port, one JSON value a line
+/// Print the values of an output port, one JSON value per line
 ///
 /// Ends with the run, with its component, or with Ctrl-C.
 ///
-/// Exit status: 0 when the run has ended or all values came, 1 when the component is gone, 2 if nothing could
-/// be watched.
+/// Exit status: 0 if the run ended or COUNT values were printed, 1 if the component ended, 2 if the port could
+/// not be watched.
 #[derive(Debug, Args)]
 pub(super) struct Watch {
-    /// COMPONENT/PORT
+    /// Port to watch, as COMPONENT/PORT
     port: String,
 
-    /// End after so many values
+    /// End after N values
     #[arg(short = 'n', long, value_name = "N")]
     count: Option<u64>,
 
-    /// The socket of the run [default: the only one there is]
+    /// Socket of the run [default: the only run on this machine]
     #[arg(long, value_name = "PATH")]
     socket: Option<Utf8PathBuf>,
 }

@@ -16,29 +16,29 @@ use crate::files::vfs;
 use crate::protocol::convert::{Encoding, Lines};
 use crate::verification::Problem;
 
-/// FileReports what is wrong with specifications
+/// Check specifications and scenarios
 ///
-/// Exit status: 0 without errors (warnings do not count), 1 with errors, with --diff if there is something to
-/// fix, 2 if a file cannot be read or written.
+/// Exit status: 0 without errors (warnings do not count), 1 with errors, or with --diff if there is something
+/// to fix, 2 if a file cannot be read or written.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// Specifications, scenarios (.scn), directories to search for .gen files, or - for standard input
     #[arg(value_name = "PATH", required = true)]
     paths: Vec<Utf8PathBuf>,
 
-    /// How to print diagnostics
+    /// Output format of diagnostics
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
 
-    /// Make every fix that nobody would make in another way, and report the rest
+    /// Apply every unambiguous fix; report the rest
     #[arg(long)]
     fix: bool,
 
-    /// Change nothing; print what --fix would change
+    /// Write nothing; print the changes of --fix
     #[arg(long)]
     diff: bool,
 
-    /// Say which release of GenoM3 the specifications are read as, and why
+    /// Print the release of GenoM3 that the specifications are read as, and why
     #[arg(long, short)]
     verbose: bool,
 

@@ -29,7 +29,7 @@ use crate::features::codels::headers::{FOLDER, IGNORED};
 use crate::files::vfs;
 use crate::protocol::convert::{Encoding, Lines};
 
-/// Compare specifications with their codels, write stubs, keep both in step
+/// Check codels against their specification, write stubs, compile
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     #[command(subcommand)]
@@ -45,17 +45,17 @@ enum Command {
     Build(build::Build),
 }
 
-/// FileReports codels that do not fit their specification
+/// Report codels whose code disagrees with the specification
 ///
-/// Exit status: 0 when they do (hints do not count), 1 when not or when a specification has errors in its
-/// text, 2 if something cannot be read.
+/// Exit status: 0 if all codels agree (hints do not count), 1 if one disagrees or a specification does not
+/// parse, 2 if a file cannot be read.
 #[derive(Debug, Args)]
 struct Check {
     /// Specifications, directories to search for .gen files, or - for standard input
     #[arg(value_name = "PATH", required = true)]
     paths: Vec<Utf8PathBuf>,
 
-    /// How to print findings
+    /// Output format
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
 
@@ -63,23 +63,23 @@ struct Check {
     reading: Reading,
 }
 
-/// Write stubs for codels that have no function yet
+/// Write stubs for codels without a function
 ///
-/// Nothing that exists is changed but for functions added at the end of files.
+/// Stubs are added at the end of existing files, or in new ones. Nothing else changes.
 #[derive(Debug, Args)]
 struct Stub {
-    /// The specification
+    /// Specification (.gen)
     file: Utf8PathBuf,
 
-    /// Only this codel
+    /// Write only the stub of this codel
     #[arg(long, value_name = "NAME", conflicts_with = "service")]
     codel: Option<String>,
 
-    /// Only the codels of this task or service
+    /// Write only the stubs of this task or service
     #[arg(long, value_name = "NAME")]
     service: Option<String>,
 
-    /// Write nothing; print what would change
+    /// Write nothing; print the changes
     #[arg(long)]
     dry_run: bool,
 
@@ -87,18 +87,18 @@ struct Stub {
     reading: Reading,
 }
 
-/// Mend what has one obvious repair: stubs, prototypes, comments, missing yields and throws
+/// Apply every unambiguous fix: stubs, prototypes, comments, missing yields and throws
 #[derive(Debug, Args)]
 struct Sync {
     /// Specifications, and directories to search for .gen files
     #[arg(value_name = "PATH", required = true)]
     paths: Vec<Utf8PathBuf>,
 
-    /// Write nothing; print what would change
+    /// Write nothing; print the changes
     #[arg(long)]
     dry_run: bool,
 
-    /// Take away this yield of this codel if the code never returns it; may be given several times
+    /// Remove STATE from the yields of CODEL if the code never returns it; may be repeated
     #[arg(long, value_name = "CODEL=STATE", value_parser = yield_of_codel)]
     remove_yield: Vec<(String, String)>,
 
@@ -106,16 +106,15 @@ struct Sync {
     reading: Reading,
 }
 
-/// Write the headers that codels include, for completion without a build
+/// Write the headers that codels include, so that clangd works without a build
 ///
-/// Types, events and a compile_flags.txt go into a folder of their own; clangd then understands the
-/// codels of a fresh clone.
+/// Writes mapped types, events and a compile_flags.txt to a separate folder.
 #[derive(Debug, Args)]
 struct Headers {
-    /// The specification
+    /// Specification (.gen)
     file: Utf8PathBuf,
 
-    /// Where to write [default: .dotgen beside the specification]
+    /// Folder to write to [default: .dotgen next to the specification]
     #[arg(short, long, value_name = "DIR")]
     output: Option<Utf8PathBuf>,
 

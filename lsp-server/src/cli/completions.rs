@@ -7,11 +7,11 @@ use clap_complete::Shell;
 
 use super::{Cli, Outcome};
 
-/// Print a script that completes commands and options in a shell
+/// Print a shell completion script
 ///
-/// For bash, put it where completions are loaded from: `dotgen completions bash >
-/// ~/.local/share/bash-completion/completions/dotgen`. For zsh, into a file `_dotgen` in a directory of
-/// `$fpath`; for fish, into `~/.config/fish/completions/dotgen.fish`.
+/// For bash: `dotgen completions bash > ~/.local/share/bash-completion/completions/dotgen`. For zsh, write it
+/// to a file `_dotgen` in a directory of `$fpath`. For fish, write it to
+/// `~/.config/fish/completions/dotgen.fish`.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// The shell

@@ -14,21 +14,22 @@ use serde_json::json;
 use super::{Outcome, Reading, report, session};
 use crate::features::codels::standins;
 
-/// Say what specifications need: packages, included files and interfaces, from where they come, and what
-/// would bring those that are missing
+/// List dependencies, where each was found, and how to install missing ones
 ///
-/// Exit status: 0 when nothing is missing, 1 when something is, 2 if a file cannot be read.
+/// Dependencies are packages, included files and interfaces.
+///
+/// Exit status: 0 if nothing is missing, 1 if something is, 2 if a file cannot be read.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// Specifications, and directories to search for .gen files
     #[arg(value_name = "PATH", required = true)]
     paths: Vec<Utf8PathBuf>,
 
-    /// Write stand-ins for included files that are not found, into .dotgen/standins beside each specification
+    /// For included files that are not found, write stand-ins to .dotgen/standins next to each specification
     #[arg(long)]
     stand_ins: bool,
 
-    /// How to print the report
+    /// Output format
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
 

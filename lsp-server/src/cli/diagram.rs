@@ -14,33 +14,33 @@ use serde_json::json;
 use super::{Outcome, Reading, report, session};
 use crate::views::pictures::{self, Around, Form, Kind, Picture, Wish};
 
-/// Draw a specification
+/// Draw state machines, components and locks
 ///
-/// `fsm` draws the state machine of a task or activity, `system` the components with their ports,
-/// `locks` the codels that exclude each other. With several pictures, OUT is a directory, or
-/// several are written one after the other (text formats only). The same input gives the same bytes.
+/// `fsm` draws the state machine of a task or activity, `system` the components with their ports, `locks` the
+/// codels that exclude each other. Several pictures go into the directory OUT; without OUT, text formats are
+/// printed one after the other. The same input gives the same bytes.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// What to draw
+    /// Kind of picture
     kind: Kind,
 
     /// Specifications, or - for standard input
     #[arg(value_name = "FILE", required = true)]
     files: Vec<Utf8PathBuf>,
 
-    /// Only this component
+    /// Draw only this component
     #[arg(long, value_name = "NAME")]
     component: Option<String>,
 
-    /// Only this activity
+    /// Draw only this activity
     #[arg(long, value_name = "NAME", conflicts_with = "task")]
     service: Option<String>,
 
-    /// Only the permanent activity of this task
+    /// Draw only the permanent activity of this task
     #[arg(long, value_name = "NAME")]
     task: Option<String>,
 
-    /// What to write [default: what the name of OUT says, else svg]
+    /// File format [default: by the extension of OUT, else svg]
     #[arg(long, value_enum)]
     format: Option<Format>,
 
@@ -52,15 +52,15 @@ pub(super) struct Arguments {
     #[arg(long)]
     paths: bool,
 
-    /// Add how many codels each codel excludes; in a system, which take turns at a port
+    /// Show how many codels each codel excludes; in a system, which components take turns at a port
     #[arg(long)]
     locks: bool,
 
-    /// Mark the longest way through these states of a machine, and say how long it executes
+    /// Mark the longest path through these states of a machine, with its execution time
     #[arg(long, value_name = "STATE,…", value_delimiter = ',')]
     way: Vec<String>,
 
-    /// Show everything of this component, in a system
+    /// In a system, show all details of this component
     #[arg(long, value_name = "COMPONENT")]
     open: Vec<String>,
 
@@ -68,15 +68,15 @@ pub(super) struct Arguments {
     #[arg(long)]
     no_wcet: bool,
 
-    /// Add which services interrupt which, in a system
+    /// In a system, show which services interrupt which
     #[arg(long)]
     interrupts: bool,
 
-    /// List at most so many services in a component, in a system
+    /// In a system, list at most N services per component
     #[arg(long, value_name = "N", default_value_t = 6)]
     services: usize,
 
-    /// File to write, or directory when there are several pictures; standard output if not given
+    /// File to write, or directory for several pictures [default: standard output]
     #[arg(short, long, value_name = "OUT")]
     output: Option<Utf8PathBuf>,
 
@@ -95,11 +95,11 @@ enum Format {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Colours {
-    /// Light, or dark where the viewer prefers it
+    /// Light, or dark if the viewer prefers dark
     Auto,
     Light,
     Dark,
-    /// Those of a VS Code webview
+    /// The colours of a VS Code webview
     Editor,
 }
 

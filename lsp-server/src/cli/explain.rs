@@ -7,12 +7,14 @@ use clap::Args;
 use super::Outcome;
 use crate::views::manual;
 
-/// Print the page of the manual about a diagnostic
+/// Print the manual page of a diagnostic
 ///
-/// Without a code, lists all codes. Exit status: 0; 2 if there is no such code.
+/// Without a code, all codes are listed.
+///
+/// Exit status: 0, or 2 if the code does not exist.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// The code, as diagnostics show it in brackets
+    /// The code that a diagnostic shows in brackets
     #[arg(value_name = "CODE")]
     code: Option<String>,
 }

@@ -21,21 +21,21 @@ use crate::files::vfs;
 /// Lines shown around each change.
 const CONTEXT: usize = 3;
 
-/// Bring specifications in shape
+/// Format specifications and scenarios
 ///
-/// Changes blanks and line ends only; a declaration that does not parse is left as it is, and so is a
-/// file in which a brace is missing.
+/// Changes blanks and line ends only. A declaration that does not parse stays unchanged, and so does a file
+/// with a missing brace. Either all files are written or none. A file that cannot be read is reported; the
+/// others are formatted.
 ///
-/// Exit status: 0 when everything is (now) in shape, 1 with --check when something is not, 2 if a
-/// file cannot be read or written. All files are written, or none; one that cannot be read does not keep
-/// the others from being formatted.
+/// Exit status: 0 if all files are formatted, 1 with --check if a file is not, 2 if a file cannot be read or
+/// written.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// Files, directories to search for .gen, .idl and .scn files, or - for standard input [default: .]
     #[arg(value_name = "PATH")]
     paths: Vec<Utf8PathBuf>,
 
-    /// Change nothing; print what would change
+    /// Write nothing; print the changes
     #[arg(long)]
     check: bool,
 

@@ -19,11 +19,11 @@ use crate::files::disk::SystemDisk;
 use crate::files::vfs::PackageConfig;
 use crate::files::vfs::Vfs;
 
-/// Run a template over specifications; takes the arguments of `genom3`
+/// Run a template over specifications, with the arguments of `genom3`
 #[derive(Debug, Args)]
 #[command(disable_help_flag = true)]
 pub(super) struct Arguments {
-    /// General options, the template, its options, and the files; `-h` tells more
+    /// General options, the template, its options, and the files; see `dotgen generate -h`
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     arguments: Vec<String>,
 }

@@ -6,12 +6,12 @@ use super::{Outcome, logging};
 use crate::process::{folders, memory};
 use crate::session::server;
 
-/// Serve an editor: the Language Server Protocol on standard input and output
+/// Start the language server on standard input and output
 ///
 /// The log goes to standard error; DOTGEN_LOG filters it (error, warn, info, debug, trace).
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// Accepted since many editors pass it; standard input and output are used in any case
+    /// Accepted because many editors pass it; standard input and output are always used
     #[arg(long, hide = true)]
     stdio: bool,
 }

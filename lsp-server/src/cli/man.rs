@@ -7,10 +7,10 @@ use dotgen_codegen::disk::NewContent;
 
 use super::{Cli, Outcome, report};
 
-/// Write manual pages for `man`: one for the program, and one for each command
+/// Write pages for `man`: one for the program and one for each command
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// Where to write them
+    /// Directory to write to
     #[arg(value_name = "DIR")]
     directory: Utf8PathBuf,
 }

@@ -9,8 +9,9 @@ use super::{Outcome, Reading, report, session};
 
 /// Print the component model of a specification as JSON
 ///
-/// The model of what could be understood is printed even if there are errors; they go to standard
-/// error, and the exit status is 1.
+/// If the specification has errors, the model of the rest is printed and the errors go to standard error.
+///
+/// Exit status: 0 without errors, 1 with errors, 2 if the file cannot be read.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// The specification, or - for standard input

@@ -30,14 +30,15 @@ use crate::files::disk::Stream;
 /// How long to wait for more of a log that is followed.
 const PAUSE: Duration = Duration::from_millis(50);
 
-/// Hold recorded runs to their model
+/// Check recorded runs against the verified model
 ///
-/// LOGs are those of GenoM3's profiler, of one run each: servers that are generated with profiling write
-/// them, and `dotgen run --profile` does. What no run of the model shows is told: undeclared codels and
-/// transitions, codels that take longer than declared, locks out of turn, ticks that drift, response times
-/// beyond their bounds. So are transitions that were never taken, which is no deviation.
+/// A log of GenoM3's profiler has one run. Servers generated with profiling write such logs, and so does
+/// `dotgen run --profile`. Deviations from the model are reported: undeclared codels and transitions, codels
+/// that take longer than declared, locks out of order, drifting ticks, response times beyond their bounds.
+/// Transitions that were never taken are listed, but do not count as deviations.
 ///
-/// A LOG may be the socket of a run (`dotgen run --clock real`): then that is followed, until it ends.
+/// Instead of a log, FILE may be the socket of a run (`dotgen run --clock real`), which is followed until it
+/// ends.
 ///
 /// Exit status: 0 if nothing deviates, 1 if something does, 2 if nothing could be compared.
 #[derive(Debug, Args)]
@@ -46,15 +47,15 @@ pub(super) struct Arguments {
     #[arg(value_name = "FILE", required = true)]
     files: Vec<Utf8PathBuf>,
 
-    /// Read on as the log grows, and tell of deviations as they come, until Ctrl-C
+    /// Follow the log as it grows, and report deviations at once, until Ctrl-C
     #[arg(long)]
     follow: bool,
 
-    /// Number of cores, or `free` for as many as there are tasks
+    /// Number of cores, or `free` for one core per task
     #[arg(long, value_name = "N|free", value_parser = cores)]
     cores: Option<Cores>,
 
-    /// What the model follows
+    /// Semantics of the model
     #[arg(long, value_enum)]
     semantics: Option<SemanticsName>,
 
@@ -62,15 +63,15 @@ pub(super) struct Arguments {
     #[arg(long, value_enum)]
     policy: Option<PolicyName>,
 
-    /// What response times are compared with
+    /// Bounds to compare response times with
     #[arg(long, value_enum, default_value_t = bounds::Source::Proved)]
     bounds: bounds::Source,
 
-    /// Write the log as a trace to this file (.pftrace), which https://ui.perfetto.dev opens
+    /// Write the log as a trace (.pftrace) for https://ui.perfetto.dev
     #[arg(long, value_name = "FILE", conflicts_with = "follow")]
     trace: Option<Utf8PathBuf>,
 
-    /// How to print what came of it
+    /// Output format
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
 

@@ -12,27 +12,29 @@ use crate::features::codels::Disk;
 use crate::features::component::{self, Answers};
 use crate::files::vfs::Vfs;
 
-/// Make a component: a folder with specification, scenario and stubs of its codels
+/// Create a component: a folder with a specification, a scenario and codel stubs
 ///
-/// Nothing that exists is changed. Exit status: 0 when it is made, 2 when it cannot be.
+/// Existing files are never changed.
+///
+/// Exit status: 0 if the component was created, 2 if not.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// Name of the component
     name: String,
 
-    /// A task, with its period unless it has none, as in `exec=10ms` [default: exec=10ms]
+    /// Add a task; without PERIOD, the task is not periodic [default: exec=10ms]
     #[arg(long = "task", value_name = "NAME[=PERIOD]")]
     tasks: Vec<String>,
 
-    /// An interface whose ports it has as declared, and the file that declares it
+    /// Provide the interface NAME that FILE declares
     #[arg(long, value_name = "FILE:NAME", value_parser = interface)]
     provides: Vec<(String, Utf8PathBuf)>,
 
-    /// An interface whose ports it has the other way round, and the file that declares it
+    /// Use the interface NAME that FILE declares: its ports, with directions reversed
     #[arg(long, value_name = "FILE:NAME", value_parser = interface)]
     uses: Vec<(String, Utf8PathBuf)>,
 
-    /// The folder of the component [default: its name]
+    /// Folder of the component [default: its name]
     #[arg(long, value_name = "DIR")]
     directory: Option<Utf8PathBuf>,
 }

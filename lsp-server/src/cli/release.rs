@@ -13,7 +13,7 @@ use serde_json::json;
 use super::session;
 use super::{Outcome, Reading};
 
-/// What changes between releases of GenoM3
+/// Compare releases of GenoM3
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     #[command(subcommand)]
@@ -25,25 +25,25 @@ enum Action {
     Diff(Diff),
 }
 
-/// Report what changes for specifications between two releases: checks, digests, types, prototypes and stubs
+/// Report differences between two releases: diagnostics, digests, types, prototypes and stubs
 ///
-/// Exit status: 0 when nothing changes, 1 when something does, 2 if a file cannot be read.
+/// Exit status: 0 if nothing differs, 1 if something does, 2 if a file cannot be read.
 #[derive(Debug, Args)]
 struct Diff {
-    /// Specifications, and directories to search for them
+    /// Specifications, and directories to search for .gen files
     #[arg(value_name = "PATH", required = true)]
     paths: Vec<Utf8PathBuf>,
 
-    /// The first release; by default the one the specifications are read as, or the oldest known one if that
-    /// is the second
+    /// First release [default: the release the specifications are read as; if that is the second release, the
+    /// oldest known one]
     #[arg(long, value_name = "RELEASE")]
     from: Option<Release>,
 
-    /// The second release; by default the newest that was verified
+    /// Second release [default: the newest that dotgen is verified against]
     #[arg(long, value_name = "RELEASE")]
     to: Option<Release>,
 
-    /// How to print the report
+    /// Output format
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
 

@@ -18,12 +18,11 @@ use super::verify::told::Told;
 use super::verify::{Cores, PolicyName, SemanticsName, cores, one_problem};
 use super::{Outcome, Reading};
 
-/// Follow a recorded run step by step beside the model that is verified
+/// Compare a recorded run step by step with the verified model
 ///
-/// FILE.mcap is a recording that `dotgen run --record` wrote; the others are its scenario, or its
-/// specifications. Every step has to be possible in the model at that moment; where one is not, the rule that
-/// differs is named. Codels that took another time than they declare, or threw what they do not declare, are
-/// told, and the run is followed further.
+/// FILE.mcap is a recording of `dotgen run --record`; the other FILEs are its scenario or its specifications.
+/// Each step must be possible in the model at that moment; if one is not, the rule that differs is named.
+/// Undeclared execution times and exceptions of codels are reported, and the comparison goes on.
 ///
 /// Exit status: 0 if the recording is a run of the model, 1 if not, 2 if nothing could be compared.
 #[derive(Debug, Args)]
@@ -32,11 +31,11 @@ pub(super) struct Arguments {
     #[arg(value_name = "FILE", required = true)]
     files: Vec<Utf8PathBuf>,
 
-    /// Number of cores, or `free` for as many as there are tasks
+    /// Number of cores, or `free` for one core per task
     #[arg(long, value_name = "N|free", value_parser = cores)]
     cores: Option<Cores>,
 
-    /// What the model follows
+    /// Semantics of the model
     #[arg(long, value_enum)]
     semantics: Option<SemanticsName>,
 
@@ -44,7 +43,7 @@ pub(super) struct Arguments {
     #[arg(long, value_enum)]
     policy: Option<PolicyName>,
 
-    /// How to print what came of it
+    /// Output format
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
 

@@ -57,7 +57,7 @@ impl FileReports {
     }
 }
 
-/// How diagnostics are printed.
+/// Output format of diagnostics.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub(super) enum Format {
     /// For people

@@ -33,67 +33,69 @@ use crate::verification::Problem;
 use crate::verification::timeline::Ending;
 use recorder::Recorder;
 
-/// Run components, with the checks of a scenario watched
+/// Run components and watch the checks of a scenario
 ///
-/// A FILE.scn is a scenario: it names its specifications, platform, clients and checks. FILE.gen files are
-/// run together as one system; on the virtual clock with a client that may send any request at any time.
-/// Codels that have sources are compiled and executed, each component in a process of its own; how long
-/// others take and what they yield is drawn, always alike for the same seed. Whatever happens is a run of
-/// the model that `dotgen verify` verifies, or is told as a violation.
+/// A scenario (FILE.scn) names its specifications, platform, clients and checks. Without a scenario, all
+/// FILE.gen run together as one system; on the virtual clock, a client sends any request at any time.
 ///
-/// Exit status: 0 if nothing was violated, 1 if a check, a proved bound or a codel was, 3 if the run ended
-/// before its time, 2 if nothing could be run (wrong usage, a file that cannot be read or has errors,
-/// codels that do not compile).
+/// Codels with sources are compiled and executed, each component in its own process. Times and yields of
+/// other codels are random, and the same for the same seed. The run follows the model of `dotgen verify`;
+/// deviations are reported as violations.
+///
+/// Exit status: 0 without violations, 1 with violations of a check, a proved bound or a codel, 2 if nothing
+/// could be run (wrong usage, a file that cannot be read or has errors, codels that do not compile), 3 if the
+/// run ended early.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// Scenarios (.scn) and specifications (.gen)
     #[arg(value_name = "FILE", required = true)]
     files: Vec<Utf8PathBuf>,
 
-    /// Which clock tells the time
+    /// Clock of the run
     #[arg(long, value_enum, default_value_t = Clock::Virtual)]
     clock: Clock,
 
-    /// Which codels are not executed: what they yield is drawn
+    /// Codels to simulate instead of executing them; their yields are random
     #[arg(long, value_enum, default_value_t = Simulate::Missing)]
     simulate: Simulate,
 
-    /// How long to run: a number with a unit (us, ms, s, min, h) [default: 10s; on the real clock until
-    /// Ctrl-C]
+    /// Duration of the run, with a unit (us, ms, s, min, h) [default: 10s; on the real clock, until Ctrl-C]
     #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true)]
     until: Option<Seconds>,
 
-    /// What requests of the scenario's clients send: pump.fill={"height": 2}
+    /// Inputs of the scenario's requests, for example pump.fill={"height": 2}
     #[arg(long = "input", value_name = "SERVICE=JSON", action = clap::ArgAction::Append)]
     inputs: Vec<String>,
 
-    /// Where to listen for `dotgen call`, with --clock real [default: NAME.sock in a folder of this user]
+    /// Socket for `dotgen call`, with --clock real [default: NAME.sock in a folder of this user]
     #[arg(long, value_name = "PATH")]
     socket: Option<Utf8PathBuf>,
 
-    /// Listen at this TCP port of this machine as well, for all of its users, with --clock real; 0 is any
+    /// Also listen on this local TCP port, for all users of this machine, with --clock real; 0 selects a free
+    /// port
     #[arg(long, value_name = "PORT")]
     listen: Option<u16>,
 
-    /// Exchange data of ports with other machines, with --clock real: be reached by Zenoh at this endpoint,
-    /// for example tcp/0.0.0.0:7447
+    /// Exchange port data with other machines, with --clock real: listen for Zenoh at this endpoint, for
+    /// example tcp/0.0.0.0:7447
     #[arg(long, value_name = "ENDPOINT", action = clap::ArgAction::Append)]
     zenoh_listen: Vec<String>,
 
-    /// Likewise: reach others, or a Zenoh router, at this endpoint, for example tcp/robot2:7447
+    /// Exchange port data with other machines, with --clock real: connect to a peer or Zenoh router at this
+    /// endpoint, for example tcp/robot2:7447
     #[arg(long, value_name = "ENDPOINT", action = clap::ArgAction::Append)]
     zenoh_connect: Vec<String>,
 
-    /// What an input port reads of other machines: pump.goal=planner/goal [default: an output port of the
-    /// same name]
+    /// Key that an input port reads from other machines, for example pump.goal=planner/goal [default: the
+    /// output port of the same name]
     #[arg(long = "zenoh-read", value_name = "PORT=KEY", action = clap::ArgAction::Append)]
     zenoh_reads: Vec<String>,
 
-    /// Run so many times from the start; each run has the next seed
+    /// Number of runs, each with the next seed
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
     runs: u64,
 
-    /// What chance depends on
+    /// Seed of random times and yields
     #[arg(
         long,
         value_name = "N",
@@ -102,15 +104,15 @@ pub(super) struct Arguments {
     )]
     seed: u64,
 
-    /// How long codels take, within their intervals
+    /// Execution times of simulated codels, within their intervals
     #[arg(long, value_enum, default_value_t = DurationsName::Random)]
     durations: DurationsName,
 
-    /// Number of cores, or `free` for as many as there are tasks
+    /// Number of cores, or `free` for one core per task
     #[arg(long, value_name = "N|free", value_parser = cores)]
     cores: Option<Cores>,
 
-    /// What the model follows
+    /// Semantics of the model
     #[arg(long, value_enum)]
     semantics: Option<SemanticsName>,
 
@@ -118,37 +120,36 @@ pub(super) struct Arguments {
     #[arg(long, value_enum)]
     policy: Option<PolicyName>,
 
-    /// Watch this instead of what the scenario checks: "response arm.motion <= 5 ms"
+    /// Watch CHECK instead of the scenario's checks, for example "response arm.motion <= 5 ms"
     #[arg(long = "check", value_name = "CHECK", action = clap::ArgAction::Append)]
     checks: Vec<String>,
 
-    /// What response times are compared with
+    /// Bounds to compare response times with
     #[arg(long, value_enum, default_value_t = bounds::Source::Proved)]
     bounds: bounds::Source,
 
-    /// What to do when something is violated
+    /// Reaction to a violation
     #[arg(long, value_enum, default_value_t = OnViolation::Report)]
     on_violation: OnViolation,
 
-    /// Write every run of a codel to this file, in the format of GenoM3's profiler
+    /// Write all executions of codels to FILE, in the format of GenoM3's profiler
     #[arg(long, value_name = "FILE")]
     profile: Option<Utf8PathBuf>,
 
-    /// Write the run to this file: a FILE.pftrace (tasks, cores, locks, requests) for
-    /// https://ui.perfetto.dev, a FILE.json (the first run) for the trace viewer
+    /// Write a trace: FILE.pftrace (tasks, cores, locks, requests) for https://ui.perfetto.dev, or FILE.json
+    /// (the first run) for the trace viewer
     #[arg(long, value_name = "FILE")]
     trace: Option<Utf8PathBuf>,
 
-    /// Write the run to this file (.mcap): what is written to ports, for https://foxglove.dev, and its steps,
-    /// for `dotgen replay`
+    /// Write a recording (.mcap): values of ports for https://foxglove.dev, and steps for `dotgen replay`
     #[arg(long, value_name = "FILE")]
     record: Option<Utf8PathBuf>,
 
-    /// Compile codels for a debugger, and let each component wait until one is attached; its process is told
+    /// Compile codels with debug information; each component prints its process id and waits for a debugger
     #[arg(long)]
     debug: bool,
 
-    /// How to print what came of it
+    /// Output format
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
 
@@ -158,9 +159,9 @@ pub(super) struct Arguments {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Clock {
-    /// That of the model: discrete events, no waiting
+    /// Simulated time: discrete events, no waiting
     Virtual,
-    /// That of this machine
+    /// The clock of this machine
     Real,
 }
 
@@ -175,29 +176,29 @@ impl Clock {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Simulate {
-    /// Those that have no function in the sources
+    /// Codels without a function in the sources
     Missing,
-    /// All of them
+    /// All codels
     All,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum DurationsName {
-    /// Always the greatest time
+    /// Always the longest time
     Worst,
-    /// Any time of the interval
+    /// A random time of the interval
     Random,
-    /// Always the least time
+    /// Always the shortest time
     Best,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum OnViolation {
-    /// Tell of it in the end
+    /// Report it at the end
     Report,
-    /// Also end the activity whose codel took too long
+    /// Also stop the activity whose codel took too long
     StopActivity,
-    /// End the run
+    /// Stop the run
     Stop,
 }
 

@@ -39,24 +39,24 @@ use crate::verification::why::{self, Why};
 
 /// Verify real-time properties: deadlines, response times, bounded responses
 ///
-/// A FILE.scn is a scenario: it names its specifications, platform, clients and checks. FILE.gen
-/// files are verified together as one system, with their permanent activities and a client that may
-/// send any request at any time. Options override what the scenario says.
+/// A scenario (FILE.scn) names its specifications, platform, clients and checks. Without a scenario, all
+/// FILE.gen are verified together as one system: their permanent activities, and a client that sends any
+/// request at any time. Options override the scenario.
 ///
-/// Exit status: 0 if all checks hold, 1 if one fails, 3 if none fails but one was given up or had nothing to
-/// verify (execution times are missing), 2 if nothing could be verified (wrong usage, a file that cannot be
-/// read or has errors).
+/// Exit status: 0 if all checks hold, 1 if a check fails, 2 if nothing could be verified (wrong usage, or a
+/// file that cannot be read or has errors), 3 if no check fails but one was given up or had nothing to verify
+/// (missing execution times).
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// Scenarios (.scn) and specifications (.gen)
     #[arg(value_name = "FILE", required = true)]
     files: Vec<Utf8PathBuf>,
 
-    /// Number of cores, or `free` for as many as there are tasks
+    /// Number of cores, or `free` for one core per task
     #[arg(long, value_name = "N|free", value_parser = cores)]
     cores: Option<Cores>,
 
-    /// What the model follows
+    /// Semantics of the model
     #[arg(long, value_enum)]
     semantics: Option<SemanticsName>,
 
@@ -64,50 +64,49 @@ pub(super) struct Arguments {
     #[arg(long, value_enum)]
     policy: Option<PolicyName>,
 
-    /// How long codels take
+    /// Execution times of codels
     #[arg(long, value_enum)]
     durations: Option<DurationsName>,
 
-    /// Check this instead of what the scenario checks, as written there: "response arm.motion <= 5 ms"
+    /// Check CHECK instead of the scenario's checks, for example "response arm.motion <= 5 ms"
     #[arg(long = "check", value_name = "CHECK", action = clap::ArgAction::Append)]
     checks: Vec<String>,
 
-    /// Give up a check at this number of states [default: 20000000; without a scenario 2000000]
+    /// Give up a check after N states [default: 20000000; without a scenario 2000000]
     #[arg(long, value_name = "N")]
     max_states: Option<usize>,
 
-    /// Give up a check when its states take so many megabytes
+    /// Give up a check when its states need more than MB megabytes
     #[arg(long, value_name = "MB", default_value_t = Limits::default().bytes >> 20)]
     max_memory: usize,
 
-    /// Number of questions of --sensitivity to answer at the same time [default: one per processor core]
+    /// Number of threads for --sensitivity [default: one per processor core]
     #[arg(long, value_name = "N", value_parser = threads)]
     threads: Option<usize>,
 
-    /// Give up what is not answered after so many seconds, for each scenario
+    /// Time limit for each scenario; checks without an answer are given up
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     timeout: Option<Duration>,
 
-    /// Find what repairs a system that misses something; the smallest number of cores, the largest WCET of
-    /// each codel and the smallest period of each task with which every deadline is met; and what breaks
-    /// first
+    /// If deadlines are missed, list single changes that repair them; otherwise compute slack: fewest cores,
+    /// longest execution times, shortest periods
     #[arg(long)]
     sensitivity: bool,
 
-    /// Tell which reductions of the exploration were used, and why others were not
+    /// List the reductions used in the exploration, and why the others were not
     #[arg(long)]
     explain: bool,
 
-    /// Write the run of the first check that is refuted, or has one, to this file, for the trace viewer
+    /// Write a trace of the first refuted check, or else the first witness, for the trace viewer
     /// (docs/trace.md)
     #[arg(long, value_name = "FILE")]
     trace: Option<Utf8PathBuf>,
 
-    /// Switch off a reduction, to see what it brings: a name as `--explain` tells them
+    /// Switch off a reduction, by its name in the output of `--explain`
     #[arg(long, value_name = "REDUCTION", value_parser = reduction, hide = true)]
     without: Vec<Kind>,
 
-    /// How to print the answers
+    /// Output format
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
 
@@ -128,7 +127,7 @@ pub(super) struct Cores(pub(super) Option<u32>);
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub(super) enum SemanticsName {
-    /// The servers that run on robots
+    /// The servers that GenoM3 generates
     Servers,
     /// The published formal models
     Published,
@@ -145,15 +144,15 @@ impl SemanticsName {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub(super) enum PolicyName {
-    /// In order of release
+    /// First come, first served
     Fifo,
     /// Earliest deadline first
     Edf,
-    /// Any waiting task
+    /// Any ready task, without preemption
     Any,
-    /// The ready tasks of highest priority, preempting others
+    /// The ready tasks of highest priority, with preemption
     Priority,
-    /// Any ready tasks, preempting others
+    /// Any ready tasks, with preemption
     Fair,
 }
 
@@ -171,11 +170,11 @@ impl PolicyName {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum DurationsName {
-    /// From nothing (or what the scenario says) to the WCET
+    /// From 0, or the minimum in the scenario, to the WCET
     Interval,
     /// Always the WCET
     Fixed,
-    /// More than nothing, up to the WCET
+    /// Greater than 0, up to the WCET
     Open,
 }
 

@@ -17,10 +17,9 @@ use super::session::is_standard_input;
 /// Bytes that are read at once.
 pub(super) const PIECE: usize = 1 << 18;
 
-/// Execution times from recorded runs
+/// Import and summarise measured execution times
 ///
-/// Logs are those of GenoM3's profiler: servers that are generated with profiling write them, and `dotgen run
-/// --profile` does.
+/// Servers generated with profiling write logs of GenoM3's profiler, and so does `dotgen run --profile`.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     #[command(subcommand)]

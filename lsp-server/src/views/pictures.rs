@@ -30,7 +30,7 @@ pub enum Kind {
     Fsm,
     /// Components, ports, and the data between them
     System,
-    /// Which codels exclude which, and through what
+    /// Codels that exclude each other, and the data they lock
     Locks,
 }
 

@@ -39,25 +39,25 @@ const RUN: &str = "run";
 /// Code of what compilers say.
 const CODE: &str = "codel/compiler";
 
-/// Compile codels with the compilers of the system; GenoM3 need not be installed
+/// Compile codels with the system's compilers; GenoM3 is not needed
 ///
-/// The sources of codels are compiled against the mapped types of their specification and linked into a
-/// shared object below `.dotgen/run`; only what has changed, on all cores. Packages of `requires` and
-/// `codels-requires` are looked up with pkg-config. $CC and $CXX name other compilers.
+/// Compiles the sources of codels against the mapped types of their specification and links them into a
+/// shared object below `.dotgen/run`. Only changed sources are compiled, on all cores. pkg-config finds the
+/// packages of `requires` and `codels-requires`. $CC and $CXX select other compilers.
 ///
-/// Exit status: 0 when all codels are there and compile (warnings do not count), 1 when not, 2 if nothing
-/// could be compiled.
+/// Exit status: 0 if all codels exist and compile (warnings do not count), 1 if one is missing or does not
+/// compile, 2 if nothing could be compiled.
 #[derive(Debug, Args)]
 pub(super) struct Build {
     /// Specifications, and directories to search for .gen files
     #[arg(value_name = "PATH", required = true)]
     paths: Vec<Utf8PathBuf>,
 
-    /// How many compilers to run at the same time [default: one per processor core]
+    /// Number of compilers to run at the same time [default: one per processor core]
     #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
 
-    /// How to print what compilers say
+    /// Output format of the compilers' messages
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
 

@@ -11,14 +11,14 @@ use dotgen_timing::verify::{Cancel, Interrupt, Options, Prepared};
 
 use crate::verification::Problem;
 
-/// Where they come from.
+/// Sources of bounds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum Source {
-    /// Verification, where it takes little; else response-time analysis
+    /// Verification if it is quick, else response-time analysis
     Proved,
-    /// Response-time analysis, which takes no time
+    /// Response-time analysis
     Analysed,
-    /// None
+    /// No bounds
     None,
 }
 

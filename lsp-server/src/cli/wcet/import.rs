@@ -30,39 +30,39 @@ use crate::verification::Problem;
 
 /// Write measured execution times into a specification
 ///
-/// Each codel that was seen gets the greatest time that it took, multiplied by the margin and rounded up to
-/// two digits. A time that is there already stays if it is not less, and is never lowered without
-/// `--replace`. The edits change nothing else: bytes, line ends and comments stay.
+/// Each measured codel gets its longest time, multiplied by the margin and rounded up to two digits. Existing
+/// times are only raised; `--replace` lowers them too. Nothing else changes: bytes, line ends and comments
+/// stay.
 ///
-/// Exit status: 0 when all times are written, 1 if some must be written by hand, 2 if nothing could be done.
+/// Exit status: 0 if all times are written, 1 if some must be written by hand, 2 if nothing could be done.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// Logs of GenoM3's profiler (`-` is standard input), and the specification (.gen) or scenario (.scn);
-    /// without one, the only specification of the current directory
+    /// Logs of GenoM3's profiler (`-` is standard input), and a specification (.gen) or scenario (.scn)
+    /// [default: the only specification in the current directory]
     #[arg(value_name = "FILE", required = true)]
     files: Vec<Utf8PathBuf>,
 
-    /// The specification or scenario, if it is not among the files
+    /// Specification or scenario, if not among the FILEs
     #[arg(long, value_name = "FILE")]
     spec: Vec<Utf8PathBuf>,
 
-    /// By how much the greatest measured time is multiplied
+    /// Factor for the longest measured time
     #[arg(long, value_name = "FACTOR", default_value = "1.2", value_parser = Margin::parse)]
     margin: Margin,
 
-    /// In which form times are written where there are none
+    /// Form of new times
     #[arg(long = "as", value_enum, default_value_t = FormName::Clause)]
     form: FormName,
 
-    /// Replace times that are greater than the proposed ones as well
+    /// Also replace times that are longer than the proposed ones
     #[arg(long)]
     replace: bool,
 
-    /// Print the changes, and write nothing
+    /// Write nothing; print the changes
     #[arg(long, visible_alias = "dry-run")]
     diff: bool,
 
-    /// How to print what was found
+    /// Output format
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
 
@@ -76,7 +76,7 @@ enum FormName {
     Clause,
     /// `#pragma wcet CODEL 1 ms`, which genom3 ignores
     Pragma,
-    /// `duration PATH [0,1000] us;` in the scenario, for each state by itself
+    /// `duration PATH [0,1000] us;` in the scenario, for each state
     Sidecar,
 }
 

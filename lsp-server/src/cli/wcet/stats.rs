@@ -13,17 +13,17 @@ use serde::Serialize;
 use super::read_log;
 use crate::cli::{Outcome, report};
 
-/// Print statistics of logs: times of execution, cycles, transitions
+/// Print statistics of logs: execution times, cycles, transitions
 ///
-/// The numbers are those of `profundis -s`, which counts every line, also those of the recorder about itself.
-/// Lines that are none of a log are left out.
+/// The numbers match `profundis -s`, which counts every line, including the recorder's lines about itself.
+/// Lines that do not belong to a log are skipped.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// Logs; `-` is standard input
     #[arg(value_name = "LOG", required = true)]
     logs: Vec<Utf8PathBuf>,
 
-    /// How to print them
+    /// Output format
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
 }
@@ -34,7 +34,7 @@ enum Format {
     Text,
     /// For programs; times in nanoseconds
     Json,
-    /// The lines that `profundis -s` writes for programs
+    /// The machine-readable lines of `profundis -s`
     Sum,
 }
 

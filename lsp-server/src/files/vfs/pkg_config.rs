@@ -17,7 +17,7 @@ use crate::process;
 /// How long pkg-config may take before it is given up.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// PackageFlags for all `arguments` (each `package`, or `package op version`) in one query.
+/// Flags for all `arguments` (each `package`, or `package op version`) in one query.
 ///
 /// # Errors
 /// A message for the user: which package is missing, or why none could be looked up.
