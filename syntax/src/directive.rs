@@ -12,6 +12,7 @@ use smol_str::SmolStr;
 use crate::{
     kind::SyntaxKind::{self, *},
     lexer::{RawTokens, is_trivia, is_word, lex},
+    near::nearest,
 };
 
 /// One directive of a file.
@@ -27,6 +28,8 @@ pub struct Directive {
     pub keyword: Option<Name>,
     /// What it says.
     pub kind: DirectiveKind,
+    /// Its word, or that of its pragma, is misspelt; `kind` is what was meant.
+    pub misspelt: Option<Misspelt>,
     /// Whether it is in live text. A conditional directive is live when the text around its conditional is.
     pub active: bool,
     /// For live `#if`, `#ifdef`, `#ifndef`, `#elif` and `#else`: whether the text after it is live.
@@ -144,6 +147,8 @@ pub struct Pragma {
     pub args: Vec<PragmaArg>,
     /// Written as `_Pragma("…")`.
     pub operator: bool,
+    /// The first word is misspelt; `name` is what was meant.
+    pub misspelt: Option<Misspelt>,
 }
 
 /// One word of a pragma.
@@ -155,6 +160,32 @@ pub struct PragmaArg {
     pub quoted: bool,
     /// Where it is written, quotes included. In a `_Pragma`, that of the string.
     pub range: TextRange,
+}
+
+/// The words of directives.
+const WORDS: [&str; 13] = [
+    "include", "define", "undef", "if", "elif", "ifdef", "ifndef", "else", "endif", "error",
+    "warning", "line", "pragma",
+];
+
+/// The words of pragmas that mean something here.
+const PRAGMAS: [&str; 7] = [
+    "require",
+    "requires",
+    "provide",
+    "provides",
+    "masquerade",
+    "wcet",
+    "once",
+];
+
+/// A word of a directive that comes close to one that means something. The directive is read as that one.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Misspelt {
+    /// The word as it is written.
+    pub word: Name,
+    /// The word that was meant.
+    pub meant: &'static str,
 }
 
 impl Directive {
@@ -171,14 +202,23 @@ impl Directive {
             at: first + 1,
             end,
         };
+        let mut misspelt = None;
         let (keyword, kind) = match line.word() {
             Some(word) => {
-                let kind = line.kind(&word, defines);
+                let meant = nearest(&word.text, WORDS).filter(|_| !WORDS.contains(&&*word.text));
+                misspelt = meant.map(|meant| Misspelt {
+                    word: word.clone(),
+                    meant,
+                });
+                let kind = line.kind(meant.unwrap_or(&word.text), defines);
                 (Some(word), kind)
             }
             None if line.rest().is_empty() => (None, DirectiveKind::Empty),
             None => (None, DirectiveKind::Unknown),
         };
+        if let DirectiveKind::Pragma(Pragma { misspelt: it, .. }) = &kind {
+            misspelt = misspelt.or_else(|| it.clone());
+        }
         let last = (first..end)
             .rev()
             .find(|&i| !is_trivia(raw.kind(i)))
@@ -193,6 +233,7 @@ impl Directive {
             range,
             keyword,
             kind,
+            misspelt,
             active: true,
             taken: None,
         }
@@ -230,14 +271,26 @@ impl Pragma {
 
     fn from_words(words: Vec<PragmaArg>, operator: bool) -> Pragma {
         let mut words = words.into_iter();
-        let name = words.next().map(|it| Name {
+        let mut name = words.next().map(|it| Name {
             text: it.text,
             range: it.range,
         });
+        let mut misspelt = None;
+        if let Some(name) = &mut name
+            && !PRAGMAS.contains(&&*name.text)
+            && let Some(meant) = nearest(&name.text, PRAGMAS)
+        {
+            misspelt = Some(Misspelt {
+                word: name.clone(),
+                meant,
+            });
+            name.text = meant.into();
+        }
         Pragma {
             name,
             args: words.collect(),
             operator,
+            misspelt,
         }
     }
 }
@@ -323,8 +376,8 @@ impl Line<'_> {
         text.into()
     }
 
-    fn kind(&mut self, word: &Name, defines: &mut u32) -> DirectiveKind {
-        match word.text.as_str() {
+    fn kind(&mut self, word: &str, defines: &mut u32) -> DirectiveKind {
+        match word {
             "include" => DirectiveKind::Include(self.include()),
             "define" => {
                 let ordinal = *defines;

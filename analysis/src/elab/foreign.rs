@@ -18,6 +18,23 @@ pub(super) fn type_of(name: &str) -> Option<&'static str> {
     })
 }
 
+/// The type that C++ calls by a name in `std`.
+pub(super) fn standard_type(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "std::string" => "string",
+        "std::vector" | "std::list" | "std::deque" => "sequence",
+        "std::optional" => "optional",
+        "std::int16_t" => "short",
+        "std::uint16_t" => "unsigned short",
+        "std::int32_t" => "long",
+        "std::uint32_t" => "unsigned long",
+        "std::int64_t" => "long long",
+        "std::uint64_t" | "std::size_t" => "unsigned long long",
+        "std::uint8_t" | "std::int8_t" => "octet",
+        _ => return None,
+    })
+}
+
 /// Types that every text has.
 pub(super) const TYPES: [&str; 8] = [
     "boolean", "octet", "char", "string", "short", "long", "float", "double",

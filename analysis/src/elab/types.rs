@@ -162,7 +162,12 @@ impl<'a> Elaborator<'a> {
         let noun = if types { Noun::Type } else { Noun::Constant };
         let (scope, followed) = self.scopes.follow(self.scope, path.absolute, &names);
         let token = |it: usize| path.segments.get(it).map_or(path.ptr, |it| it.ptr);
-        let (kind, near) = if followed + 1 < names.len() {
+        let path_text = words::path_text(path);
+        let standard = foreign::standard_type(path_text.trim_start_matches("::"));
+        let (kind, near) = if let Some(ty) = standard.filter(|_| types) {
+            let path = path_text.into();
+            (Naming::Standard { path, ty }, None)
+        } else if followed + 1 < names.len() {
             let missing = names[followed];
             let inner = self.scopes.get(scope);
             let candidates = inner.children.keys().map(|it| it.as_str());

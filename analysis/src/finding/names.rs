@@ -77,6 +77,8 @@ findings! {
         "unknown-type" UnknownScope { path: Name, noun: Noun, missing: Name, inside: Inside }
             => "`{path}` does not name a {noun}: there is no module, component or type scope \
                 `{missing}` {inside}";
+        "unknown-type" Standard { path: Name, ty: &'static str }
+            => "`{path}` is a type of C++", "did you mean `{ty}`?";
         "unknown-type" UnknownPath { noun: Noun, path: Name } => "there is no {noun} `{path}`";
         "unknown-type" Unknown { noun: Noun, name: Name }
             => "unknown {noun} `{name}`", "it must be declared before it is used";
@@ -139,6 +141,7 @@ impl Naming {
             Naming::ThrownTwice { .. } => {
                 here.remove_part().map(TextFix::plain).into_iter().collect()
             }
+            Naming::Standard { ty, .. } => vec![here.replace(ty)],
             Naming::Unknown {
                 noun: Noun::Exception,
                 name,

@@ -8,6 +8,7 @@ use crate::fixes::{FixSite, TextFix, missing_brace};
 pub(super) fn preprocessing(it: &Preprocessing, here: &FixSite<'_>) -> Vec<TextFix> {
     match it {
         Preprocessing::Stray { .. } | Preprocessing::Control { .. } => vec![here.remove().plain()],
+        Preprocessing::Misspelt { meant, .. } => vec![here.replace(meant)],
         Preprocessing::ByteOrderMark => vec![here.remove_as("Remove the byte order mark").plain()],
         _ => Vec::new(),
     }

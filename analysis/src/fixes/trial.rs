@@ -247,11 +247,16 @@ fn insertions(window: &Window<'_>, out: &mut Vec<Trial>) {
         let before = window.range(number).start;
         for (rank, what) in (0u32..).zip(INSERTED) {
             // A word stands in front of what it belongs to, a mark behind what it ends.
-            let at = if what.ends_with(' ') { before } else { behind };
+            let is_word = what.ends_with(' ');
+            if is_word && window.is_mark(number) {
+                continue;
+            }
+            let at = if is_word { before } else { behind };
+            let base = if is_word { 2 } else { 8 + rank };
             out.push(Trial {
                 title: format!("Insert `{}`", what.trim()),
                 edits: vec![(at..at, what.to_owned())],
-                cost: 8 + rank + window.distance(number),
+                cost: base + window.distance(number),
             });
         }
     }

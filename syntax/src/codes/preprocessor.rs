@@ -311,6 +311,15 @@ pub(super) const CODES: &[Code] = &[
         "const long a =\n#include \"value.h\"\n;\n",
         "#include \"value.h\"\nconst long a = VALUE;\n",
     )),
+    ours(error(
+        "pp-misspelt-directive",
+        "The word of a directive or pragma is misspelt.",
+        "GenoM3 ignores a directive or pragma that it does not know, without a message: a file is not included, a \
+         package not required, a macro not defined.",
+        "Correct the word. The directive is read as the one that was meant.",
+        "#defnie AXES 2\nconst long axes = AXES;\n",
+        "#define AXES 2\nconst long axes = AXES;\n",
+    )),
     ours(hint(
         "pp-unknown-directive",
         "A directive is ignored because its name is unknown.",

@@ -297,6 +297,7 @@ impl Walker<'_> {
                 name: None,
                 args: Vec::new(),
                 operator: true,
+                misspelt: None,
             },
         };
         if literal.is_none() {
@@ -310,6 +311,7 @@ impl Walker<'_> {
             end,
             range,
             keyword: None,
+            misspelt: pragma.misspelt.clone(),
             kind: DirectiveKind::Pragma(pragma),
             active: true,
             taken: None,
@@ -370,6 +372,11 @@ impl Walker<'_> {
                     let mut defines = self.defines;
                     let mut directive =
                         Directive::parse(self.text, self.raw, self.at, &mut defines);
+                    // What is left out may not be meant for this preprocessor.
+                    if directive.misspelt.is_some() {
+                        directive.kind = DirectiveKind::Unknown;
+                        directive.misspelt = None;
+                    }
                     let ends_group = matches!(
                         directive.kind,
                         DirectiveKind::Elif(_) | DirectiveKind::Else(_) | DirectiveKind::Endif(_)

@@ -27,6 +27,13 @@ impl Walker<'_> {
     /// Does what a directive says. For one that begins a group, says whether the group is live.
     pub(super) fn execute(&mut self, directive: &Directive, index: usize) -> Option<bool> {
         let range = directive.range;
+        if let Some(it) = &directive.misspelt {
+            let kind = Preprocessing::Misspelt {
+                word: it.word.text.clone(),
+                meant: it.meant,
+            };
+            self.error(it.word.range, kind);
+        }
         match &directive.kind {
             DirectiveKind::Include(operand) => self.include(operand, index, range),
             DirectiveKind::Define(define) => self.define(define, range),
