@@ -118,17 +118,16 @@ fn resident_megabytes() -> Option<u64> {
 /// Cold check of the largest published component among the shared test data, where it is there.
 #[divan::bench]
 fn cold_check_of_the_largest_real_specification(bencher: Bencher<'_, '_>) {
-    let corpus = Utf8PathBuf::from(concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../shared/corpus/components"
-    ));
+    let corpus = dotgen_loaders::shared("corpus/components");
+    let Some(corpus) = corpus.and_then(|it| Utf8PathBuf::from_path_buf(it).ok()) else {
+        return;
+    };
     let folders = corpus.read_dir_utf8().into_iter().flatten().flatten();
     let files = folders.flat_map(|it| it.path().read_dir_utf8().into_iter().flatten().flatten());
     let sizes = files
         .filter(|it| it.path().extension() == Some("gen"))
         .filter_map(|it| Some((it.metadata().ok()?.len(), it.path().to_owned())));
     let Some((_, largest)) = sizes.max() else {
-        eprintln!("SKIPPED: no test data at ../shared/corpus");
         return;
     };
     bencher.bench(|| {

@@ -8,13 +8,6 @@ use dotgen_codegen::command::{Environment, generate};
 use dotgen_codegen::template::Limits;
 use dotgen_codegen::template::console::Captured;
 
-#[path = "support/disk.rs"]
-mod disk;
-#[path = "support/files.rs"]
-mod files;
-#[path = "support/processes.rs"]
-mod processes;
-
 const SPECIFICATION: &str = "/*/ A lamp. */
 component lamp {
   version \"1.2\"; lang \"c\"; doc \"Gives light.\"; requires \"genom3 >= 2.99.26\";
@@ -38,8 +31,8 @@ fn run_as(release: Release, dir: &Path, args: &[&str]) -> (i32, String, String) 
         variables: &|name| {
             (name == "XDG_CACHE_HOME").then(|| dir.join("cache").display().to_string())
         },
-        disk: Arc::new(files::Files),
-        loader: Arc::new(disk::Disk),
+        disk: Arc::new(crate::files::Files),
+        loader: Arc::new(crate::disk::Disk),
         pictures: Arc::new(|_, component, owner, form| {
             {
                 // What has no machine has no picture.
@@ -55,7 +48,7 @@ fn run_as(release: Release, dir: &Path, args: &[&str]) -> (i32, String, String) 
         limits: Limits::default(),
         base: std::path::PathBuf::new(),
         sink: dotgen_codegen::template::OutputSink::Direct,
-        processes: Arc::new(processes::Plain),
+        processes: Arc::new(crate::processes::Plain),
         confined: None,
         failed_at: None,
         release: Some(ReleaseChoice {

@@ -39,14 +39,14 @@ fn main() -> ExitCode {
         println!("golden: test");
         return ExitCode::SUCCESS;
     }
-    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/golden");
+    let golden = dotgen_loaders::shared("golden");
     let mut failed = false;
     for (release, manifest, variable) in RELEASES {
         let templates = std::env::var_os(variable);
-        let (Ok(golden), Some(templates)) = (golden.canonicalize(), templates) else {
+        let (Some(golden), Some(templates)) = (&golden, templates) else {
             eprintln!(
-                "SKIPPED: golden runs of {release} need ../shared/golden beside the repository and \
-                 {variable}, the directory of that release's own templates"
+                "SKIPPED: golden runs of {release} need `golden` of the shared test data and {variable}, \
+                 the directory of that release's own templates"
             );
             continue;
         };

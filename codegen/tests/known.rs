@@ -15,13 +15,6 @@ use dotgen_codegen::process::{Folder, Gap, Meter, Process, Processes, Program, R
 use dotgen_codegen::template::console::Captured;
 use dotgen_codegen::template::{Limits, OutputSink, find_tclsh};
 
-#[path = "support/disk.rs"]
-mod disk;
-#[path = "support/files.rs"]
-mod files;
-#[path = "support/processes.rs"]
-mod processes;
-
 /// Counts what is started.
 #[derive(Default)]
 struct Counted(AtomicUsize);
@@ -29,19 +22,19 @@ struct Counted(AtomicUsize);
 impl Processes for Counted {
     fn start(&self, program: &Program) -> io::Result<Process> {
         self.0.fetch_add(1, Ordering::Relaxed);
-        processes::Plain.start(program)
+        crate::processes::Plain.start(program)
     }
     fn renderer(&self, resources: Resources) -> Option<io::Result<Process>> {
-        processes::Plain.renderer(resources)
+        crate::processes::Plain.renderer(resources)
     }
     fn folder(&self, parent: Option<&Path>) -> io::Result<Box<dyn Folder>> {
-        processes::Plain.folder(parent)
+        crate::processes::Plain.folder(parent)
     }
     fn gaps(&self) -> Vec<Gap> {
-        processes::Plain.gaps()
+        crate::processes::Plain.gaps()
     }
     fn meter(&self, folders: Vec<PathBuf>) -> Meter {
-        processes::Plain.meter(folders)
+        crate::processes::Plain.meter(folders)
     }
 }
 
@@ -75,8 +68,8 @@ impl Place<'_> {
             name: "genom3",
             program: "/bin/genom3".into(),
             variables: &|name| (name == "PATH").then(|| std::env::var(name).ok()).flatten(),
-            disk: Arc::new(files::Files),
-            loader: Arc::new(disk::Disk),
+            disk: Arc::new(crate::files::Files),
+            loader: Arc::new(crate::disk::Disk),
             pictures: Arc::new(|_, _, _, _| Ok(String::new())),
             console: &mut console,
             limits: Limits::default(),
@@ -188,11 +181,7 @@ impl Templates {
 
 /// All specifications beside the project.
 fn specifications() -> Option<(PathBuf, Vec<PathBuf>)> {
-    let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
-    let Ok(shared) = shared.canonicalize() else {
-        eprintln!("SKIPPED: no ../shared beside the repository");
-        return None;
-    };
+    let shared = dotgen_loaders::shared("")?;
     let folders = ["corpus", "golden/inputs"].map(|it| shared.join(it));
     let all = folders.iter().flat_map(walkdir::WalkDir::new);
     let mut all: Vec<PathBuf> = all

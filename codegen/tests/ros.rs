@@ -13,13 +13,6 @@ use dotgen_codegen::command::{Environment, generate};
 use dotgen_codegen::template::console::Captured;
 use dotgen_codegen::template::{Limits, OutputSink, find_tclsh};
 
-#[path = "support/disk.rs"]
-mod disk;
-#[path = "support/files.rs"]
-mod files;
-#[path = "support/processes.rs"]
-mod processes;
-
 const SPECIFICATION: &str = "component lamp {
   version \"1.0\"; lang \"c\"; email \"a@example.org\"; require \"genom3 >= 2.99.26\";
   exception e_broken { long why; }, e_dark;
@@ -87,14 +80,14 @@ fn a_ros_server_compiles_without_genom() {
         name: "genom3",
         program: "/bin/genom3".into(),
         variables: &|name| (name == "XDG_CACHE_HOME").then(|| cache.clone()),
-        disk: Arc::new(files::Files),
-        loader: Arc::new(disk::Disk),
+        disk: Arc::new(crate::files::Files),
+        loader: Arc::new(crate::disk::Disk),
         pictures: Arc::new(|_, _, _, _| Ok(String::new())),
         console: &mut console,
         limits: Limits::default(),
         base: place.path().to_owned(),
         sink: OutputSink::Direct,
-        processes: Arc::new(processes::Plain),
+        processes: Arc::new(crate::processes::Plain),
         confined: None,
         failed_at: None,
         release: Some(ReleaseChoice {

@@ -3,10 +3,7 @@
 use dotgen_codegen::catalog::{TemplateKind, templates};
 use dotgen_codegen::template::discover::{FindError, SearchPath};
 
-#[path = "support/files.rs"]
-mod files;
-
-use files::Files;
+use crate::files::Files;
 
 /// A folder with files of these names and texts.
 fn tree(files: &[(&str, &str)]) -> tempfile::TempDir {

@@ -1,6 +1,6 @@
 //! Templates that run have nothing wrong with them.
 //!
-//! Those of others are not part of this repository: `../shared/golden/templates` beside it, and the
+//! Those of others are not part of this repository: `golden/templates` of the shared test data, and the
 //! directories that `DOTGEN_TEST_TEMPLATES` names (separated by colons).
 
 use std::path::Path;
@@ -38,17 +38,14 @@ fn findings(directory: &Utf8Path) -> Vec<(Utf8PathBuf, Vec<Diagnostic>)> {
 
 #[test]
 fn templates_that_run_have_no_errors() {
-    let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/golden/templates");
+    let shared = dotgen_loaders::shared("golden/templates");
     let more = std::env::var("DOTGEN_TEST_TEMPLATES").unwrap_or_default();
     let directories: Vec<_> = shared
-        .to_str()
-        .into_iter()
+        .iter()
+        .filter_map(|folder| folder.to_str())
         .chain(more.split(':'))
         .filter(|it| Path::new(it).is_dir())
         .collect();
-    if directories.is_empty() {
-        eprintln!("SKIPPED: no templates at ../shared/golden/templates");
-    }
     for directory in directories {
         let all = findings(directory.into());
         assert!(!all.is_empty(), "no template below {directory}");

@@ -12,13 +12,6 @@ use dotgen_codegen::template::console::Captured;
 use dotgen_codegen::template::discover::SearchPath;
 use dotgen_codegen::template::{Confined, Limits, Outcome, OutputSink, Run, find_tclsh};
 
-#[path = "support/disk.rs"]
-mod disk;
-#[path = "support/files.rs"]
-mod files;
-#[path = "support/processes.rs"]
-mod processes;
-
 const SPECIFICATION: &str = r#"/*/ A lamp.
  * Second line.
  */
@@ -59,8 +52,8 @@ fn run(
     let results = vec![std::env::temp_dir()];
     let confined = matches!(sink, OutputSink::Preview(_)).then_some(Confined { results });
     let run = Run {
-        disk: Arc::new(files::Files),
-        dir: search.find(&files::Files, template).unwrap(),
+        disk: Arc::new(crate::files::Files),
+        dir: search.find(&crate::files::Files, template).unwrap(),
         args: args.iter().map(|it| (*it).to_owned()).collect(),
         search: &search,
         program: "/bin/dotgen".into(),
@@ -71,12 +64,12 @@ fn run(
         limits,
         base: PathBuf::new(),
         input_path: String::new(),
-        processes: Arc::new(processes::Plain),
+        processes: Arc::new(crate::processes::Plain),
         confined: confined.as_ref(),
     };
     let mut compiler = Compiler::new(
-        Arc::new(files::Files),
-        Arc::new(disk::Disk),
+        Arc::new(crate::files::Files),
+        Arc::new(crate::disk::Disk),
         Vec::new(),
         Vec::new(),
         release(),
@@ -458,8 +451,8 @@ fn a_preview_shows_what_a_run_writes() {
     let run = |sink| {
         let out = dir.path().join("out").display().to_string();
         let run = Run {
-            disk: Arc::new(files::Files),
-            dir: search.find(&files::Files, "skeleton").unwrap(),
+            disk: Arc::new(crate::files::Files),
+            dir: search.find(&crate::files::Files, "skeleton").unwrap(),
             args: vec!["-C".into(), out, path.display().to_string()],
             search: &search,
             program: String::new(),
@@ -470,12 +463,12 @@ fn a_preview_shows_what_a_run_writes() {
             limits: Limits::preview(),
             base: PathBuf::new(),
             input_path: String::new(),
-            processes: Arc::new(processes::Plain),
+            processes: Arc::new(crate::processes::Plain),
             confined: None,
         };
         let mut compiler = Compiler::new(
-            Arc::new(files::Files),
-            Arc::new(disk::Disk),
+            Arc::new(crate::files::Files),
+            Arc::new(crate::disk::Disk),
             Vec::new(),
             Vec::new(),
             release(),

@@ -6,10 +6,7 @@ use std::time::SystemTime;
 
 use serde_json::Value;
 
-#[path = "support/directory.rs"]
-mod directory;
-
-use directory::{Directory, status, stderr, stdout};
+use crate::directory::{Directory, status, stderr, stdout};
 
 const VALVE: &str = "\
 native handle;

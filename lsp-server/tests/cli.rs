@@ -4,10 +4,7 @@ use std::process::Command;
 
 use serde_json::{Value, json};
 
-#[path = "support/directory.rs"]
-mod directory;
-
-use directory::{Directory, status, stderr, stdout};
+use crate::directory::{Directory, status, stderr, stdout};
 
 const POSE: &str = "struct pose {\n  double x, y, theta;\n};\n";
 

@@ -1,7 +1,6 @@
 //! The conformance suite, when it is beside the project: `dotgen check --format json` must accept
 //! and reject as expected, errors on the expected lines.
 
-use std::path::Path;
 use std::process::Command;
 
 #[test]
@@ -16,11 +15,9 @@ fn every_case_of_2_99_41_passes() {
 
 /// Runs the suite with dotgen reading specifications as a release; `options` say which one the suite expects.
 fn every_case_passes(release: &str, options: &[&str]) {
-    let suite = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/conformance/run");
-    if !suite.is_file() {
-        eprintln!("SKIPPED: no conformance suite at ../shared/conformance");
+    let Some(suite) = dotgen_loaders::shared("conformance/run") else {
         return;
-    }
+    };
     let output = Command::new(&suite)
         .args(options)
         .args(["--warnings", "--", env!("CARGO_BIN_EXE_dotgen")])

@@ -6,13 +6,8 @@ use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
-#[path = "support/directory.rs"]
-mod directory;
-#[path = "support/running.rs"]
-mod running;
-
-use directory::{status, stderr};
-use running::{Listening, compilers, ended, processes, with_body};
+use crate::directory::{status, stderr};
+use crate::running::{Listening, compilers, ended, processes, with_body};
 
 fn has_gdb() -> bool {
     let mut command = Command::new("gdb");

@@ -7,13 +7,8 @@ use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 
-#[path = "support/directory.rs"]
-mod directory;
-#[path = "support/running.rs"]
-mod running;
-
-use directory::{Directory, status, stderr, stdout};
-use running::{
+use crate::directory::{Directory, status, stderr, stdout};
+use crate::running::{
     Listening, compilers, ended, json_of, processes, signal, soon, violation, with_body,
 };
 

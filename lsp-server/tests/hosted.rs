@@ -7,13 +7,8 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-#[path = "support/directory.rs"]
-mod directory;
-#[path = "support/running.rs"]
-mod running;
-
-use directory::{Directory, status, stderr, stdout};
-use running::{Listening, compilers, ended, json_of, processes, violation, with_body};
+use crate::directory::{Directory, status, stderr, stdout};
+use crate::running::{Listening, compilers, ended, json_of, processes, violation, with_body};
 
 const TYPES: &str = include_str!("hosted/types.idl");
 const ECHO: &str = include_str!("hosted/echo.gen");

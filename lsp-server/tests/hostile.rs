@@ -3,14 +3,9 @@
 
 use serde_json::json;
 
-#[path = "support/directory.rs"]
-mod directory;
 #[allow(dead_code, reason = "shared with other tests")]
-#[path = "support/server.rs"]
-mod server;
-
-use directory::{Directory, status, stderr, stdout};
-use server::Server;
+use crate::directory::{Directory, status, stderr, stdout};
+use crate::server::Server;
 
 const NAME: &str = "a\u{1b}[31m\u{7}\u{202e}b.gen";
 

@@ -1,9 +1,6 @@
 //! Manners of the command line: standard input, colours, completions, manual pages, names of files.
 
-#[path = "support/directory.rs"]
-mod directory;
-
-use directory::{Directory, status, stderr, stdout};
+use crate::directory::{Directory, status, stderr, stdout};
 
 const SPEC: &str = "component c {\n  ids { long x; };\n  task t { codel<start> f(in x) yield ether; };\n  \
                     task u { codel<start> g(in x) yield ether; };\n};\n";

@@ -4,10 +4,7 @@ use std::process::Output;
 
 use serde_json::Value;
 
-#[path = "support/directory.rs"]
-mod directory;
-
-use directory::{Directory, status, stderr, stdout};
+use crate::directory::{Directory, status, stderr, stdout};
 
 const SPEC: &str = "\
 component cell {

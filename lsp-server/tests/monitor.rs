@@ -5,14 +5,8 @@ use std::process::{Output, Stdio};
 
 use serde_json::Value;
 
-#[path = "support/directory.rs"]
-mod directory;
-
 #[cfg(target_os = "linux")]
-#[path = "support/running.rs"]
-mod running;
-
-use directory::{Directory, status, stderr, stdout};
+use crate::directory::{Directory, status, stderr, stdout};
 
 fn put(directory: &Directory, name: &str, text: &str) {
     directory.write(name, text.as_bytes());
@@ -128,7 +122,7 @@ fn a_log_is_followed_while_it_is_written() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_run_is_followed_through_its_socket() {
-    use running::{Listening, ended};
+    use crate::running::{Listening, ended};
 
     let directory = recorded(&[]);
     let arguments = ["run", "pump.scn", "--clock", "real", "--simulate", "all"];

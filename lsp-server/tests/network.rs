@@ -3,13 +3,8 @@
 
 use std::net::{Ipv4Addr, TcpListener};
 
-#[path = "support/directory.rs"]
-mod directory;
-#[path = "support/running.rs"]
-mod running;
-
-use directory::{Directory, status, stderr, stdout};
-use running::{Listening, compilers, soon};
+use crate::directory::{Directory, status, stderr, stdout};
+use crate::running::{Listening, compilers, soon};
 
 const TYPES: &str = include_str!("hosted/types.idl");
 

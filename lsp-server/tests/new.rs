@@ -1,9 +1,6 @@
 //! `dotgen new`: what it leaves is in shape, sound, in step with its codels, and proved.
 
-#[path = "support/directory.rs"]
-mod directory;
-
-use directory::{Directory, status, stderr, stdout};
+use crate::directory::{Directory, status, stderr, stdout};
 
 #[test]
 fn a_new_component_is_sound_in_step_and_proved() {

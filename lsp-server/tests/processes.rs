@@ -11,14 +11,9 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{Pid, PidfdFlags, Signal, kill_process, pidfd_open};
 use serde_json::{Value, json};
 
-#[path = "support/directory.rs"]
-mod directory;
 #[allow(dead_code, reason = "shared with other tests")]
-#[path = "support/server.rs"]
-mod server;
-
-use directory::{Directory, status, stderr, stdout};
-use server::Server;
+use crate::directory::{Directory, status, stderr, stdout};
+use crate::server::Server;
 
 const LAMP: &str = "component lamp { ids { long x; }; };\n";
 

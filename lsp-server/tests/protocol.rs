@@ -5,10 +5,7 @@ use std::process::{Command, Stdio};
 use serde_json::{Value, json};
 
 #[allow(dead_code, reason = "shared with other tests")]
-#[path = "support/server.rs"]
-mod server;
-
-use server::Server;
+use crate::server::Server;
 
 const URI: &str = "file:///nowhere/arm.gen";
 

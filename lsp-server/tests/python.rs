@@ -4,10 +4,7 @@
 use std::path::Path;
 use std::process::Command;
 
-#[path = "support/directory.rs"]
-mod directory;
-
-use directory::{Directory, status, stderr, stdout};
+use crate::directory::{Directory, status, stderr, stdout};
 
 /// Python with packages; they are installed where they are not there and can be.
 fn python(packages: &[&str], import: &str) -> Option<Command> {

@@ -1,9 +1,6 @@
 //! The release of GenoM3: who says it, that all commands follow it, and what changes between two.
 
-#[path = "support/directory.rs"]
-mod directory;
-
-use directory::{Directory, status, stderr, stdout};
+use crate::directory::{Directory, status, stderr, stdout};
 use serde_json::Value;
 
 const ARM: &str = "interface i {\n  typedef double d;\n  port out d pose;\n  exception lost;\n};\n\

@@ -1,13 +1,8 @@
 //! Codels that call services of other components.
 #![cfg(target_os = "linux")]
 
-#[path = "support/directory.rs"]
-mod directory;
-#[path = "support/running.rs"]
-mod running;
-
-use directory::{Directory, status, stderr, stdout};
-use running::{Listening, compilers, ended};
+use crate::directory::{Directory, status, stderr, stdout};
+use crate::running::{Listening, compilers, ended};
 
 const ADDER: &str = "#pragma once
 module sums { struct pair { long one; double other; }; enum kind { FEW, MANY }; };

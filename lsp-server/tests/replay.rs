@@ -5,10 +5,7 @@ use std::process::{Command, Output, Stdio};
 use dotgen_recording::record;
 use serde_json::Value;
 
-#[path = "support/directory.rs"]
-mod directory;
-
-use directory::{Directory, status, stderr, stdout};
+use crate::directory::{Directory, status, stderr, stdout};
 
 fn json(output: &Output) -> Value {
     let text = stdout(output);

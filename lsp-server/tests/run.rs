@@ -5,10 +5,7 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 
-#[path = "support/directory.rs"]
-mod directory;
-
-use directory::{Directory, status, stderr, stdout};
+use crate::directory::{Directory, status, stderr, stdout};
 
 fn example(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -279,11 +276,9 @@ fn simulated(main: &Path, definitions: &Path) {
 
 #[test]
 fn published_components_run() {
-    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/corpus");
-    if !corpus.is_dir() {
-        eprintln!("SKIPPED: {} is missing", corpus.display());
+    let Some(corpus) = dotgen_loaders::shared("corpus") else {
         return;
-    }
+    };
     let mut ran = 0;
     for (folder, definitions) in [
         ("components", "components/standins"),

@@ -6,13 +6,8 @@ use std::os::unix::net::UnixStream;
 
 use serde_json::{Value, json};
 
-#[path = "support/directory.rs"]
-mod directory;
-#[path = "support/running.rs"]
-mod running;
-
-use directory::Directory;
-use running::Listening;
+use crate::directory::Directory;
+use crate::running::Listening;
 
 const SPECIFICATION: &str = r#"
 enum mode { SLOW, FAST };

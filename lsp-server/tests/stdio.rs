@@ -6,10 +6,7 @@ use std::process::{Command, Stdio};
 use serde_json::json;
 
 #[allow(dead_code, reason = "shared with other tests")]
-#[path = "support/server.rs"]
-mod server;
-
-use server::Server;
+use crate::server::Server;
 
 #[test]
 fn an_error_comes_and_goes() {

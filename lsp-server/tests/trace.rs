@@ -3,10 +3,7 @@
 
 use serde_json::{Value, json};
 
-#[path = "support/directory.rs"]
-mod directory;
-
-use directory::{Directory, status, stderr, stdout};
+use crate::directory::{Directory, status, stderr, stdout};
 
 const LIFT: &str = "\
 component lift {

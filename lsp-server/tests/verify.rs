@@ -1,14 +1,10 @@
 //! `dotgen verify`, run as users and scripts run it.
 
-use std::path::Path;
 use std::process::{Command, Output};
 
 use serde_json::Value;
 
-#[path = "support/directory.rs"]
-mod directory;
-
-use directory::{Directory, status, stderr, stdout};
+use crate::directory::{Directory, status, stderr, stdout};
 
 /// `sense` has to wait while `steer` executes.
 const LIFT: &str = "\
@@ -449,18 +445,18 @@ fn what_is_assumed_has_the_severity_that_is_set() {
 /// Published and computed results, through the program that people run.
 #[test]
 fn ground_truth() {
-    let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
-    let Ok(truth) = std::fs::read_to_string(shared.join("ground-truth.json")) else {
-        eprintln!("SKIPPED: {} has no ground-truth.json", shared.display());
+    let Some(truth) = dotgen_loaders::shared("ground-truth.json") else {
         return;
     };
+    let shared = truth.parent().expect("a folder");
+    let truth = std::fs::read_to_string(&truth).expect("a file");
     let truth: Value = serde_json::from_str(&truth).expect("JSON");
     let mut compared = 0;
     for case in truth["cases"].as_array().expect("a list of cases") {
         let mut command = Command::new(env!("CARGO_BIN_EXE_dotgen"));
         command
             .args(["verify", "--format", "json", "--semantics", "published"])
-            .current_dir(&shared);
+            .current_dir(shared);
         command.arg(case["scenario"].as_str().expect("a path"));
         for (option, value) in case["with"].as_object().expect("options") {
             let value = value.as_str().map_or(value.to_string(), str::to_owned);

@@ -1,10 +1,7 @@
 //! What commands write: bytes and line ends that are not theirs stay, all files or none, and one that cannot
 //! be used keeps no other from being done.
 
-#[path = "support/directory.rs"]
-mod directory;
-
-use directory::{Directory, status, stderr, stdout};
+use crate::directory::{Directory, status, stderr, stdout};
 
 /// A component in Latin-1.
 const SPEC: &str = "/* Andr\u{e9} */\ncomponent c {\n  version \"1.0\";\n  lang \"c\";\n  ids { long x; };\n  \

@@ -10,10 +10,7 @@ use dotgen_timing::report::{Value, Verdict};
 use dotgen_timing::scn::parse;
 use dotgen_timing::verify::{Cancel, Options, Question, SystemInput, prepare, verify};
 
-#[path = "support/random_systems.rs"]
-mod random_systems;
-
-use random_systems::{load, random, systems};
+use crate::random_systems::{load, random, systems};
 
 /// How many checks were compared; `None` if the system is no legal one, or too large.
 fn compare(seed: u64) -> Option<usize> {

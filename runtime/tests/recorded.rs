@@ -15,10 +15,7 @@ use dotgen_timing::scn::{parse, parse_check};
 use dotgen_timing::system::Ticks;
 use dotgen_timing::verify::{Cancel, Options, Prepared, SystemInput, prepare, verify};
 
-#[path = "support/random_systems.rs"]
-mod random_systems;
-
-use random_systems::{load, random, systems};
+use crate::random_systems::{load, random, systems};
 
 /// A scenario with its specifications.
 struct Recorder {

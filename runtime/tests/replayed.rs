@@ -13,10 +13,7 @@ use dotgen_timing::scn::semantics::LockRule;
 use dotgen_timing::system::{FOREVER, LockOrder, Policy, TimedSystem, Yield};
 use dotgen_timing::verify::{Options, Prepared, SystemInput, prepare};
 
-#[path = "support/random_systems.rs"]
-mod random_systems;
-
-use random_systems::{load, random, systems};
+use crate::random_systems::{load, random, systems};
 
 /// Steps by names.
 struct Recording<'s> {

@@ -6,17 +6,7 @@ use std::path::{Path, PathBuf};
 use dotgen_syntax::{Fragment, Parse, Severity, lexer, parse, parse_text, preproc};
 use serde_json::Value;
 
-/// The shared material next to the workspace.
-fn shared(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../shared")
-        .join(name);
-    if !path.exists() {
-        eprintln!("SKIPPED: {} is not there", path.display());
-        return None;
-    }
-    Some(path)
-}
+use crate::shared::shared;
 
 /// All `.gen` and `.idl` files below a directory, in order.
 fn specifications(dir: &Path, acc: &mut Vec<PathBuf>) {

@@ -388,3 +388,52 @@ fn walk(folder: &std::path::Path) -> Vec<std::path::PathBuf> {
     out.sort();
     out
 }
+
+/// Where shared test data lies is known in one place, so that one variable hides it.
+#[test]
+fn shared_test_data_is_found_in_one_place() {
+    let place = concat!("../", "shared");
+    let mut bad = Vec::new();
+    for (folder, _) in ALLOWED {
+        let sources = walk(&workspace_root().join(folder));
+        for path in sources
+            .iter()
+            .filter(|path| !path.ends_with("loaders/src/shared.rs"))
+        {
+            let source = std::fs::read_to_string(path).expect("a source");
+            if source.contains(place) {
+                bad.push(path.clone());
+            }
+        }
+    }
+    assert!(bad.is_empty(), "use `dotgen_loaders::shared`: {bad:#?}");
+}
+
+/// Where the tests of a crate are one program, every file of them belongs to it.
+#[test]
+fn no_file_of_tests_is_forgotten() {
+    for (folder, _) in ALLOWED {
+        let tests = workspace_root().join(folder).join("tests");
+        let manifest = manifest(folder);
+        let automatic = manifest["package"].get("autotests");
+        if automatic.and_then(toml::Value::as_bool) != Some(false) {
+            continue;
+        }
+        let main = std::fs::read_to_string(tests.join("main.rs")).expect("tests/main.rs");
+        let own = manifest["test"].as_array().expect("programs of tests");
+        let own: BTreeSet<_> = own
+            .iter()
+            .filter_map(|test| test["path"].as_str())
+            .collect();
+        for entry in std::fs::read_dir(&tests).expect("a folder").flatten() {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            let Some(module) = name.strip_suffix(".rs") else {
+                continue;
+            };
+            assert!(
+                main.contains(&format!("mod {module};")) || own.contains(&*format!("tests/{name}")),
+                "{folder}/tests/main.rs has no `mod {module};`"
+            );
+        }
+    }
+}

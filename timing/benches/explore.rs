@@ -19,13 +19,8 @@ fn main() {
 }
 
 fn load(path: &str) -> Option<(Scenario, UnitResult)> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../shared/corpus")
-        .join(path);
-    let Ok(text) = std::fs::read_to_string(&path) else {
-        eprintln!("SKIPPED: {} is not there", path.display());
-        return None;
-    };
+    let path = dotgen_loaders::shared(&format!("corpus/{path}"))?;
+    let text = std::fs::read_to_string(&path).ok()?;
     let scenario = parse(&text).scenario;
     let folder = Utf8Path::from_path(path.parent()?)?.to_owned();
     let inputs = scenario.items.iter().filter_map(|it| match it {

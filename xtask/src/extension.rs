@@ -1,6 +1,7 @@
 //! Building the VS Code extension, and the server it carries.
 
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use anyhow::{Context, Result};
 
@@ -28,7 +29,17 @@ pub(crate) const NOTICES: &str = "THIRD-PARTY-NOTICES.txt";
 pub(crate) const FEATURES: &str = "dotgen-lsp-server/zenoh";
 
 /// Compiles the server; returns the program.
+///
+/// A profile is built once in a run of xtask: no source changes meanwhile.
 pub(crate) fn build_server(profile: Profile) -> Result<PathBuf> {
+    static BUILT: [OnceLock<()>; 2] = [OnceLock::new(), OnceLock::new()];
+    let built = match profile {
+        Profile::Dev => &BUILT[0],
+        Profile::Dist => &BUILT[1],
+    };
+    if built.get().is_some() {
+        return Ok(server_program(profile));
+    }
     let mut arguments = vec![
         "build",
         "--locked",
@@ -44,6 +55,7 @@ pub(crate) fn build_server(profile: Profile) -> Result<PathBuf> {
     }
     step("Building the server (a first build takes some minutes)");
     run::run(run::cargo(&arguments))?;
+    let _ = built.set(());
     Ok(server_program(profile))
 }
 

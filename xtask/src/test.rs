@@ -10,10 +10,10 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 
 use crate::extension::{self, Profile};
-use crate::notices;
 use crate::run::{self, step};
 use crate::tools;
 use crate::workbench::Workbench;
+use crate::{notices, stranger};
 
 /// Options of `cargo xtask test`.
 #[derive(Args)]
@@ -33,10 +33,22 @@ struct Suite {
 }
 
 /// Numbers of tests; a suite that is one check counts as one test.
-#[derive(Default, Clone, Copy)]
-struct Outcome {
-    passed: usize,
-    failed: usize,
+#[derive(Default)]
+pub(crate) struct Outcome {
+    pub(crate) passed: usize,
+    pub(crate) failed: usize,
+    /// Lines for the end of the summary.
+    pub(crate) notes: Vec<String>,
+}
+
+impl Outcome {
+    /// Reads a line that a test program of Rust prints.
+    pub(crate) fn read(&mut self, line: &str) {
+        if let Some(result) = line.strip_prefix("test result: ") {
+            self.passed += count(result, " passed");
+            self.failed += count(result, " failed");
+        }
+    }
 }
 
 const SUITES: &[Suite] = &[
@@ -59,6 +71,16 @@ const SUITES: &[Suite] = &[
         name: "rust",
         editor: false,
         run: rust,
+    },
+    Suite {
+        name: "stranger",
+        editor: false,
+        run: stranger::stranger,
+    },
+    Suite {
+        name: "fuzz",
+        editor: false,
+        run: fuzz,
     },
     Suite {
         name: "extension",
@@ -142,7 +164,7 @@ fn summary(rows: &[(&str, Result<Outcome>, Duration)]) -> bool {
     let mut total = Outcome::default();
     for (name, outcome, time) in rows {
         let (passed, failed, note) = match outcome {
-            Ok(Outcome { passed, failed }) => (*passed, *failed, String::new()),
+            Ok(outcome) => (outcome.passed, outcome.failed, String::new()),
             Err(error) => {
                 let text = format!("{error:#}");
                 let first = text.lines().next().unwrap_or_default();
@@ -157,6 +179,11 @@ fn summary(rows: &[(&str, Result<Outcome>, Duration)]) -> bool {
         total.failed += failed;
     }
     println!();
+    for (_, outcome, _) in rows {
+        for note in outcome.iter().flat_map(|outcome| &outcome.notes) {
+            println!("{note}");
+        }
+    }
     println!("{} passed, {} failed", total.passed, total.failed);
     total.failed == 0
 }
@@ -166,6 +193,7 @@ fn one(passed: bool) -> Outcome {
     Outcome {
         passed: passed.into(),
         failed: (!passed).into(),
+        ..Outcome::default()
     }
 }
 
@@ -196,22 +224,76 @@ fn notices() -> Result<Outcome> {
 fn rust() -> Result<Outcome> {
     // Without it the tests of templates are skipped, loudly.
     tools::ensure(tools::TCL)?;
+    let log = stranger::new_log()?;
     let mut outcome = Outcome::default();
-    let arguments = ["test", "--locked", "--workspace", "--no-fail-fast"];
-    let mut cargo = run::cargo(&arguments);
-    cargo.args(["--features", extension::FEATURES]);
-    // A snapshot that is not there yet is a failure here, never a new file.
-    cargo.env("INSTA_UPDATE", "no");
-    let succeeded = run::watch(cargo, |line| {
-        if let Some(result) = line.strip_prefix("test result: ") {
-            outcome.passed += count(result, " passed");
-            outcome.failed += count(result, " failed");
+    let mut times = Vec::new();
+    let mut succeeded = true;
+    // Tests of documentation apart: rustdoc of a stable release reports no times.
+    for documentation in [false, true] {
+        let arguments = ["test", "--locked", "--workspace", "--no-fail-fast"];
+        let mut cargo = run::cargo(&arguments);
+        cargo.args(["--features", extension::FEATURES]);
+        // A snapshot that is not there yet is a failure here, never a new file.
+        cargo.env("INSTA_UPDATE", "no").env(stranger::LOG, &log);
+        match documentation {
+            true => cargo.arg("--doc"),
+            false => cargo.args(["--lib", "--bins", "--tests"]),
+        };
+        if !documentation && cfg!(unix) {
+            // The variable is set for test programs alone: for cargo itself it would build all anew.
+            cargo.args([
+                "--config",
+                "target.'cfg(unix)'.runner = ['env', 'RUSTC_BOOTSTRAP=1']",
+                "--",
+                "-Zunstable-options",
+                "--report-time",
+            ]);
         }
-    })?;
+        succeeded &= run::watch(cargo, |line| {
+            outcome.read(line);
+            times.extend(time(line));
+        })?;
+    }
     if !succeeded && outcome.failed == 0 {
         bail!("the tests do not compile");
     }
+    outcome.notes = slowest(times);
+    outcome.notes.push(stranger::Uses::read()?.summary());
     Ok(outcome)
+}
+
+/// Name and seconds of a test, from a line `test NAME ... ok <0.123s>`.
+fn time(line: &str) -> Option<(f64, String)> {
+    let (name, rest) = line.strip_prefix("test ")?.split_once(" ... ")?;
+    let (_, time) = rest.rsplit_once('<')?;
+    let seconds = time.strip_suffix("s>")?.parse().ok()?;
+    Some((seconds, name.to_owned()))
+}
+
+/// The ten tests that took longest, as lines.
+fn slowest(mut times: Vec<(f64, String)>) -> Vec<String> {
+    times.sort_by(|a, b| b.0.total_cmp(&a.0));
+    times.truncate(10);
+    let lines = times.iter();
+    let lines = lines.map(|(seconds, name)| format!("{seconds:>7.1} s  {name}"));
+    let head = (!times.is_empty()).then(|| "slowest tests:".to_owned());
+    head.into_iter().chain(lines).collect()
+}
+
+/// The lock file of the fuzzed programs, which are a workspace of their own, is current.
+fn fuzz() -> Result<Outcome> {
+    let arguments = [
+        "metadata",
+        "--locked",
+        "--format-version=1",
+        "--manifest-path=fuzz/Cargo.toml",
+    ];
+    match run::capture(run::cargo(&arguments)) {
+        Ok(_) => Ok(one(true)),
+        Err(error) => {
+            bail!("fuzz/Cargo.lock is out of date: `cargo update --workspace` in `fuzz`\n{error:#}")
+        }
+    }
 }
 
 fn extension_units() -> Result<Outcome> {
@@ -264,7 +346,7 @@ fn grammar() -> Result<Outcome> {
     Ok(match succeeded {
         true => Outcome {
             passed: tests,
-            failed: 0,
+            ..Outcome::default()
         },
         false => one(false),
     })
@@ -372,6 +454,7 @@ fn editor(name: &str, program: &str, arguments: &[&str]) -> Result<Outcome> {
     Ok(Outcome {
         passed,
         failed: (!output.status.success() || passed == 0).into(),
+        ..Outcome::default()
     })
 }
 
@@ -480,6 +563,14 @@ mod tests {
         ];
         lines.iter().for_each(|it| super::tap(it, &mut outcome));
         assert_eq!((outcome.passed, outcome.failed), (10, 2));
+    }
+
+    #[test]
+    fn times_are_read_from_test_programs() {
+        let line = "test cli::help ... ok <0.123s>";
+        assert_eq!(super::time(line), Some((0.123, "cli::help".to_owned())));
+        assert_eq!(super::time("test cli::help ... ignored"), None);
+        assert_eq!(super::time("test result: ok. 1 passed"), None);
     }
 
     #[test]

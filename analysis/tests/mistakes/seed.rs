@@ -137,7 +137,10 @@ struct Score {
 #[test]
 fn the_first_fix_restores_what_was_meant() {
     let mut components = examples();
-    components.extend(published());
+    let published = published();
+    // The examples alone give fewer places for mistakes.
+    let least = if published.is_empty() { 50 } else { 60 };
+    components.extend(published);
     let print = std::env::var_os("MISTAKES").is_some();
     let mut score = Score::default();
     let mut notes = Vec::new();
@@ -190,7 +193,7 @@ fn the_first_fix_restores_what_was_meant() {
             "{all} mistakes: {restored} restored, {on_line} on their line, {alone} are one error"
         );
     }
-    assert!(all >= 60, "only {all} mistakes were seeded");
+    assert!(all >= least, "only {all} mistakes were seeded");
     let enough = |count: usize, of_60: usize| count * 60 >= of_60 * all;
     assert!(
         enough(restored, 50) && enough(on_line, 58) && enough(alone, 52),

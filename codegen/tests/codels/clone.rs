@@ -15,8 +15,8 @@ use dotgen_codegen::codels::files::{FilesConfig, Sources};
 use dotgen_codegen::codels::folder::{Folder, folders};
 use dotgen_codegen::codels::stub::{StubOptions, Stubs};
 
-use crate::golden::components;
-use crate::support::{Disk, Memory, host_of, shared};
+use crate::codels::golden::components;
+use crate::codels::support::{Disk, Memory, host_of, shared};
 
 /// The files of one folder, with stand-ins that were written; packages are not installed.
 struct Clone {

@@ -6,7 +6,7 @@ use dotgen_codegen::codels::edit::apply;
 use dotgen_codegen::codels::repair::Repairs;
 use dotgen_codegen::codels::stub::StubOptions;
 
-use crate::support::Fixture;
+use crate::codels::support::Fixture;
 
 /// A component with one task; `params` are those of its codel `f`.
 fn task(types: &str, params: &str, yields: &str) -> String {

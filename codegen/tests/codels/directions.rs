@@ -10,8 +10,8 @@ use dotgen_codegen::codels::files::{Changed, Files, FilesConfig};
 use dotgen_codegen::codels::repair::Repairs;
 use dotgen_codegen::codels::stub::StubOptions;
 
-use crate::project::host_over;
-use crate::support::{Fixture, Memory};
+use crate::codels::project::host_over;
+use crate::codels::support::{Fixture, Memory};
 
 const SPECIFICATION: &str = "/c.gen";
 const SOURCE: &str = "/codels/c_t_codels.c";
@@ -199,7 +199,7 @@ fn synced(specification: &str, source: &str, last: &str) -> (String, String) {
         files: &fixture.files,
         last,
     };
-    let mut over = crate::project::Overlay {
+    let mut over = crate::codels::project::Overlay {
         disk: false,
         ..Default::default()
     };

@@ -8,7 +8,7 @@ use dotgen_codegen::codels::edit::unified_diff;
 use dotgen_codegen::codels::files::FilesConfig;
 use dotgen_codegen::codels::stub::StubOptions;
 
-use crate::support::{Disk, compile, compiler, host, temporary, workspace, write};
+use crate::codels::support::{Disk, compile, compiler, host, temporary, workspace, write};
 
 fn root() -> Utf8PathBuf {
     workspace().join("examples/drift/tank.gen")

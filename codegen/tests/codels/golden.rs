@@ -14,7 +14,9 @@ use dotgen_codegen::lang::Language;
 use dotgen_codegen::template::notice;
 use serde_json::Value;
 
-use crate::support::{compile, compiler, host, host_of, shared, temporary, workspace, write};
+use crate::codels::support::{
+    compile, compiler, host, host_of, shared, temporary, workspace, write,
+};
 
 pub(crate) fn components(spec: &Spec) -> Vec<u32> {
     let all = (0u32..).zip(&spec.components);

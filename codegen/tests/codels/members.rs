@@ -6,7 +6,7 @@ use dotgen_codegen::codels::command::{Project, SyncOptions, SyncReport, sync};
 use dotgen_codegen::codels::files::FilesConfig;
 use dotgen_codegen::codels::stub::StubOptions;
 
-use crate::project::{Overlay, host_over};
+use crate::codels::project::{Overlay, host_over};
 
 /// The source after `sync`, and what it says.
 fn synced(specification: &str, code: &str) -> (String, SyncReport) {

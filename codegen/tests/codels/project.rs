@@ -12,7 +12,7 @@ use dotgen_codegen::codels::files::Files;
 use dotgen_codegen::codels::stub::{StubOptions, Stubs};
 use dotgen_codegen::lang::{Language, Passing, param_types};
 
-use crate::support::{shared, workspace};
+use crate::codels::support::{shared, workspace};
 
 /// Texts in the place of files, over the disk if wanted.
 #[derive(Debug, Clone)]

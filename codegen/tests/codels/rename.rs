@@ -16,8 +16,8 @@ use dotgen_codegen::codels::headers::headers;
 use dotgen_codegen::codels::rename::{Refused, Renaming, rename};
 use dotgen_codegen::lang::Language;
 
-use crate::project::{Overlay, Random, examples, host_over, published};
-use crate::support::{compile, compiler, temporary, write};
+use crate::codels::project::{Overlay, Random, examples, host_over, published};
+use crate::codels::support::{compile, compiler, temporary, write};
 
 /// A specification with its codels, as they are before a rename.
 struct Before {
@@ -318,7 +318,7 @@ fn scopes_tell_names_apart_in_cxx() {
 
 /// Codels that use whatever they are given: every member of every parameter, and every event.
 fn exercised(expected: &Expected<'_>) -> BTreeMap<Utf8PathBuf, String> {
-    crate::project::codels(expected)
+    crate::codels::project::codels(expected)
 }
 
 #[test]

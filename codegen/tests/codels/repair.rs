@@ -6,7 +6,7 @@ use dotgen_codegen::codels::command::{Project, SyncOptions, SyncReport, sync};
 use dotgen_codegen::codels::files::FilesConfig;
 use dotgen_codegen::codels::stub::StubOptions;
 
-use crate::project::{Overlay, host_over};
+use crate::codels::project::{Overlay, host_over};
 
 fn stubs() -> StubOptions {
     StubOptions {
@@ -184,7 +184,8 @@ fn events_and_exceptions_of_helpers_count() {
          genom_event f(const genom_context self) { if (1) return fail(self); if (2) return next(); return c_ether; }\n\
          genom_event h(const genom_context self) { return c_more; }\n\
          genom_event g(const genom_context self) { return c_ether; }\n";
-    let found = crate::support::Fixture::new(specification, &[("c_t_codels.c", code)]).report();
+    let found =
+        crate::codels::support::Fixture::new(specification, &[("c_t_codels.c", code)]).report();
     assert_eq!(found.len(), 2, "{found:#?}");
     assert!(found[1].contains("returns `c_more`"), "{found:#?}");
     assert!(found[0].contains("raises `c_bad`"), "{found:#?}");

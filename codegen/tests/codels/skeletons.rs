@@ -12,7 +12,7 @@ use dotgen_codegen::codels::expected::Expected;
 use dotgen_codegen::codels::files::{FilesConfig, Sources};
 use dotgen_codegen::codels::stub::{StubOptions, Stubs};
 
-use crate::support::{Memory, host_of, shared, temporary};
+use crate::codels::support::{Memory, host_of, shared, temporary};
 
 /// What releases write differently: ports, tasks and codels through interfaces, details of exceptions,
 /// bounded sequences.

@@ -51,17 +51,11 @@ pub(crate) fn workspace() -> Utf8PathBuf {
         .to_owned()
 }
 
-/// `../shared` beside the workspace, if it is there.
+/// The shared test data with its recorded runs, if it is there.
 pub(crate) fn shared() -> Option<Utf8PathBuf> {
-    let path = workspace().join("../shared").canonicalize_utf8();
-    let path = path.or_else(|_| workspace().join("../../shared").canonicalize_utf8());
-    let found = path
-        .ok()
-        .filter(|it| it.join("golden/manifest.json").is_file());
-    if found.is_none() {
-        eprintln!("SKIPPED: no ../shared beside the workspace");
-    }
-    found
+    let manifest = dotgen_loaders::shared("golden/manifest.json")?;
+    let folder = manifest.parent()?.parent()?.to_owned();
+    Utf8PathBuf::from_path_buf(folder).ok()
 }
 
 pub(crate) fn host(include_dirs: Vec<Utf8PathBuf>) -> AnalysisHost {

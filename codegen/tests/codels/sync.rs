@@ -16,8 +16,8 @@ use dotgen_codegen::codels::folder::folders;
 use dotgen_codegen::codels::stub::StubOptions;
 use dotgen_codegen::lang::Language;
 
-use crate::project::{Overlay, Random, codels, examples, host_over, published};
-use crate::support::{compile, compiler, temporary, write};
+use crate::codels::project::{Overlay, Random, codels, examples, host_over, published};
+use crate::codels::support::{compile, compiler, temporary, write};
 
 /// Kinds of edits.
 const KINDS: [&str; 7] = [

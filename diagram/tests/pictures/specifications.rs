@@ -144,11 +144,9 @@ fn assert_readable(graph: &Graph) {
 
 #[test]
 fn every_machine_and_system_of_published_specifications_is_readable() {
-    let corpus = root().join("../shared/corpus");
-    if !corpus.is_dir() {
-        eprintln!("SKIPPED: {} is not there", corpus.display());
+    let Some(corpus) = dotgen_loaders::shared("corpus") else {
         return;
-    }
+    };
     let mut count = 0;
     for directory in ["components", "quadcopter", "robnav"] {
         let units = units(&corpus.join(directory));

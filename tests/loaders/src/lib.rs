@@ -1,5 +1,7 @@
 //! Where the specifications of tests and benchmarks come from: one copy of each loader, for every crate.
 
+mod shared;
+
 use std::io::ErrorKind;
 use std::sync::Arc;
 
@@ -8,6 +10,8 @@ use dotgen_analysis::diagnostic::Severity;
 use dotgen_analysis::host::{
     AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags, UnitResult,
 };
+
+pub use shared::shared;
 
 /// No file is there; every package is installed, without flags.
 #[derive(Debug, Clone, Copy)]

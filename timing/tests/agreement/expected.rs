@@ -15,12 +15,7 @@ use crate::servers::model::{System, read};
 use crate::servers::{CAP, Interpreter, Predicate, Results, Sequence, predicate};
 
 fn cases() -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/servers");
-    let found = path.canonicalize().ok();
-    if found.is_none() {
-        eprintln!("SKIPPED: {} is not there", path.display());
-    }
-    found
+    dotgen_loaders::shared("servers")
 }
 
 fn load(folder: &Path, case: &str) -> (Scenario, Vec<UnitResult>) {

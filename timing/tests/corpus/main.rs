@@ -23,14 +23,7 @@ fn published() -> Options {
 }
 
 fn shared() -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
-    match path.canonicalize() {
-        Ok(path) => Some(path),
-        Err(_) => {
-            eprintln!("SKIPPED: {} is not there", path.display());
-            None
-        }
-    }
+    dotgen_loaders::shared("")
 }
 
 fn load(path: &Path) -> (Scenario, UnitResult) {

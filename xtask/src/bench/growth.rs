@@ -10,6 +10,7 @@ use super::measure::{Job, Taken, alternate, announce};
 use super::{SECONDS, show};
 use crate::chart::{Chart, Line};
 use crate::run::step;
+use crate::shared::shared;
 use crate::{root, target};
 
 /// The published systems on 1 to 5 cores; skipped when they are not there.
@@ -22,11 +23,9 @@ pub(crate) fn corpus(dotgen: &Path, runs: usize) -> Result<()> {
         ("Quadcopter", "quadcopter/hover.scn", &[]),
     ] {
         step(&format!("{name}, 1 to 5 cores"));
-        let path = root().join("../shared/corpus").join(scenario);
-        if !path.is_file() {
-            eprintln!("SKIPPED: {} is not there", path.display());
+        let Some(path) = shared(&format!("corpus/{scenario}")) else {
             continue;
-        }
+        };
         println!("| {name}, cores | checks | fixed | interval |\n| --- | --- | --- | --- |");
         for cores in 1..=5 {
             row(dotgen, &path, cores, None, runs)?;

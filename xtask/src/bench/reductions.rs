@@ -10,6 +10,7 @@ use super::fischer::{self, Times};
 use super::measure::{Job, Taken, alternate, announce};
 use super::{periodic, rivals, show};
 use crate::run::step;
+use crate::shared::shared;
 use crate::{root, target};
 
 /// States after which a system is given up.
@@ -28,7 +29,6 @@ pub(crate) fn reductions(dotgen: &Path, runs: usize) -> Result<()> {
     for subject in subjects()? {
         step(subject.name);
         if !subject.scenario.is_file() {
-            eprintln!("SKIPPED: {} is not there", subject.scenario.display());
             continue;
         }
         println!("| {} | time, memory, states |\n| --- | --- |", subject.name);
@@ -45,7 +45,7 @@ pub(crate) fn reductions(dotgen: &Path, runs: usize) -> Result<()> {
 fn subjects() -> Result<Vec<Subject>> {
     let published = |name, path: &str, options: &[&'static str]| Subject {
         name,
-        scenario: root().join("../shared/corpus").join(path),
+        scenario: shared(&format!("corpus/{path}")).unwrap_or_default(),
         options: options.to_vec(),
     };
     let times = |within, wait, section| Times {

@@ -9,6 +9,7 @@ use anyhow::{Context, Result};
 use serde_json::Value;
 
 use crate::run::step;
+use crate::shared::shared;
 use crate::{root, target};
 
 /// States after which an answer is given up: what is shown depends on no clock.
@@ -31,10 +32,10 @@ type Answers = BTreeMap<String, String>;
 /// Prints a table for each system.
 pub(crate) fn semantics(dotgen: &Path) -> Result<()> {
     let systems = [
-        ("RobNav, edf", "../shared/corpus/robnav/robnav.scn", "edf"),
+        ("RobNav, edf", "corpus/robnav/robnav.scn", "edf"),
         (
             "Quadcopter hovering, fifo",
-            "../shared/corpus/quadcopter/hover.scn",
+            "corpus/quadcopter/hover.scn",
             "fifo",
         ),
         ("examples/pump, fifo", "examples/pump/pump.scn", "fifo"),
@@ -50,12 +51,14 @@ pub(crate) fn semantics(dotgen: &Path) -> Result<()> {
         ),
     ];
     for (name, path, policy) in systems {
-        let scenario = root().join(path);
         step(name);
-        if !scenario.is_file() {
-            eprintln!("SKIPPED: {} is not there", scenario.display());
+        let scenario = match path.starts_with("corpus/") {
+            true => shared(path),
+            false => Some(root().join(path)),
+        };
+        let Some(scenario) = scenario else {
             continue;
-        }
+        };
         let system = System::read(dotgen, &scenario, policy)?;
         println!("\n#### {name}\n\n| cores | answer | published | servers | point |");
         println!("| --- | --- | --- | --- | --- |");

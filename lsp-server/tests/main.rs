@@ -1,0 +1,34 @@
+//! The tests of this crate, in one program: it is linked once.
+
+mod build;
+mod cli;
+mod conformance;
+mod debug;
+#[path = "support/directory.rs"]
+mod directory;
+mod examples;
+mod faults;
+mod hosted;
+mod hostile;
+mod manners;
+mod measure;
+mod monitor;
+mod network;
+mod new;
+mod pictures;
+mod processes;
+mod protocol;
+mod python;
+mod releases;
+mod remote;
+mod replay;
+mod run;
+#[path = "support/running.rs"]
+mod running;
+#[path = "support/server.rs"]
+mod server;
+mod socket;
+mod stdio;
+mod trace;
+mod verify;
+mod writing;

@@ -1,0 +1,10 @@
+//! The tests of this crate, in one program: it is linked once.
+
+mod held;
+#[path = "support/random_systems.rs"]
+mod random_systems;
+mod recorded;
+mod replayed;
+
+// The random texts are written against `crate::systems`.
+use random_systems::systems;
