@@ -44,6 +44,14 @@ pub fn is_environment(code: &str) -> bool {
     matches!(code, "pp-requires-unresolved" | "pp-include-not-found")
 }
 
+/// The severity of a finding where what is missing on this machine is no error of the text.
+pub fn severity_here(code: &str, severity: Severity) -> Severity {
+    match severity {
+        Severity::Error if is_environment(code) => Severity::Warning,
+        severity => severity,
+    }
+}
+
 /// All codes of this layer and those below.
 pub fn all() -> impl Iterator<Item = Code> {
     let syntax = syntax::all().map(|it| Code {

@@ -111,8 +111,8 @@ impl Kind {
         }
     }
 
-    /// Whether what is not found may be declared in a package or file that is missing: a type or constant, or an
-    /// interface. A name that comes close to one that is known is taken for that one misspelt.
+    /// Whether what is not found may be declared in a package or file that is missing: a type or constant, or
+    /// an interface. A name that comes close to one that is known is taken for that one misspelt.
     pub(crate) fn may_be_in_a_package(&self, is_near: bool) -> bool {
         match self {
             Kind::Naming(it) => it.may_be_in_a_package(is_near),

@@ -17,7 +17,7 @@ use smol_str::SmolStr;
 use crate::{
     base::{Db, FileStatus, RootDatabase, SourceFile, line_index},
     deps::{self, Dependencies, standin::StandIn},
-    diagnostic::{Diagnostic, FileEdit},
+    diagnostic::{Diagnostic, FileEdit, Fix},
     ide::{self, *},
     queries::{self, elaborated},
     release::ReleaseChoice,
@@ -306,14 +306,10 @@ impl Analysis {
         self.with(|db| report::file_diagnostics(db, db.file(path)))
     }
 
-    /// Adds fixes to errors of a text that does not parse, where they have none and are `wanted`: changes with
-    /// which it would. Parses the text some hundred times for each, and does so for the first three.
-    pub fn add_trials(
-        &self,
-        diagnostics: &mut [Diagnostic],
-        wanted: impl Fn(&Diagnostic) -> bool,
-    ) -> Cancellable<()> {
-        self.with(|db| report::add_trials(db, diagnostics, &wanted))
+    /// Fixes of an error of a text that does not parse, found by trying: changes with which it would. Parses
+    /// the text some hundred times. `all` are the findings of the file.
+    pub fn trials(&self, of: &Diagnostic, all: &[Diagnostic]) -> Cancellable<Vec<Fix>> {
+        self.with(|db| report::trials(db, of, all))
     }
 
     /// Findings of a layer above, as the configuration and the comments of the specifications want

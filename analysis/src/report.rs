@@ -8,10 +8,10 @@ mod text;
 
 use std::sync::Arc;
 
-use camino::{Utf8Path, Utf8PathBuf};
+use camino::Utf8Path;
 
 use dotgen_syntax::{SyntaxKind, TextRange};
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashSet;
 
 use crate::{
     base::{Db, SourceFile, lexed},
@@ -340,54 +340,31 @@ pub(crate) fn fixes_at<'db>(
     fixes
 }
 
-/// Errors of one text that get repairs by [`trial`].
-const MOST_TRIED: usize = 3;
-
-/// See [`crate::host::Analysis::add_trials`].
-pub(crate) fn add_trials(
-    db: &dyn Db,
-    diagnostics: &mut [Diagnostic],
-    wanted: &dyn Fn(&Diagnostic) -> bool,
-) {
-    let is_parse = |it: &Diagnostic| {
+/// See [`crate::host::Analysis::trials`].
+pub(crate) fn trials(db: &dyn Db, of: &Diagnostic, all: &[Diagnostic]) -> Vec<Fix> {
+    let is_parse = |it: &&Diagnostic| {
         dotgen_syntax::codes::find(it.code).is_some()
             && it.severity == Severity::Error
             && !codes::is_environment(it.code)
     };
-    let mut tried: FxHashMap<Utf8PathBuf, usize> = FxHashMap::default();
-    for i in 0..diagnostics.len() {
-        let it = &diagnostics[i];
-        if it.severity != Severity::Error || !it.fixes.is_empty() || !wanted(it) {
-            continue;
-        }
-        let file = db.file(&it.path);
-        let text = file.text(db);
-        let line = |at: usize| text.get(..at).map(|it| it.matches('\n').count());
-        // What follows from an error on the same line is mended with it.
-        let around = diagnostics
-            .iter()
-            .filter(|other| other.path == it.path && is_parse(other));
-        let cause = match is_parse(it) {
-            true => Some(it),
-            false => around
-                .filter(|other| line(other.range.start) == line(it.range.start))
-                .next(),
-        };
-        let Some(cause) = cause else { continue };
-        let count = tried.entry(it.path.clone()).or_default();
-        if *count >= MOST_TRIED {
-            continue;
-        }
-        *count += 1;
-        let repairs = trial::repairs(text, text_range(&cause.range));
-        let path = it.path.clone();
-        diagnostics[i].fixes = repairs.into_iter().map(|it| it.within(&path)).collect();
+    if of.severity != Severity::Error {
+        return Vec::new();
     }
+    let text = db.file(&of.path).text(db);
+    let line = |at: usize| text.get(..at).map(|it| it.matches('\n').count());
+    // What follows from an error on the same line is mended with it.
+    let here = all.iter().filter(|it| it.path == of.path).filter(is_parse);
+    let mut here = here.filter(|it| line(it.range.start) == line(of.range.start));
+    let Some(cause) = Some(of).filter(is_parse).or_else(|| here.next()) else {
+        return Vec::new();
+    };
+    let repairs = trial::repairs(text, text_range(&cause.range));
+    repairs.into_iter().map(|it| it.within(&of.path)).collect()
 }
 
-/// Whether a quote is missing somewhere in a file: a literal is not closed, or a string begins as the text after
-/// one does. From there on text and strings may have changed places, and what seems to be wrong may be words of
-/// the author.
+/// Whether a quote is missing somewhere in a file: a literal is not closed, or a string begins as the text
+/// after one does. From there on text and strings may have changed places, and what seems to be wrong may be
+/// words of the author.
 #[salsa::tracked(returns(copy))]
 fn has_odd_quote(db: &dyn Db, file: SourceFile) -> bool {
     let text = file.text(db);

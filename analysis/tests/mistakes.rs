@@ -1,8 +1,8 @@
 //! Mistakes as people make them, seeded into real components: each is one error on its line, and the
 //! first fix restores the text. And what fixes must never do: make anything worse.
 //!
-//! `MISTAKES=report cargo test -p dotgen-analysis --test suite mistakes -- --nocapture` prints each of them and
-//! the numbers in `docs/fixes.md`.
+//! `MISTAKES=report cargo test -p dotgen-analysis --test suite mistakes -- --nocapture` prints each of them
+//! and the numbers in `docs/fixes.md`.
 
 mod complete;
 mod mutate;

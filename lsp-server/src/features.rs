@@ -9,7 +9,6 @@ pub(crate) mod diagnostics;
 pub(crate) mod diagram;
 pub(crate) mod generation;
 pub(crate) mod inspect;
-pub(crate) mod judged;
 pub(crate) mod language;
 pub(crate) mod mentions;
 pub(crate) mod runs;

@@ -383,6 +383,15 @@ impl<'i> Parser<'i> {
         self.error_at(self.pos, kind)
     }
 
+    /// Reports the token before the current one, unless the current one was the last one reported.
+    pub(crate) fn error_before(&mut self, kind: Parsing) -> bool {
+        let is_new = self.error_here(kind);
+        if let Some(last) = self.errors.last_mut().filter(|_| is_new) {
+            last.token = self.pos.saturating_sub(1);
+        }
+        is_new
+    }
+
     /// Reports a token, unless it was the last one reported.
     pub(crate) fn error_at(&mut self, token: usize, kind: Parsing) -> bool {
         if self.last_error.is_some_and(|last| last >= token) {

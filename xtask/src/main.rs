@@ -27,7 +27,6 @@ mod run;
 #[allow(unreachable_pub, reason = "public in dotgen-loaders")]
 #[path = "../../tests/loaders/src/shared.rs"]
 mod shared;
-mod stranger;
 mod test;
 mod tools;
 mod workbench;

@@ -3,6 +3,8 @@
 //! A suite that cannot run for lack of a tool fails, with one line that says what to install: a test that
 //! silently did not run proves nothing.
 
+mod stranger;
+
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -10,10 +12,10 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 
 use crate::extension::{self, Profile};
+use crate::notices;
 use crate::run::{self, step};
 use crate::tools;
 use crate::workbench::Workbench;
-use crate::{notices, stranger};
 
 /// Options of `cargo xtask test`.
 #[derive(Args)]

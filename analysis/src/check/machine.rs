@@ -1,5 +1,7 @@
 //! State machines (language reference, section 13).
 
+use std::collections::BTreeMap;
+
 use crate::finding::role::Role;
 use smol_str::format_smolstr;
 
@@ -79,6 +81,23 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
         ));
     }
     reached.extend(from_stop);
+    let misnamed = misnamed(&machine);
+    for (&(state, src), used) in misnamed.iter() {
+        found.push(
+            Finding::new(
+                Using::Misnamed {
+                    state: state.clone(),
+                    owner: owner.name(),
+                },
+                src,
+            )
+            .near(Some(Near::new(src, used))),
+        );
+    }
+    let is_misnamed = |it: &Codel| {
+        let mut triggers = it.triggers.iter();
+        triggers.any(|it| misnamed.contains_key(&(&it.name, it.src)))
+    };
     let before = std::iter::once(None).chain(machine.codels.iter().map(|it| Some(it.1)));
     for ((_, codel), before) in machine.codels.iter().zip(before) {
         let is_reached = codel
@@ -86,7 +105,10 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
             .iter()
             .any(|it| reached.contains(it.name.as_str()));
         if !is_reached {
-            if complete && let Some(state) = codel.triggers.first() {
+            if complete
+                && !is_misnamed(codel)
+                && let Some(state) = codel.triggers.first()
+            {
                 // The codel before is the first that is offered to lead here.
                 let in_cycle = before.is_some_and(|before| {
                     let is_before = |it: &str| before.triggers.iter().any(|s| s.name == it);
@@ -113,6 +135,7 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
         for state in &codel.yields {
             if state.name == "ether"
                 || machine.codel(&state.name).is_some()
+                || misnamed.values().any(|it| **it == state.name)
                 || missing.contains(&&state.name)
             {
                 continue;
@@ -162,6 +185,33 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
             );
         }
     }
+}
+
+/// States of codels that nothing leads to, with the state that some codel leads to and no codel implements,
+/// where the names are near: the name of the former is misspelt.
+fn misnamed<'m>(machine: &Machine<'m>) -> BTreeMap<(&'m Name, Src), &'m Name> {
+    let used: Vec<&Name> = machine
+        .codels
+        .iter()
+        .flat_map(|(_, codel)| codel.yields.iter().map(|it| &it.name))
+        .collect();
+    let given = |name: &str| matches!(name, "start" | "stop" | "ether");
+    let undefined = || {
+        used.iter()
+            .copied()
+            .filter(|it| !given(it) && machine.codel(it).is_none())
+    };
+    let mut out = BTreeMap::new();
+    for state in machine.codels.iter().flat_map(|(_, codel)| &codel.triggers) {
+        if given(&state.name) || used.contains(&&state.name) {
+            continue;
+        }
+        let near = dotgen_syntax::near::nearest(&state.name, undefined().map(Name::as_str));
+        if let Some(meant) = undefined().find(|it| Some(it.as_str()) == near) {
+            out.insert((&state.name, state.src), meant);
+        }
+    }
+    out
 }
 
 /// The exception of this name, if there is one and the owner does not declare that it throws it.

@@ -130,7 +130,7 @@ impl Naming {
             | Naming::UnknownInPragma { .. }
             | Naming::MasqueradeUnknown { .. } => true,
             Naming::UnknownPath { .. } => !is_near,
-            Naming::Unknown { noun, .. } => *noun != Noun::Exception && !is_near,
+            Naming::Unknown { .. } => !is_near,
             _ => false,
         }
     }

@@ -1,9 +1,9 @@
 //! Repairs of syntax errors that are found by trying: small changes around an error are made in turn, and
 //! those after which the text parses best are kept.
 //!
-//! The grammar knows a repair where one follows from what it expects ([`dotgen_syntax::parser::Repair`]). Where
-//! it does not, the slips of the pen are few: a character that is missing, doubled or another one, two words in
-//! the wrong order, a word too much. All of them are tried, the likeliest first.
+//! The grammar knows a repair where one follows from what it expects ([`dotgen_syntax::parser::Repair`]).
+//! Where it does not, the slips of the pen are few: a character that is missing, doubled or another one, two
+//! words in the wrong order, a word too much. All of them are tried, the likeliest first.
 
 use std::ops::Range;
 
@@ -55,8 +55,8 @@ struct Trial {
     cost: u32,
 }
 
-/// The repairs of a syntax error at a place of a text, the best first: those after which the fewest errors are
-/// left, and fewer than before.
+/// The repairs of a syntax error at a place of a text, the best first: those after which the fewest errors
+/// are left, and fewer than before.
 pub(crate) fn repairs(text: &str, at: TextRange) -> Vec<TextFix> {
     if text.len() > MOST_BYTES {
         return Vec::new();
@@ -218,7 +218,13 @@ fn replacements(window: &Window<'_>, out: &mut Vec<Trial>) {
                     replace(&format!("\"{inner}\""), 2);
                 }
             }
-            SyntaxKind::HASH | SyntaxKind::STRAY if token.starts_with('#') => replace("//", 2),
+            SyntaxKind::HASH | SyntaxKind::STRAY if token.starts_with('#') => {
+                let before = window.text[..range.start].rsplit('\n').next();
+                // A directive begins a line.
+                if before.is_some_and(|it| !it.trim().is_empty()) {
+                    replace("//", 2);
+                }
+            }
             _ if window.is_mark(number) => {
                 for mark in MARKS.into_iter().filter(|it| *it != token) {
                     replace(mark, if is_like(token, mark) { 3 } else { 14 });
@@ -262,7 +268,8 @@ fn insertions(window: &Window<'_>, out: &mut Vec<Trial>) {
     }
 }
 
-/// Two neighbours in the wrong order, one word in two pieces, and the length of an array in front of the name.
+/// Two neighbours in the wrong order, one word in two pieces, and the length of an array in front of the
+/// name.
 fn orders(window: &Window<'_>, out: &mut Vec<Trial>) {
     for first in window.around() {
         let Some(second) = Some(first + 1).filter(|it| *it < window.tokens.len()) else {
@@ -334,6 +341,19 @@ fn habits(window: &Window<'_>, out: &mut Vec<Trial>) {
             edits: vec![(range, String::new())],
             cost: 20,
         });
+    }
+    for number in window.around() {
+        let (start, token) = (window.range(number).start, window.token(number));
+        let line = token.lines().next().unwrap_or_default();
+        if window.kind(number) == SyntaxKind::STRING && line.len() < token.len() {
+            let text = line.trim_end().trim_end_matches([';', ',', ')', ' ']);
+            let at = start + text.len();
+            out.push(Trial {
+                title: "Close the text with `\"`".to_owned(),
+                edits: vec![(at..at, "\"".to_owned())],
+                cost: 1,
+            });
+        }
     }
     for token in 0..window.raw.len() {
         let range = window.raw.range(token);

@@ -80,8 +80,8 @@ fn is_incomplete(db: &dyn Db, key: FileKey<'_>) -> bool {
     failed.any(|(ordinal, _)| in_body(ordinal)) || !key.file(db).status(db).is_text()
 }
 
-/// Whether packages or files are missing, which can bring types, constants and interfaces. They cannot bring a
-/// task, a state, a codel or a member of a type that is known: what an interface brings, elaboration knows.
+/// Whether packages or files are missing, which can bring types, constants and interfaces. They cannot bring
+/// a task, a state, a codel or a member of a type that is known: what an interface brings, elaboration knows.
 fn lacks_files(db: &dyn Db, key: FileKey<'_>) -> bool {
     key.outcomes(db).iter().any(|it| match it {
         Outcome::Include(result) => result.is_err(),

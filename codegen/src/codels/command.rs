@@ -15,6 +15,7 @@ use super::{
     drift::{DriftCode, Repair},
     edit::{Edit, apply, unified_diff},
     expected::{Expected, state_text},
+    judge::{self, Judge, Verdict},
     repair::ByHand,
     stub::NewFile,
 };
@@ -150,12 +151,19 @@ pub fn sync(project: &mut Project<'_>, roots: &[Utf8PathBuf], options: &SyncOpti
     let mut out = SyncReport::default();
     let mut touched: BTreeSet<Utf8PathBuf> = BTreeSet::new();
     let mut tried: Vec<Edit> = Vec::new();
+    let mut room = judge::MOST_TRIALS;
     for _ in 0..ROUNDS {
-        let (edit, applied) = round(project, roots, options, &mut tried, &mut out.notes);
+        let candidates = round(project, roots, options, &mut tried);
+        let (edit, made) = whole(project, roots, &candidates, &mut room);
         if edit.is_empty() {
             break;
         }
-        out.applied.extend(applied);
+        for (number, it) in candidates.into_iter().enumerate() {
+            if made.contains(&number) {
+                out.applied.extend(it.titles);
+                out.notes.extend(it.notes);
+            }
+        }
         for note in &mut out.notes {
             note.follow(edit.changed.get(&note.path).map_or(&[], Vec::as_slice));
         }
@@ -183,16 +191,55 @@ pub fn sync(project: &mut Project<'_>, roots: &[Utf8PathBuf], options: &SyncOpti
     out
 }
 
-/// One pass over all findings: the edits that go together.
+/// An edit that `sync` may make.
+struct Candidate {
+    edit: Edit,
+    /// The finding that it mends.
+    code: DriftCode,
+    titles: Vec<String>,
+    notes: Vec<ByHand>,
+}
+
+/// The edits of candidates that can be made: all of them, if that adds no finding; else those that add none
+/// alone and together, with what makes them whole.
+fn whole(
+    project: &mut Project<'_>,
+    roots: &[Utf8PathBuf],
+    candidates: &[Candidate],
+    room: &mut usize,
+) -> (Edit, Vec<usize>) {
+    let mut all = Edit::default();
+    let mut numbers = Vec::new();
+    for (number, it) in candidates.iter().enumerate() {
+        if all.merge(it.edit.clone()) {
+            numbers.push(number);
+        }
+    }
+    let mut judge = Judge::new(project, roots);
+    judge.room = *room;
+    let verdict = judge.verdict(&all, None);
+    let chosen = match verdict {
+        Verdict::Whole => (all, numbers),
+        Verdict::Paired(all) => (all, numbers),
+        Verdict::Refused | Verdict::Unknown => {
+            let edits = candidates
+                .iter()
+                .map(|it| (it.edit.clone(), it.code.as_str()));
+            judge.together(&edits.collect::<Vec<_>>())
+        }
+    };
+    *room = judge.room;
+    chosen
+}
+
+/// One pass over all findings: an edit for each that has a repair.
 fn round(
     project: &mut Project<'_>,
     roots: &[Utf8PathBuf],
     options: &SyncOptions,
     tried: &mut Vec<Edit>,
-    notes: &mut Vec<ByHand>,
-) -> (Edit, Vec<String>) {
-    let mut edit = Edit::default();
-    let mut applied = Vec::new();
+) -> Vec<Candidate> {
+    let mut out = Vec::new();
     for folder in project.folders(roots, &mut Vec::new()) {
         let all = folder.expected();
         let findings = project.findings(&folder, &all);
@@ -226,13 +273,20 @@ fn round(
                 && !one.is_empty()
                 // What did not help once will not help again.
                 && !tried.contains(&one)
-                && edit.merge(one.clone())
             {
-                tried.push(one);
-                applied.push(title);
-                if let Repair::UpdateSignature { name, path, start } = repair {
-                    notes.extend(repairs.left_by_signature(name, path, *start));
-                }
+                tried.push(one.clone());
+                let notes = match repair {
+                    Repair::UpdateSignature { name, path, start } => {
+                        repairs.left_by_signature(name, path, *start)
+                    }
+                    _ => Vec::new(),
+                };
+                out.push(Candidate {
+                    edit: one,
+                    code: drift.code,
+                    titles: vec![title],
+                    notes,
+                });
             }
         }
         for expected in &all {
@@ -241,15 +295,18 @@ fn round(
             };
             let options = project.stub_options(&folder.specification);
             let repairs = project.repairs(&folder, expected, &options);
-            if let Ok(one) = repairs.stub(codels)
-                && edit.merge(one)
-            {
+            if let Ok(edit) = repairs.stub(codels) {
                 let titles = codels.iter().map(|&at| repairs.title(&Repair::Stub { at }));
-                applied.extend(titles);
+                out.push(Candidate {
+                    edit,
+                    code: DriftCode::MissingDefinition,
+                    titles: titles.collect(),
+                    notes: Vec::new(),
+                });
             }
         }
     }
-    (edit, applied)
+    out
 }
 
 /// Headers for compilers and editors of every component of a specification, for a folder `cache`.

@@ -1,8 +1,8 @@
 //! Judges an edit before it is offered: the edit is applied to copies of the documents, specification and
 //! codels, and the findings before and after are compared.
 //!
-//! An edit is *whole* when it adds no finding and removes the one that it is for. An edit of the specification
-//! whose only new findings have a repair in the sources is paired with that repair.
+//! An edit is *whole* when it adds no finding and removes the one that it is for. An edit of the
+//! specification whose only new findings have a repair in the sources is paired with that repair.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -72,6 +72,11 @@ impl<'j, 'p> Judge<'j, 'p> {
         }
     }
 
+    /// The project on which edits are tried.
+    pub fn project(&self) -> &Project<'p> {
+        self.project
+    }
+
     /// Judges an edit that is to remove a finding of the code `mends`, or to remove none.
     pub fn verdict(&mut self, edit: &Edit, mends: Option<&str>) -> Verdict {
         let Some(room) = self.room.checked_sub(1) else {
@@ -125,18 +130,23 @@ impl<'j, 'p> Judge<'j, 'p> {
         }
     }
 
-    /// Of edits, each with the code of the finding that it is for, those that can be made together: each whole
-    /// by itself and beside those before it. Edits that touch each other are left for another time. Returns
-    /// the edits as one, and the numbers of those that are in it.
+    /// Of edits, each with the code of the finding that it is for, those that can be made together: each
+    /// whole by itself and beside those before it. Edits that touch each other are left for another time.
+    /// Returns the edits as one, and the numbers of those that are in it.
     pub fn together(&mut self, edits: &[(Edit, &str)]) -> (Edit, Vec<usize>) {
         let mut chosen = Edit::default();
         let mut numbers = Vec::new();
         for (number, (edit, code)) in edits.iter().enumerate() {
             let mut more = chosen.clone();
-            if more.touches(edit)
-                || self.verdict(edit, Some(code)) != Verdict::Whole
-                || !more.merge(edit.clone())
-            {
+            if more.touches(edit) {
+                continue;
+            }
+            let edit = match self.verdict(edit, Some(code)) {
+                Verdict::Whole => edit.clone(),
+                Verdict::Paired(edit) => edit,
+                Verdict::Refused | Verdict::Unknown => continue,
+            };
+            if more.touches(&edit) || !more.merge(edit) {
                 continue;
             }
             if numbers.is_empty() || self.verdict(&more, Some(code)) == Verdict::Whole {
@@ -229,19 +239,21 @@ impl Findings {
             .iter()
             .filter(|it| it.severity == Severity::Error)
             .count();
+        let mut compared = Vec::new();
         for folder in project.folders(roots, &mut Vec::new()) {
             if !folder.sources.exists {
                 continue;
             }
-            let expected = folder.expected();
-            let found = project.findings(&folder, &expected);
-            drop(expected);
-            out.all
-                .extend(diagnostics(&found, &*folder.unit.locations, Side::First));
-            let index = out.folders.len();
+            let all = folder.check(&folder.expected());
+            let found = project.adjusted(&folder, all.clone());
+            let shown = diagnostics(&found, &*folder.unit.locations, Side::Both);
+            out.all.extend(shown);
+            let index = compared.len();
             out.drifts.extend(found.into_iter().map(|it| (index, it)));
-            out.folders.push(folder);
+            compared.push((folder, all));
         }
+        out.all.extend(project.unused_allowances(&compared));
+        out.folders = compared.into_iter().map(|it| it.0).collect();
         for it in &out.all {
             *out.counts.entry(it.code).or_default() += 1;
         }
@@ -252,9 +264,9 @@ impl Findings {
         self.counts.get(code).copied().unwrap_or(0)
     }
 
-    /// Codes of which there are more afterwards, but for findings that were there and could not be seen: where
-    /// an error is gone, hints, rules that wait until a specification is accepted, and findings away from the
-    /// changed lines.
+    /// Codes of which there are more afterwards, but for findings that were there and could not be seen:
+    /// where an error is gone, hints, rules that wait until a specification is accepted, and findings away
+    /// from the changed lines.
     fn added(&self, after: &Findings, touched: &Touched) -> Vec<&'static str> {
         let reveals = after.errors < self.errors;
         let mut out = Vec::new();

@@ -64,9 +64,28 @@ fn a_renamed_member_is_followed_wherever_its_type_is_known() {
         )
     };
     check(
-        &component("double velocity; double rate;", "inout ::ids"),
+        &component("double speeds; double rate;", "inout ::ids"),
         &code("speed"),
-        &code("velocity"),
+        &code("speeds"),
+    );
+}
+
+#[test]
+fn one_member_left_on_either_side_is_no_evidence() {
+    let code = "genom_event f(c_ids *ids, const genom_context self)\n{\n  ids->speed = 1.;\n  return c_ether;\n}\n";
+    let (text, report) = synced(&component("point velocity;", "inout ::ids"), code);
+    assert_eq!(text, code);
+    let left: Vec<_> = report.left.findings.iter().map(|it| it.code).collect();
+    assert_eq!(left, ["codel/unknown-member"]);
+}
+
+#[test]
+fn members_of_a_nested_designator_are_those_of_the_member() {
+    let code = "genom_event f(c_ids *ids, const genom_context self)\n{\n  *ids = (c_ids){ .goal.x = 1., .way[1].y = 2. };\n  return c_ether;\n}\n";
+    check(
+        &component("point goal; point way[3];", "inout ::ids"),
+        code,
+        code,
     );
 }
 
@@ -85,7 +104,7 @@ fn members_of_members_are_followed() {
         .replace("double x, y;", "double east, y;");
     check(
         &specification,
-        "genom_event f(c_ids *ids, const c_point *g, const genom_context self)\n{\n  ids->goal.x = ids->way[1].x + g->x + g->y;\n  return c_ether;\n}\n",
+        "genom_event f(c_ids *ids, const c_point *g, const genom_context self)\n{\n  ids->goal.eest = ids->way[1].eest + g->eest + g->y;\n  return c_ether;\n}\n",
         "genom_event f(c_ids *ids, const c_point *g, const genom_context self)\n{\n  ids->goal.east = ids->way[1].east + g->east + g->y;\n  return c_ether;\n}\n",
     );
 }
@@ -117,12 +136,12 @@ fn the_parameter_of_the_member_follows_too() {
 
 #[test]
 fn members_are_followed_in_cxx() {
-    let specification = component("double velocity; sequence<point> way;", "inout ::ids")
+    let specification = component("double speeds; sequence<point> way;", "inout ::ids")
         .replace("component c {\n", "component c {\n  lang \"c++\";\n");
     check(
         &specification,
         "genom::event f(c::ids &ids)\n{\n  for (auto &p : ids.way) p.x = ids.speed;\n  return c::ether;\n}\n",
-        "genom::event f(c::ids &ids)\n{\n  for (auto &p : ids.way) p.x = ids.velocity;\n  return c::ether;\n}\n",
+        "genom::event f(c::ids &ids)\n{\n  for (auto &p : ids.way) p.x = ids.speeds;\n  return c::ether;\n}\n",
     );
 }
 

@@ -41,8 +41,8 @@ pub(super) struct Call {
 ///
 /// Ends with the run, with its component, or with Ctrl-C.
 ///
-/// Exit status: 0 if the run ended or COUNT values were printed, 1 if the component ended, 2 if the port could
-/// not be watched.
+/// Exit status: 0 if the run ended or COUNT values were printed, 1 if the component ended, 2 if the port
+/// could not be watched.
 #[derive(Debug, Args)]
 pub(super) struct Watch {
     /// Port to watch, as COMPONENT/PORT

@@ -3,13 +3,14 @@
 mod fix;
 
 use camino::Utf8PathBuf;
-use clap::Args;
+use clap::{Args, ValueEnum};
+use dotgen_analysis::codes::{is_environment, severity_here};
 use dotgen_analysis::diagnostic::{Diagnostic, Severity};
 use dotgen_analysis::host::Analysis;
 use dotgen_timing::scn::names::Names;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::report::{self, FileReports, Format};
+use super::report::{self, FileReports, Format, OpenNames};
 use super::session::{self, ConfigProblems, Session, SourceFile, Texts, Trouble};
 use super::{Outcome, Reading};
 use crate::files::vfs;
@@ -42,8 +43,28 @@ pub(super) struct Arguments {
     #[arg(long, short)]
     verbose: bool,
 
+    /// Report as an error what is a warning otherwise; the environment variable DOTGEN_DENY does the same
+    #[arg(long, value_enum, value_name = "WHAT")]
+    deny: Vec<Deny>,
+
     #[command(flatten)]
     reading: Reading,
+}
+
+/// Warnings that can be errors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Deny {
+    /// Packages and included files that are not found
+    Missing,
+}
+
+impl Arguments {
+    /// Whether a missing package or file is an error.
+    fn denies_missing(&self) -> bool {
+        let variable = std::env::var("DOTGEN_DENY").unwrap_or_default();
+        let mut words = variable.split(',').map(str::trim);
+        self.deny.contains(&Deny::Missing) || words.any(|it| it == "missing")
+    }
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
@@ -68,6 +89,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         return fix::print(&changed);
     }
     fix::write(&changed)?;
+    if !arguments.denies_missing() {
+        for it in &mut report.diagnostics {
+            it.severity = severity_here(it.code, it.severity);
+        }
+    }
     report.finish();
     report::print(&report, arguments.format)?;
     Ok(trouble.outcome(match report.count(Severity::Error) {
@@ -116,6 +142,10 @@ fn check_specifications(session: &mut Session, report: &mut FileReports) -> anyh
     })?;
     for path in &wanted {
         if let Some(found) = reports.remove(path) {
+            if found.iter().any(|it| is_environment(it.code)) {
+                let needs = session.ask(path, |it| it.dependencies(path))?;
+                report.waiting.extend(OpenNames::of(&needs));
+            }
             session.add_texts(&found, &mut report.texts)?;
             report.diagnostics.extend(found.iter().cloned());
             report.checked += 1;

@@ -8,11 +8,13 @@ use std::collections::HashSet;
 
 use camino::Utf8Path;
 use clap::ValueEnum;
+use dotgen_analysis::deps::Dependencies;
 use dotgen_analysis::diagnostic::{Diagnostic, Severity};
 use dotgen_analysis::terminal;
 use dotgen_codegen::codels::coverage::Coverage;
 use dotgen_codegen::disk::{Disk as _, NewContent};
 use dotgen_syntax::encoding;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::session::Texts;
@@ -28,6 +30,38 @@ pub(super) struct FileReports {
     pub(super) checked: usize,
     /// How much of the codels was compared, by component.
     pub(super) compared: Vec<Compared>,
+    /// What could not be checked for want of packages and files.
+    pub(super) waiting: Vec<OpenNames>,
+}
+
+/// Names of a specification that only a missing package or file can explain.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub(super) struct OpenNames {
+    /// The names, each once.
+    pub(super) names: Vec<String>,
+    /// The packages and files that are missing.
+    #[serde(rename = "for")]
+    pub(super) missing: Vec<String>,
+}
+
+impl OpenNames {
+    /// The names that wait, if some do.
+    pub(super) fn of(needs: &Dependencies) -> Option<OpenNames> {
+        let unknown = needs.unknown.iter().map(|it| it.name.to_string());
+        let interfaces = needs.interfaces.iter().filter(|it| it.found.is_none());
+        let interfaces = interfaces.map(|it| it.name.to_string());
+        let mut names: Vec<String> = unknown.chain(interfaces).collect();
+        names.sort();
+        names.dedup();
+        let packages = needs.missing_packages();
+        let packages = packages.flat_map(|it| it.brought_by.iter().map(|it| it.package.clone()));
+        let files = needs.includes.iter().filter(|it| it.found.is_none());
+        let mut missing: Vec<String> = packages.collect();
+        if missing.is_empty() {
+            missing.extend(files.map(|it| it.path.clone()));
+        }
+        (!names.is_empty()).then_some(OpenNames { names, missing })
+    }
 }
 
 /// How much of the codels of a component was compared.

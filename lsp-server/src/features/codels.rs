@@ -6,6 +6,7 @@
 
 pub(crate) mod actions;
 pub(crate) mod headers;
+pub(crate) mod judged;
 pub(crate) mod lenses;
 pub(crate) mod navigation;
 pub(crate) mod standins;

@@ -16,7 +16,7 @@ use dotgen_timing::scn;
 use serde::{Deserialize, Serialize};
 
 use crate::features::codels::Texts;
-use crate::features::judged::private_host;
+use crate::features::codels::judged::private_host;
 use crate::protocol::convert::uri;
 use crate::protocol::refusable::Refusable;
 use crate::protocol::types::Uri;

@@ -25,8 +25,8 @@ findings! {
         "missing-semicolon" NoSemicolon { after: SmolStr, others: &'static str, found: SmolStr }
             => "missing `;` after {after}{others}: found {found}", "add `;` before it";
         "missing-semicolon" NoSemicolonOrQuote { after: SmolStr, others: &'static str, found: SmolStr }
-            => "missing `;` after {after}{others}: found {found}",
-               "add `;` before it, or the `\"` that the text over several lines lacks";
+            => "this text goes over several lines, and {found} follows it",
+               "add the `\"` that it lacks, or `;` after {after}{others}";
         "missing-yield" NoYield { found: SmolStr }
             => "this codel has states but no `yield` list (found {found})", "add `yield STATE, …`";
         "wcet-pragma" MoreInPragma { found: SmolStr }

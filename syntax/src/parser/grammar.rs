@@ -209,11 +209,13 @@ fn semicolon_or(p: &mut Parser<'_>, after: &str, others: &'static str) {
         let found = p.describe_current().into();
         if p.is_after_long_literal() && !spec::at_item(p) {
             p.turn_inside_out();
-            Parsing::NoSemicolonOrQuote {
+            // The quote that is missing is where the text begins.
+            p.error_before(Parsing::NoSemicolonOrQuote {
                 after,
                 others,
                 found,
-            }
+            });
+            return;
         } else {
             Parsing::NoSemicolon {
                 after,

@@ -42,7 +42,8 @@ fn place() -> Option<PathBuf> {
     }
 }
 
-/// Adds a line to the log: program, its folder, the test, and the use of the data. `cargo xtask test` reads it.
+/// Adds a line to the log: program, its folder, the test, and the use of the data. `cargo xtask test` reads
+/// it.
 fn log(name: &str, found: bool) {
     let Some(path) = std::env::var_os(LOG) else {
         return;

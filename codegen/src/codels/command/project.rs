@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use camino::{Utf8Path, Utf8PathBuf};
-use dotgen_analysis::diagnostic::Diagnostic;
+use dotgen_analysis::diagnostic::{Diagnostic, Fix};
 use dotgen_analysis::host::{AnalysisHost, Change};
 use dotgen_analysis::model::Name;
 use rustc_hash::FxHashSet;
@@ -89,6 +89,12 @@ impl<'a> Project<'a> {
                 ))
             })
             .collect()
+    }
+
+    /// See [`Analysis::trials`](dotgen_analysis::host::Analysis::trials).
+    pub fn trials(&self, of: &Diagnostic, all: &[Diagnostic]) -> Vec<Fix> {
+        // Nothing cancels: the host is ours alone.
+        self.host.analysis().trials(of, all).unwrap_or_default()
     }
 
     /// Roots whose units contain a file.

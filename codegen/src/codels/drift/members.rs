@@ -313,9 +313,9 @@ impl<'a> Members<'a, '_> {
         Some(named.map_or(ty.src, |it| it.src))
     }
 
-    /// What unknown members are called now: the member that a parameter of that name stands for, or the nearest
-    /// name that nothing uses yet, both ways. A member that only is left over is no evidence. The member must be
-    /// of use in the same way.
+    /// What unknown members are called now: the member that a parameter of that name stands for, or the
+    /// nearest name that nothing uses yet, both ways. A member that only is left over is no evidence. The
+    /// member must be of use in the same way.
     fn renamed(&self) -> FxHashMap<Unknown, SmolStr> {
         let mut out = FxHashMap::default();
         let mut structures: Vec<&SmolStr> = self.unknown.keys().map(|it| &it.0).collect();

@@ -14,6 +14,9 @@ use crate::cli::{codels, fmt, report, session};
 /// Repairs may show what else is wrong; texts in which more than so many lie one below the other are left.
 const MOST_ROUNDS: usize = 20;
 
+/// Errors of one file for which repairs are sought by trying.
+const MOST_TRIED: usize = 3;
+
 /// Texts as they were and as they are now, by file.
 pub(super) type Changed = BTreeMap<Utf8PathBuf, (String, String)>;
 
@@ -59,8 +62,6 @@ pub(super) fn judge(session: &mut Session, changed: &Changed, found: &mut [Diagn
     if !found.iter().any(is_open) {
         return;
     }
-    // Nothing cancels: the host is ours alone.
-    _ = session.host_mut().analysis().add_trials(found, |_| true);
     let mut project = project(session, changed);
     let mut room = MOST_TRIALS;
     let mut at = 0;
@@ -70,15 +71,26 @@ pub(super) fn judge(session: &mut Session, changed: &Changed, found: &mut [Diagn
         let roots = project.roots_of(&path);
         let mut judge = Judge::new(&mut project, &roots);
         judge.room = room;
-        for it in &mut found[at..end] {
+        let mut tried = 0;
+        for number in at..end {
+            let it = &mut found[number];
             let code = it.code;
-            it.fixes.retain_mut(|fix| {
+            let mut keep = |fix: &mut Fix| {
                 let verdict = judge.verdict(&Edit::of(&fix.edits), Some(code));
                 if verdict != Verdict::Whole && fix.kind == FixKind::Plain {
                     fix.kind = FixKind::Guess;
                 }
                 matches!(verdict, Verdict::Whole | Verdict::Unknown)
-            });
+            };
+            it.fixes.retain_mut(&mut keep);
+            if it.severity == Severity::Error && it.fixes.is_empty() && tried < MOST_TRIED {
+                tried += 1;
+                let mut fixes = judge.project().trials(&found[number], &found[at..end]);
+                fixes.retain_mut(|fix| {
+                    judge.verdict(&Edit::of(&fix.edits), Some(code)) == Verdict::Whole
+                });
+                found[number].fixes = fixes;
+            }
         }
         room = judge.room;
         at = end;

@@ -7,7 +7,7 @@ use dotgen_analysis::diagnostic::{Diagnostic, Fix, FixKind, Severity};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::FileReports;
+use super::{FileReports, OpenNames};
 use crate::cli::session::{self, Texts};
 use crate::protocol::types::{Position, Range};
 
@@ -27,6 +27,9 @@ struct Document<E> {
     #[serde(skip_serializing_if = "<[_]>::is_empty", default)]
     #[schemars(with = "Vec<Compared>")]
     codels: Vec<serde_json::Value>,
+    /// Names that only a missing package or file can explain, by specification.
+    #[serde(skip_serializing_if = "<[_]>::is_empty", default)]
+    waiting: Vec<OpenNames>,
 }
 
 /// One finding.
@@ -148,7 +151,7 @@ struct Compared {
     /// Those whose declaration has errors: they were left out.
     faulty: usize,
     /// What the others wait for.
-    waiting: Vec<Waiting>,
+    waiting: Vec<OpenNames>,
     /// Modules and types that are not known, and agree with any type of a parameter.
     assumed: Vec<String>,
 }
@@ -207,6 +210,7 @@ pub(in crate::cli) fn print(report: &FileReports) -> anyhow::Result<()> {
         version: VERSION,
         diagnostics: entries(&report.diagnostics, &report.texts),
         codels: (report.compared.iter().map(serde_json::to_value)).collect::<Result<_, _>>()?,
+        waiting: report.waiting.clone(),
     };
     let mut json = serde_json::to_string_pretty(&document)?;
     json.push('\n');

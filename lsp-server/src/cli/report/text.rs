@@ -69,7 +69,7 @@ pub(in crate::cli) fn print_to_stderr<'d>(
     Ok(())
 }
 
-/// `checked 3 files: 2 errors, 1 warning`
+/// `checked 3 files: 2 errors, 1 warning; 2 names wait for openrobots2-idl`
 fn summary(report: &FileReports) -> String {
     let counted = |count: usize, one: &str, many: &str| match count {
         1 => format!("1 {one}"),
@@ -87,10 +87,18 @@ fn summary(report: &FileReports) -> String {
     .map(|(count, one, many)| counted(count, one, many))
     .collect();
     let files = counted(report.checked, "file", "files");
-    match found.is_empty() {
+    let mut out = match found.is_empty() {
         true => format!("checked {files}: no problems"),
         false => format!("checked {files}: {}", found.join(", ")),
+    };
+    for it in &report.waiting {
+        let (names, wait) = match it.names.len() {
+            1 => ("1 name".to_owned(), "waits"),
+            count => (format!("{count} names"), "wait"),
+        };
+        out += &format!("; {names} {wait} for {}", it.missing.join(", "));
     }
+    out
 }
 
 /// One diagnostic, with colours that the stream takes away where they are not wanted.

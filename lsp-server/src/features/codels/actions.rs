@@ -16,11 +16,11 @@ use dotgen_codegen::codels::repair::Repairs;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
+use crate::features::codels::judged::{self, Offers};
 use crate::features::codels::{self, Texts};
 use crate::features::commands::SHOW_CODEL;
 use crate::features::convert::diagnostic;
 use crate::features::convert::edit::{Edited, Review, edit_of, is_wanted, with_edit};
-use crate::features::judged::{self, Offers};
 use crate::protocol::convert::Lines;
 use crate::protocol::refusable::Refusable;
 use crate::protocol::types::*;

@@ -5,8 +5,8 @@ use dotgen_analysis::host::{AnalysisHost, Cancellable};
 use dotgen_codegen::codels::command;
 use serde::{Deserialize, Serialize};
 
+use crate::features::codels::judged;
 use crate::features::codels::{self, Texts};
-use crate::features::judged;
 use crate::protocol::messages::DocumentParams;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};

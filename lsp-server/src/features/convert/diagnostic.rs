@@ -1,6 +1,6 @@
 //! Diagnostics.
 
-use dotgen_analysis::codes::is_environment;
+use dotgen_analysis::codes::severity_here;
 use dotgen_analysis::diagnostic::{Diagnostic, Severity, Tag};
 use dotgen_analysis::host::Cancellable;
 
@@ -14,14 +14,6 @@ pub(crate) fn severity(severity: Severity) -> types::DiagnosticSeverity {
         Severity::Warning => types::DiagnosticSeverity::WARNING,
         Severity::Information => types::DiagnosticSeverity::INFORMATION,
         Severity::Hint => types::DiagnosticSeverity::HINT,
-    }
-}
-
-/// How bad a finding is for somebody who edits the text: what only this machine lacks is no error of it.
-fn shown_severity(it: &Diagnostic) -> Severity {
-    match it.severity {
-        Severity::Error if is_environment(it.code) => Severity::Warning,
-        severity => severity,
     }
 }
 
@@ -52,7 +44,10 @@ pub(crate) fn to_proto(
         crate::views::manual::page(diagnostic.code).filter(|_| snapshot.client.code_description);
     Ok(Some(types::Diagnostic {
         range: lines.range(&diagnostic.range),
-        severity: Some(severity(shown_severity(diagnostic))),
+        severity: Some(severity(severity_here(
+            diagnostic.code,
+            diagnostic.severity,
+        ))),
         code: Some(types::NumberOrString::String(diagnostic.code.to_owned())),
         code_description: page.map(|href| types::CodeDescription { href }),
         source: Some(types::SOURCE.to_owned()),

@@ -1,14 +1,14 @@
 //! `textDocument/codeAction`: the fixes that diagnostics bring along, and refactorings.
 
-use dotgen_analysis::diagnostic::{Diagnostic, Fix, FixKind};
+use dotgen_analysis::diagnostic::{Diagnostic, Fix, FixKind, Severity};
 use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::ide::AssistKind;
 use dotgen_codegen::codels::edit::Edit;
 
+use crate::features::codels::judged::{self, Offers};
 use crate::features::codels::{actions, standins};
 use crate::features::convert::diagnostic;
 use crate::features::convert::edit::{Review, edit_of, is_wanted, with_edit};
-use crate::features::judged::{self, Offers};
 use crate::features::specification::search_paths;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
@@ -19,6 +19,9 @@ pub(crate) const GENERATE: CodeActionKind = CodeActionKind::new("source.generate
 /// Everything that has a fix gets it, guesses and placeholders included. Not below `source.fixAll`, which
 /// editors run unasked when a file is saved.
 pub(crate) const FIX_FINDINGS: CodeActionKind = CodeActionKind::new("source.fixFindings");
+
+/// Errors at a place for which repairs are sought by trying.
+const MOST_TRIED: usize = 3;
 
 pub(crate) fn handle(
     snapshot: &Snapshot,
@@ -46,10 +49,6 @@ fn offered(
     let mut actions = Vec::new();
     let codels = |kind: &CodeActionKind| actions::offered(params, kind);
     let mut all = snapshot.analysis.diagnostics(&subject.path)?;
-    if params.context.only.is_none() || wanted(&CodeActionKind::QUICKFIX) {
-        let here = |it: &Diagnostic| touches(&it.range, &range);
-        snapshot.analysis.add_trials(&mut all, here)?;
-    }
     all.extend(crate::features::codels::unused_in(snapshot, &subject.path)?);
     // Only on request: it changes the whole file.
     let plain = "Fix all that has one plain repair";
@@ -84,10 +83,18 @@ fn offered(
     let mut offered: Vec<&Fix> = Vec::new();
     // What is wrong here comes first, then what is wrong elsewhere and mended here.
     let (here, elsewhere): (Vec<_>, Vec<_>) = all.iter().partition(|it| touches(&it.range, &range));
+    let mut tried = 0;
     for it in here {
+        let before = actions.len();
         for (rank, fix) in it.fixes.iter().enumerate() {
             actions.extend(quick_fix(snapshot, it, fix, rank == 0, offers)?);
             offered.push(fix);
+        }
+        if actions.len() == before && it.severity == Severity::Error && tried < MOST_TRIED {
+            tried += 1;
+            for fix in snapshot.analysis.trials(it, &all)? {
+                actions.extend(quick_fix(snapshot, it, &fix, false, offers)?);
+            }
         }
         if !it.fixes.is_empty() && !codes.contains(&it.code) {
             codes.push(it.code);

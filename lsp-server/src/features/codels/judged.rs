@@ -48,8 +48,8 @@ pub(crate) fn offers<T>(
 }
 
 impl Offers<'_, '_, '_> {
-    /// The action that makes an edit, if the judge allows the edit. `mends`: the code of the finding that it is
-    /// for.
+    /// The action that makes an edit, if the judge allows the edit. `mends`: the code of the finding that it
+    /// is for.
     pub(crate) fn action(
         &mut self,
         action: CodeAction,
