@@ -67,6 +67,9 @@ pub struct Spec {
     /// What components lack because a name could not be resolved; empty for what GenoM3 accepts.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub gaps: Vec<Gap>,
+    /// Types that a stand-in declares, in order: their members are made up, so any may be there.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub open: Vec<TypeId>,
 }
 
 /// A part of the text that stands in the body of a component or interface.

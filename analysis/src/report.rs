@@ -167,6 +167,10 @@ impl<'db> Reporter<'db> {
         let file = key.file(self.db);
         let near = it.near.as_ref();
         let path = file.path(self.db);
+        // What dotgen made up is nobody's mistake.
+        if unit::is_standin(path) {
+            return;
+        }
         let mut out = shown(&it.kind, near, it.because, path, range);
         out.severity = it.severity;
         if let (Some(src), Some(reference)) = (it.said_at, &mut out.reference)

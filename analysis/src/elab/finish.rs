@@ -11,6 +11,7 @@ use crate::model::{
     ComponentKind, Gap, Missing, Quantity, Seconds, Spec, TypeId, TypeKind, visit::TypeIds,
 };
 use crate::release::Change;
+use crate::unit::is_standin;
 
 impl Elaborator<'_> {
     /// Ends an elaboration: settles what had to wait for the end of the input.
@@ -22,7 +23,22 @@ impl Elaborator<'_> {
         result
     }
 
+    /// Notes the types that stand-ins declare.
+    fn note_open_types(&mut self) {
+        let visits = self.visits;
+        let is_standin: Vec<bool> = visits.iter().map(|it| is_standin(it.path.as_ref())).collect();
+        if !is_standin.contains(&true) {
+            return;
+        }
+        let ids = (0u32..).map(TypeId).zip(&self.spec.types);
+        let open = ids.filter(|(_, ty)| {
+            ty.name.is_some() && is_standin.get(ty.src.visit as usize) == Some(&true)
+        });
+        self.spec.open = open.map(|it| it.0).collect();
+    }
+
     fn settle(&mut self) {
+        self.note_open_types();
         self.check_forwards();
         self.apply_wcet_pragmas();
         for index in 0..self.spec.components.len() {
@@ -220,6 +236,7 @@ fn order_types(result: &mut Elaborated, order: &[u32]) {
     };
     let spec = Arc::make_mut(&mut result.spec);
     spec.for_each_type_id(&mut renumber);
+    spec.open.sort_unstable();
     reorder(spec, &by_order);
     for definition in &mut result.definitions {
         definition.ty.iter_mut().for_each(&mut renumber);

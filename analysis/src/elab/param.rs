@@ -546,7 +546,10 @@ impl<'a> Elaborator<'a> {
                         return None;
                     }
                     let Some(member) = self.select(last, name) else {
-                        self.report_no_member(ty, last, name, written.at);
+                        match self.is_made_up(last) {
+                            true => self.lack_member(last, &written.rest[number..]),
+                            false => self.report_no_member(ty, last, name, written.at),
+                        }
                         return None;
                     };
                     if let Some(def) = self.type_defs[member.0 as usize] {

@@ -141,15 +141,31 @@ impl Spec {
         })
     }
 
-    /// The unknown type that decides how values of a type are written, if there is one: behind aliases, and
-    /// as the element of an array, sequence or optional. Members do not count: a struct has a name of its
+    /// Whether a stand-in declares a type: it may have any member, and agrees with any type of a codel.
+    pub fn is_open(&self, ty: TypeId) -> bool {
+        self.open.binary_search(&ty).is_ok()
+    }
+
+    /// The unknown or open type that decides how values of a type are written, if there is one: behind aliases,
+    /// and as the element of an array, sequence or optional. Members do not count: a struct has a name of its
     /// own.
     pub fn opaque(&self, ty: TypeId) -> Option<TypeId> {
         let mut seen = FxHashSet::default();
         let mut ty = ty;
         while seen.insert(ty) {
-            ty = self.resolve_alias(ty);
+            if self.is_open(ty) {
+                return Some(ty);
+            }
             match self.ty(ty).kind {
+                TypeKind::Typedef { ty: aliased }
+                | TypeKind::StructMember { ty: aliased }
+                | TypeKind::UnionMember { ty: aliased, .. }
+                | TypeKind::ForwardStruct {
+                    definition: Some(aliased),
+                }
+                | TypeKind::ForwardUnion {
+                    definition: Some(aliased),
+                } => ty = aliased,
                 TypeKind::Unknown => return Some(ty),
                 TypeKind::Array { element, .. }
                 | TypeKind::Sequence { element, .. }

@@ -37,6 +37,7 @@ impl TypeIds for Spec {
     fn for_each_type_id(&mut self, f: &mut dyn FnMut(&mut TypeId)) {
         self.types.for_each_type_id(f);
         self.components.for_each_type_id(f);
+        self.open.for_each_type_id(f);
     }
 }
 

@@ -55,10 +55,16 @@ pub(super) fn check(
     };
     let mut types = Types::default();
     types.read(&text, mapping::grammar(expected));
+    let open: FxHashSet<SmolStr> = expected
+        .spec
+        .open
+        .iter()
+        .map(|it| expected.spelling(*it))
+        .collect();
     let mapped: FxHashMap<SmolStr, Vec<SmolStr>> = types
         .structures()
         // What is declared elsewhere, where nobody can look, has no members here.
-        .filter(|it| !it.1.is_empty())
+        .filter(|it| !it.1.is_empty() && !open.contains(it.0))
         .map(|(name, members)| (name.clone(), members.keys().cloned().collect()))
         .collect();
     let known: FxHashSet<&str> = mapped.values().flatten().map(SmolStr::as_str).collect();
