@@ -1,0 +1,162 @@
+//! Workspace edits, applied to texts.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use serde_json::Value;
+
+use super::compare::{Finding, Touched};
+
+/// One replacement: bytes and lines in the old text, and the new text.
+struct Hunk {
+    bytes: std::ops::Range<usize>,
+    lines: [usize; 2],
+    new: String,
+}
+
+/// What an edit does.
+#[derive(Default)]
+pub(super) struct Applied {
+    /// New texts by file.
+    pub(super) texts: BTreeMap<PathBuf, String>,
+    /// Changed lines in the new texts.
+    pub(super) touched: Touched,
+    /// Words that are removed away from findings, and appear nowhere else in the edit.
+    pub(super) lost: Vec<String>,
+}
+
+/// Applies an edit of the protocol to texts. `text` returns the text of a file; a missing file is empty.
+pub(super) fn apply(
+    edit: &Value,
+    text: impl Fn(&Path) -> Option<String>,
+    about: &[(PathBuf, [usize; 2])],
+) -> Result<Applied> {
+    let mut out = Applied::default();
+    let mut words = BTreeMap::<String, isize>::new();
+    let mut away = Vec::new();
+    for (path, edits) in by_file(edit)? {
+        let old = text(&path).unwrap_or_default();
+        let mut hunks = edits
+            .iter()
+            .map(|it| hunk(&old, it))
+            .collect::<Result<Vec<_>>>()?;
+        hunks.sort_by_key(|it| (it.bytes.start, it.bytes.end));
+        let mut new = String::new();
+        let mut at = 0;
+        for it in &hunks {
+            if it.bytes.start < at {
+                bail!("edits of {} overlap", path.display());
+            }
+            new.push_str(&old[at..it.bytes.start]);
+            let first = new.matches('\n').count();
+            new.push_str(&it.new);
+            let last = new.matches('\n').count();
+            out.touched
+                .entry(path.clone())
+                .or_default()
+                .push([first, last]);
+            at = it.bytes.end;
+            let removed = &old[it.bytes.clone()];
+            words_of(removed).for_each(|it| *words.entry(it.to_owned()).or_default() += 1);
+            words_of(&it.new).for_each(|it| *words.entry(it.to_owned()).or_default() -= 1);
+            let near = about.iter().any(|(of, lines)| {
+                of == &path && lines[0] <= it.lines[1] + 1 && it.lines[0] <= lines[1] + 1
+            });
+            if !near && words_of(removed).count() > words_of(&it.new).count() {
+                away.extend(words_of(removed).map(str::to_owned));
+            }
+        }
+        new.push_str(&old[at..]);
+        out.texts.insert(path, new);
+    }
+    if words.values().sum::<isize>() > 0 {
+        away.retain(|it| words.get(it).is_some_and(|it| *it > 0));
+        out.lost = away;
+    }
+    Ok(out)
+}
+
+/// The places that a finding names, with its related places.
+pub(super) fn places(path: &Path, finding: &Finding) -> Vec<(PathBuf, [usize; 2])> {
+    let mut out = vec![(path.to_owned(), finding.lines)];
+    let related = finding.raw["relatedInformation"].as_array();
+    for it in related.into_iter().flatten() {
+        let line = |end: &str| it["location"]["range"][end]["line"].as_u64().unwrap_or(0) as usize;
+        let uri = it["location"]["uri"].as_str().unwrap_or_default();
+        out.push((path_of(uri), [line("start"), line("end")]));
+    }
+    out
+}
+
+/// Edits of text by file; files that the edit creates have an entry.
+fn by_file(edit: &Value) -> Result<BTreeMap<PathBuf, Vec<Value>>> {
+    let mut out = BTreeMap::<PathBuf, Vec<Value>>::new();
+    let uri = |it: &Value| it.as_str().map(path_of).context("no URI");
+    for it in edit["documentChanges"].as_array().into_iter().flatten() {
+        match it["kind"].as_str() {
+            Some("create") => _ = out.entry(uri(&it["uri"])?).or_default(),
+            Some(other) => bail!("an edit does `{other}`"),
+            None => {
+                let edits = it["edits"].as_array().cloned().unwrap_or_default();
+                out.entry(uri(&it["textDocument"]["uri"])?)
+                    .or_default()
+                    .extend(edits);
+            }
+        }
+    }
+    for (name, edits) in edit["changes"].as_object().into_iter().flatten() {
+        let edits = edits.as_array().cloned().unwrap_or_default();
+        out.entry(path_of(name)).or_default().extend(edits);
+    }
+    Ok(out)
+}
+
+/// The path of a URI; `+` may be escaped.
+pub(super) fn path_of(uri: &str) -> PathBuf {
+    let path = uri.strip_prefix("file://").unwrap_or(uri);
+    PathBuf::from(path.replace("%2B", "+").replace("%2b", "+"))
+}
+
+/// A replacement without what is the same on both sides.
+fn hunk(old: &str, edit: &Value) -> Result<Hunk> {
+    let start = offset(old, &edit["range"]["start"])?;
+    let end = offset(old, &edit["range"]["end"])?;
+    let new = edit["newText"].as_str().context("no new text")?;
+    let was = old
+        .get(start..end)
+        .context("an edit is outside of its file")?;
+    let mut head = std::iter::zip(was.bytes(), new.bytes())
+        .take_while(|(a, b)| a == b)
+        .count();
+    while !was.is_char_boundary(head) || !new.is_char_boundary(head) {
+        head -= 1;
+    }
+    let (was_rest, new_rest) = (&was[head..], &new[head..]);
+    let pairs = std::iter::zip(was_rest.bytes().rev(), new_rest.bytes().rev());
+    let mut tail = pairs.take_while(|(a, b)| a == b).count();
+    while !was_rest.is_char_boundary(was_rest.len() - tail) {
+        tail -= 1;
+    }
+    let bytes = start + head..end - tail;
+    let line = |at: usize| old[..at].matches('\n').count();
+    Ok(Hunk {
+        lines: [line(bytes.start), line(bytes.end)],
+        new: new_rest[..new_rest.len() - tail].to_owned(),
+        bytes,
+    })
+}
+
+/// The byte of a position; characters are bytes.
+fn offset(text: &str, position: &Value) -> Result<usize> {
+    let line = position["line"].as_u64().context("no line")? as usize;
+    let character = position["character"].as_u64().context("no character")? as usize;
+    let starts = std::iter::once(0).chain(text.match_indices('\n').map(|it| it.0 + 1));
+    let start = starts.clone().nth(line).unwrap_or(text.len());
+    Ok((start + character).min(text.len()))
+}
+
+fn words_of(text: &str) -> impl Iterator<Item = &str> {
+    let words = text.split(|it: char| !it.is_alphanumeric() && it != '_');
+    words.filter(|it| !it.is_empty())
+}
