@@ -70,12 +70,14 @@ fn measure(options: &Options, dotgen: &std::path::Path) -> Result<Report> {
     let mut report = Report::default();
     for set in sets::sets(options)? {
         let started = std::time::Instant::now();
+        report.set.clone_from(&set.name);
         let result = match options.what {
             What::Actions => actions::actions(options, dotgen, &set, &mut report),
             What::Codels => codels::codels(options, dotgen, &set, &mut report),
         };
         if let Err(error) = result {
-            report.offend("failed", &format!("{}: {error:#}", set.name));
+            report.count("all", "failed", 1);
+            report.offend("failed", &format!("{error:#}"));
         }
         let seconds = started.elapsed().as_secs_f32();
         eprintln!("    {}: {seconds:.1} s", set.name);

@@ -175,7 +175,16 @@ fn one(
         .iter()
         .flat_map(|it| edits::places(path, it))
         .collect();
-    let applied = edits::apply(&action["edit"], |it| workspace.text(it), &about)?;
+    let applied = match edits::apply(&action["edit"], |it| workspace.text(it), &about) {
+        Ok(applied) => applied,
+        Err(error) => {
+            let title = &action["title"];
+            let line = format!("{}:{}: {title}: {error:#}", path.display(), line + 1);
+            case.report.count(case.group, "not applied", 1);
+            case.report.offend("not applied", &line);
+            return Ok(());
+        }
+    };
     let mut restore = BTreeMap::new();
     for (path, text) in &applied.texts {
         restore.insert(path.clone(), workspace.text(path));
@@ -242,7 +251,8 @@ impl Case<'_> {
                 self.report.code(kind, &it.code);
                 let shown = path.strip_prefix(root).unwrap_or(path).display();
                 let line = it.lines[0] + 1;
-                let added = format!("{head} adds {} at {shown}:{line}: {}", it.code, it.message);
+                let message = it.message.replace(&format!("{}/", root.display()), "");
+                let added = format!("{head} adds {} at {shown}:{line}: {message}", it.code);
                 if kind == "worse" {
                     self.report.offend(kind, &added);
                 }
@@ -259,7 +269,7 @@ fn check_fix(
     path: &Path,
     text: &str,
 ) -> Result<()> {
-    let original = std::fs::read(path)?;
+    let original = std::fs::read(path).with_context(|| format!("read {}", path.display()))?;
     std::fs::write(path, text)?;
     let run = |fix: bool| -> Result<Findings> {
         let mut command = Command::new(dotgen);
@@ -267,7 +277,7 @@ fn check_fix(
         command
             .args(fix.then_some("--fix"))
             .current_dir(&workspace.copy.root);
-        let output = command.output()?;
+        let output = command.output().context("cannot run dotgen check")?;
         let report: Value = serde_json::from_slice(&output.stdout)
             .with_context(|| String::from_utf8_lossy(&output.stderr).into_owned())?;
         let mut out = Findings::default();

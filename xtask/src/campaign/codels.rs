@@ -41,6 +41,12 @@ pub(super) fn codels(
             let extension = it.extension().and_then(|it| it.to_str());
             it.starts_with(&below) && matches!(extension, Some("c" | "cc" | "cpp" | "cxx"))
         };
+        let is_bare = !documents.iter().any(|it| is_source(&it));
+        if is_bare {
+            stubs(dotgen, &copy.root, specification)?;
+            report.count("as published", "folders of stubs", 1);
+        }
+        let documents = set.documents(&copy.root);
         let folder = Folder {
             dotgen,
             root: &copy.root,
@@ -51,16 +57,13 @@ pub(super) fn codels(
             continue;
         }
         folder.measure(report, "as published", "")?;
-        let texts: Vec<&PathBuf> = std::iter::once(specification)
-            .chain(&folder.sources)
-            .collect();
         for number in 0..options.mutations * 2 {
             let seed = options.seed.wrapping_mul(1000).wrapping_add(number as u64);
             let mut random = fastrand::Rng::with_seed(seed);
             // Specification and sources in turn.
             let path = match number % 2 {
                 0 => specification,
-                _ => texts[1 + random.usize(..folder.sources.len())],
+                _ => &folder.sources[random.usize(..folder.sources.len())],
             };
             let original = std::fs::read(path)?;
             let Ok(text) = std::str::from_utf8(&original) else {
@@ -76,6 +79,17 @@ pub(super) fn codels(
             result?;
         }
     }
+    Ok(())
+}
+
+/// Writes stubs for a specification without sources.
+fn stubs(dotgen: &Path, root: &Path, specification: &Path) -> Result<()> {
+    let mut command = Command::new(dotgen);
+    command
+        .args(["codels", "stub"])
+        .arg(specification)
+        .current_dir(root);
+    command.output().context("cannot run dotgen codels stub")?;
     Ok(())
 }
 

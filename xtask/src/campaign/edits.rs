@@ -8,6 +8,9 @@ use serde_json::Value;
 
 use super::compare::{Finding, Touched};
 
+/// Words of the comments above codels, which repairs write anew.
+const SKELETON: [&str; 3] = ["Yields to", "Triggered by", "Throws"];
+
 /// One replacement: bytes and lines in the old text, and the new text.
 struct Hunk {
     bytes: std::ops::Range<usize>,
@@ -36,7 +39,11 @@ pub(super) fn apply(
     let mut words = BTreeMap::<String, isize>::new();
     let mut away = Vec::new();
     for (path, edits) in by_file(edit)? {
-        let old = text(&path).unwrap_or_default();
+        let old = text(&path);
+        if old.is_none() && path.exists() {
+            bail!("{} is not UTF-8", path.display());
+        }
+        let old = old.unwrap_or_default();
         let mut hunks = edits
             .iter()
             .map(|it| hunk(&old, it))
@@ -60,9 +67,12 @@ pub(super) fn apply(
             let removed = &old[it.bytes.clone()];
             words_of(removed).for_each(|it| *words.entry(it.to_owned()).or_default() += 1);
             words_of(&it.new).for_each(|it| *words.entry(it.to_owned()).or_default() -= 1);
-            let near = about.iter().any(|(of, lines)| {
-                of == &path && lines[0] <= it.lines[1] + 1 && it.lines[0] <= lines[1] + 1
-            });
+            let line = old.lines().nth(it.lines[0]).unwrap_or_default();
+            let is_comment = SKELETON.iter().any(|word| line.contains(word));
+            let near = is_comment
+                || about.iter().any(|(of, lines)| {
+                    of == &path && lines[0] <= it.lines[1] + 1 && it.lines[0] <= lines[1] + 1
+                });
             if !near && words_of(removed).count() > words_of(&it.new).count() {
                 away.extend(words_of(removed).map(str::to_owned));
             }
@@ -112,10 +122,25 @@ fn by_file(edit: &Value) -> Result<BTreeMap<PathBuf, Vec<Value>>> {
     Ok(out)
 }
 
-/// The path of a URI; `+` may be escaped.
+/// The path of a URI.
 pub(super) fn path_of(uri: &str) -> PathBuf {
     let path = uri.strip_prefix("file://").unwrap_or(uri);
-    PathBuf::from(path.replace("%2B", "+").replace("%2b", "+"))
+    let mut parts = path.split('%');
+    let mut bytes = parts.next().unwrap_or_default().as_bytes().to_vec();
+    for part in parts {
+        let digits = part.get(..2).unwrap_or_default();
+        match u8::from_str_radix(digits, 16) {
+            Ok(byte) => {
+                bytes.push(byte);
+                bytes.extend(&part.as_bytes()[2..]);
+            }
+            Err(_) => {
+                bytes.push(b'%');
+                bytes.extend(part.as_bytes());
+            }
+        }
+    }
+    PathBuf::from(String::from_utf8_lossy(&bytes).into_owned())
 }
 
 /// A replacement without what is the same on both sides.
@@ -129,13 +154,15 @@ fn hunk(old: &str, edit: &Value) -> Result<Hunk> {
     let mut head = std::iter::zip(was.bytes(), new.bytes())
         .take_while(|(a, b)| a == b)
         .count();
-    while !was.is_char_boundary(head) || !new.is_char_boundary(head) {
+    // Whole words: a part of a word is no word that was removed.
+    while !is_border(was, head) || !is_border(new, head) {
         head -= 1;
     }
     let (was_rest, new_rest) = (&was[head..], &new[head..]);
     let pairs = std::iter::zip(was_rest.bytes().rev(), new_rest.bytes().rev());
     let mut tail = pairs.take_while(|(a, b)| a == b).count();
-    while !was_rest.is_char_boundary(was_rest.len() - tail) {
+    while !is_border(was_rest, was_rest.len() - tail) || !is_border(new_rest, new_rest.len() - tail)
+    {
         tail -= 1;
     }
     let bytes = start + head..end - tail;
@@ -145,6 +172,12 @@ fn hunk(old: &str, edit: &Value) -> Result<Hunk> {
         new: new_rest[..new_rest.len() - tail].to_owned(),
         bytes,
     })
+}
+
+/// Whether a byte of a text begins a character that continues no word.
+fn is_border(text: &str, at: usize) -> bool {
+    let is_word = |it: char| it.is_alphanumeric() || it == '_';
+    text.is_char_boundary(at) && !(text[..at].ends_with(is_word) && text[at..].starts_with(is_word))
 }
 
 /// The byte of a position; characters are bytes.

@@ -15,6 +15,8 @@ const BAD: [&str; 6] = [
 /// What a campaign found.
 #[derive(Default)]
 pub(super) struct Report {
+    /// Set that is measured, for the lines of offenders.
+    pub(super) set: String,
     /// Numbers of cases, by group and kind.
     figures: BTreeMap<(String, &'static str), usize>,
     /// Lines that were printed.
@@ -36,7 +38,8 @@ impl Report {
 
     /// Prints an offender at once, unless the same line was printed before.
     pub(super) fn offend(&mut self, kind: &'static str, line: &str) {
-        if self.offenders.insert((kind, line.to_owned())) {
+        let line = format!("[{}] {line}", self.set);
+        if self.offenders.insert((kind, line.clone())) {
             println!("{kind}: {line}");
         }
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use serde_json::{Value, json};
 
 use super::compare::{Finding, Findings};
@@ -88,7 +88,8 @@ impl Workspace {
                 if existed { 2 } else { 1 }
             }
             None => {
-                std::fs::remove_file(path)?;
+                let removed = std::fs::remove_file(path);
+                removed.with_context(|| format!("cannot remove {}", path.display()))?;
                 3
             }
         };
