@@ -103,3 +103,35 @@ impl Findings {
         added.partition(|(path, it)| !reveals || it.severity <= 2 && is_touched(path, it))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn findings(all: &[(&str, u64, usize)]) -> Findings {
+        let found = all.iter().map(|&(code, severity, line)| Finding {
+            code: code.to_owned(),
+            severity,
+            lines: [line, line],
+            message: format!("{code} {line}"),
+            raw: Value::Null,
+        });
+        Findings(BTreeMap::from([("a.gen".into(), found.collect())]))
+    }
+
+    #[test]
+    fn new_findings_are_worse_unless_a_mended_error_had_hidden_them() {
+        let touched = Touched::from([("a.gen".into(), vec![[3, 3]])]);
+        let before = findings(&[("e", 1, 3), ("w", 2, 9)]);
+        let kinds = |after: &[(&str, u64, usize)]| {
+            let after = findings(after);
+            let (worse, revealed) = before.judged(&after, &touched);
+            (worse.len(), revealed.len())
+        };
+        assert_eq!(kinds(&[("w", 2, 9)]), (0, 0));
+        assert_eq!(kinds(&[("e", 1, 3), ("w", 2, 9), ("w", 2, 12)]), (1, 0));
+        assert_eq!(kinds(&[("w", 2, 9), ("x", 2, 12)]), (0, 1));
+        assert_eq!(kinds(&[("w", 2, 9), ("x", 2, 3)]), (1, 0));
+        assert_eq!(kinds(&[("f", 1, 3), ("w", 2, 9)]), (1, 0));
+    }
+}

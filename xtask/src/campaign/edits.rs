@@ -193,3 +193,30 @@ fn words_of(text: &str) -> impl Iterator<Item = &str> {
     let words = text.split(|it: char| !it.is_alphanumeric() && it != '_');
     words.filter(|it| !it.is_empty())
 }
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    /// Words that an edit of the lines from one to another loses, for a finding in line 0.
+    fn lost(lines: [usize; 2], new: &str) -> Vec<String> {
+        let position = |line| json!({ "line": line, "character": 0 });
+        let range = json!({ "start": position(lines[0]), "end": position(lines[1]) });
+        let edit =
+            json!({ "changes": { "file:///a%2B.gen": [{ "range": range, "newText": new }] } });
+        let text = |_: &Path| Some("one\ntwo\nthree\nfour\nfive\n".to_owned());
+        let about = [(PathBuf::from("/a+.gen"), [0, 0])];
+        let applied = apply(&edit, text, &about).expect("the edit applies");
+        applied.lost
+    }
+
+    #[test]
+    fn words_away_from_a_finding_are_lost() {
+        assert!(lost([0, 1], "").is_empty());
+        assert!(lost([3, 4], "quattro\n").is_empty());
+        assert_eq!(lost([3, 4], ""), ["four"]);
+        assert_eq!(lost([3, 5], "five\n"), ["four"]);
+    }
+}

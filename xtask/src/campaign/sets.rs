@@ -49,8 +49,8 @@ pub(super) fn sets(options: &Options) -> Result<Vec<Set>> {
         corpus(&mut out)?;
         clones(&mut out)?;
     }
-    if let Some(only) = &options.only {
-        out.retain(|set| set.name.contains(only.as_str()));
+    if !options.only.is_empty() {
+        out.retain(|set| options.only.iter().any(|it| set.name.contains(it.as_str())));
     }
     Ok(out)
 }
@@ -59,7 +59,7 @@ fn corpus(out: &mut Vec<Set>) -> Result<()> {
     for (folder, settings) in [
         ("components", "include-paths = [\"standins\"]\n"),
         ("quadcopter", "include-paths = [\".\"]\n"),
-        ("robnav", ""),
+        ("robnav", "include-paths = [\".\"]\n"),
     ] {
         let Some(source) = shared(&format!("corpus/{folder}")) else {
             continue;
