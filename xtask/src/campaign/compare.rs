@@ -46,6 +46,9 @@ pub(super) struct Findings(pub(super) BTreeMap<PathBuf, Vec<Finding>>);
 /// Documents' changed lines, in the texts after an edit.
 pub(super) type Touched = BTreeMap<PathBuf, Vec<[usize; 2]>>;
 
+/// A finding and its document.
+type Placed<'a> = (&'a Path, &'a Finding);
+
 impl Findings {
     /// Number of findings of a code.
     pub(super) fn count(&self, code: &str) -> usize {
@@ -63,7 +66,7 @@ impl Findings {
     }
 
     /// Findings of codes of which a document has more afterwards.
-    fn added<'a>(&self, after: &'a Findings) -> Vec<(&'a Path, &'a Finding)> {
+    fn added<'a>(&self, after: &'a Findings) -> Vec<Placed<'a>> {
         let mut out = Vec::new();
         for (path, findings) in &after.0 {
             let old = self.0.get(path).map(Vec::as_slice).unwrap_or_default();
@@ -93,7 +96,7 @@ impl Findings {
         &self,
         after: &'a Findings,
         touched: &Touched,
-    ) -> (Vec<(&'a Path, &'a Finding)>, Vec<(&'a Path, &'a Finding)>) {
+    ) -> (Vec<Placed<'a>>, Vec<Placed<'a>>) {
         let reveals = after.errors() < self.errors();
         let is_touched = |path: &Path, it: &Finding| {
             let mut lines = touched.get(path).into_iter().flatten();
