@@ -4,7 +4,7 @@
 //! verification are processor time. Instructions are counted by valgrind, which gives the same number on any
 //! day.
 
-mod client;
+pub(crate) mod client;
 mod endurance;
 mod enemy;
 mod fischer;

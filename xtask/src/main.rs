@@ -6,6 +6,7 @@
 //! | `test` | every test there is, as a list of suites |
 //! | `docs` | the pictures of the documentation |
 //! | `bench` | what whole processes take, and instruction counts |
+//! | `campaign` | whether findings and edits are right, on real components and mutations |
 //! | `chart` | charts of what they take |
 //! | `fuzz` | inputs that break something, looked for with coverage |
 //! | `notices` | the licences of what is distributed |
@@ -16,6 +17,7 @@
 //! | `run` | running commands, with progress |
 
 mod bench;
+mod campaign;
 mod chart;
 mod demo;
 mod docs;
@@ -55,6 +57,8 @@ enum Command {
     Test(test::Options),
     /// Measure whole processes, and count instructions; draw what grows.
     Bench(bench::Options),
+    /// Measure if findings are right and edits leave nothing worse.
+    Campaign(campaign::Options),
     /// Look for inputs that break something, led by coverage.
     Fuzz(fuzz::Options),
     /// Write the licences of what the program and the extension contain into THIRD-PARTY-NOTICES.txt.
@@ -70,6 +74,7 @@ fn main() -> ExitCode {
         Command::Demo(options) => demo::demo(&options),
         Command::Test(options) => test::test(&options),
         Command::Bench(options) => bench::bench(&options),
+        Command::Campaign(options) => campaign::campaign(&options),
         Command::Package => package::package().map(|_| true),
         Command::Fuzz(options) => fuzz::fuzz(&options),
         Command::Notices(options) => notices::notices(&options),

@@ -80,6 +80,11 @@ const SUITES: &[Suite] = &[
         run: stranger::stranger,
     },
     Suite {
+        name: "campaign",
+        editor: false,
+        run: campaign,
+    },
+    Suite {
         name: "fuzz",
         editor: false,
         run: fuzz,
@@ -280,6 +285,16 @@ fn slowest(mut times: Vec<(f64, String)>) -> Vec<String> {
     let lines = lines.map(|(seconds, name)| format!("{seconds:>7.1} s  {name}"));
     let head = (!times.is_empty()).then(|| "slowest tests:".to_owned());
     head.into_iter().chain(lines).collect()
+}
+
+/// A sample of what `cargo xtask campaign` measures.
+fn campaign() -> Result<Outcome> {
+    let (passed, failed) = crate::campaign::sample()?;
+    Ok(Outcome {
+        passed,
+        failed,
+        ..Outcome::default()
+    })
 }
 
 /// The lock file of the fuzzed programs, which are a workspace of their own, is current.

@@ -1,0 +1,140 @@
+//! Compares findings before and after an edit.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+/// A finding of a document.
+#[derive(Clone, Debug)]
+pub(super) struct Finding {
+    pub(super) code: String,
+    /// As in the protocol: 1 is an error, 4 a hint.
+    pub(super) severity: u64,
+    /// First and last line, from 0.
+    pub(super) lines: [usize; 2],
+    pub(super) message: String,
+    /// The finding as the protocol has it, for the context of a request.
+    pub(super) raw: Value,
+}
+
+impl Finding {
+    /// Reads a diagnostic of the protocol, or one in the JSON output of the command line.
+    pub(super) fn read(raw: &Value) -> Finding {
+        let line = |end: &str| raw["range"][end]["line"].as_u64().unwrap_or(0) as usize;
+        let severity = match raw["severity"].as_str() {
+            Some("error") => 1,
+            Some("warning") => 2,
+            Some("hint") => 4,
+            Some(_) => 3,
+            None => raw["severity"].as_u64().unwrap_or(1),
+        };
+        Finding {
+            code: raw["code"].as_str().unwrap_or("none").to_owned(),
+            severity,
+            lines: [line("start"), line("end")],
+            message: raw["message"].as_str().unwrap_or_default().to_owned(),
+            raw: raw.clone(),
+        }
+    }
+}
+
+/// Findings by document.
+#[derive(Clone, Default)]
+pub(super) struct Findings(pub(super) BTreeMap<PathBuf, Vec<Finding>>);
+
+/// Documents' changed lines, in the texts after an edit.
+pub(super) type Touched = BTreeMap<PathBuf, Vec<[usize; 2]>>;
+
+/// A finding and its document.
+type Placed<'a> = (&'a Path, &'a Finding);
+
+impl Findings {
+    /// Number of findings of a code.
+    pub(super) fn count(&self, code: &str) -> usize {
+        let all = self.0.values().flatten();
+        all.filter(|it| it.code == code).count()
+    }
+
+    /// Number of errors.
+    pub(super) fn errors(&self) -> usize {
+        self.0
+            .values()
+            .flatten()
+            .filter(|it| it.severity == 1)
+            .count()
+    }
+
+    /// Findings of codes of which a document has more afterwards.
+    fn added<'a>(&self, after: &'a Findings) -> Vec<Placed<'a>> {
+        let mut out = Vec::new();
+        for (path, findings) in &after.0 {
+            let old = self.0.get(path).map(Vec::as_slice).unwrap_or_default();
+            let number =
+                |of: &[Finding], code: &str| of.iter().filter(|it| it.code == code).count();
+            let mut seen: Vec<&str> = Vec::new();
+            for it in findings {
+                let more = number(findings, &it.code) > number(old, &it.code);
+                if more && !seen.contains(&it.code.as_str()) {
+                    seen.push(&it.code);
+                    // The telling one: a finding whose message was not there before.
+                    let is_new = |it: &&Finding| !old.iter().any(|o| o.message == it.message);
+                    let mut same = findings.iter().filter(|f| f.code == it.code);
+                    let telling = same.find(is_new).unwrap_or(it);
+                    out.push((path.as_path(), telling));
+                }
+            }
+        }
+        out
+    }
+
+    /// What an edit added: findings that make it worse, and findings that a mended error had hidden.
+    ///
+    /// A new finding was hidden if there are fewer errors than before, and it is away from the changed lines
+    /// or no more than an information.
+    pub(super) fn judged<'a>(
+        &self,
+        after: &'a Findings,
+        touched: &Touched,
+    ) -> (Vec<Placed<'a>>, Vec<Placed<'a>>) {
+        let reveals = after.errors() < self.errors();
+        let is_touched = |path: &Path, it: &Finding| {
+            let mut lines = touched.get(path).into_iter().flatten();
+            lines.any(|at| at[0] <= it.lines[1] && it.lines[0] <= at[1])
+        };
+        let added = self.added(after).into_iter();
+        added.partition(|(path, it)| !reveals || it.severity <= 2 && is_touched(path, it))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn findings(all: &[(&str, u64, usize)]) -> Findings {
+        let found = all.iter().map(|&(code, severity, line)| Finding {
+            code: code.to_owned(),
+            severity,
+            lines: [line, line],
+            message: format!("{code} {line}"),
+            raw: Value::Null,
+        });
+        Findings(BTreeMap::from([("a.gen".into(), found.collect())]))
+    }
+
+    #[test]
+    fn new_findings_are_worse_unless_a_mended_error_had_hidden_them() {
+        let touched = Touched::from([("a.gen".into(), vec![[3, 3]])]);
+        let before = findings(&[("e", 1, 3), ("w", 2, 9)]);
+        let kinds = |after: &[(&str, u64, usize)]| {
+            let after = findings(after);
+            let (worse, revealed) = before.judged(&after, &touched);
+            (worse.len(), revealed.len())
+        };
+        assert_eq!(kinds(&[("w", 2, 9)]), (0, 0));
+        assert_eq!(kinds(&[("e", 1, 3), ("w", 2, 9), ("w", 2, 12)]), (1, 0));
+        assert_eq!(kinds(&[("w", 2, 9), ("x", 2, 12)]), (0, 1));
+        assert_eq!(kinds(&[("w", 2, 9), ("x", 2, 3)]), (1, 0));
+        assert_eq!(kinds(&[("f", 1, 3), ("w", 2, 9)]), (1, 0));
+    }
+}
