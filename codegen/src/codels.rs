@@ -22,7 +22,6 @@ pub mod folder;
 pub mod glue;
 pub mod headers;
 pub mod hosted;
-pub mod judge;
 pub mod links;
 mod mapping;
 pub mod rename;

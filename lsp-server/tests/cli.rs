@@ -176,10 +176,51 @@ fn packages_are_found_by_the_program_or_without_it() {
         let output = command.output().expect("the program runs");
         assert_eq!(status(&output), 0, "{program}: {}", stdout(&output));
     }
-    let mut command = it.command(&["check", "arm.gen"]);
+    let mut command = it.command(&["check", "arm.gen", "--deny", "missing"]);
     let output = command.env("PKG_CONFIG", "false").output();
     let text = stdout(&output.expect("the program runs"));
     assert!(text.contains("error[pp-requires-unresolved]"), "{text}");
+}
+
+/// A package that is not installed is no error of the text, and hides nothing but what comes from there.
+#[test]
+fn a_missing_package_is_a_warning_and_hides_no_error() {
+    let check = |text: &str, deny: &str| {
+        let it = Directory::new(&[("c.gen", text)]);
+        let mut command = it.command(&["check", "c.gen"]);
+        command.env("PKG_CONFIG", "false").env("DOTGEN_DENY", deny);
+        command.output().expect("the program runs")
+    };
+    let right = "\
+#pragma require \"nav-idl\"
+component c {
+  uses nav;
+  ids { nav_types::pose goal; long count; };
+  task t { period 5 ms; codel<start> f(inout count, out goal) yield ether; };
+};
+";
+    let output = check(right, "");
+    let text = stdout(&output);
+    assert_eq!(status(&output), 0, "{text}");
+    assert!(text.contains("warning[pp-requires-unresolved]"), "{text}");
+    assert!(text.contains("; 2 names wait for nav-idl"), "{text}");
+    assert_eq!(status(&check(right, "missing")), 1);
+    for (from, to, code) in [
+        ("long count;", "int count;", "unknown-type"),
+        ("inout count", "inout cuont", "param-unknown"),
+        ("yield ether", "yield nowhere", "fsm/undefined-state"),
+        ("out goal)", "out count.x)", "param-member"),
+    ] {
+        // What an interface may bring is not known while one is used that is not there.
+        let text = right.replace("  uses nav;\n", "").replace(from, to);
+        let output = check(&text, "");
+        assert_eq!(status(&output), 1, "{to}: {}", stdout(&output));
+        assert!(
+            stdout(&output).contains(&format!("error[{code}]")),
+            "{to}: {}",
+            stdout(&output)
+        );
+    }
 }
 
 #[test]
@@ -220,7 +261,7 @@ fn includes_that_are_no_files_are_diagnostics() {
         ("self.gen", "#include \"self.gen\"\n"),
     ]);
     for file in ["arm.gen", "self.gen"] {
-        let output = it.run(&["check", file]);
+        let output = it.run(&["check", "--deny", "missing", file]);
         assert_eq!(status(&output), 1, "{}", stdout(&output));
         assert!(
             stdout(&output).contains("error[pp-include-"),
@@ -652,7 +693,7 @@ fn what_a_specification_needs_and_what_stands_in_for_it() {
     assert_eq!(ignored.expect("it was written"), "*\n");
     assert!(stdout(&output).contains("created .dotgen/standins/or/pose/pose_estimator.gen"));
     // From now on only the package is missing.
-    let mut command = it.command(&["check", "--format", "json", "c.gen"]);
+    let mut command = it.command(&["check", "--deny", "missing", "--format", "json", "c.gen"]);
     let output = command.env("PKG_CONFIG", "false").output();
     let text = stdout(&output.expect("the program runs"));
     let document: Value = serde_json::from_str(&text).expect("JSON");

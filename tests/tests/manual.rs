@@ -89,9 +89,10 @@ fn severity(severity: Severity) -> &'static str {
 
 /// Says how codes about the machine, not about the text, are reported.
 const ENVIRONMENT: &str = "
-`dotgen check` rejects the specification, as `genom3` does. Editors show a warning, because nothing is wrong with
-the text. Both check the rest and report nothing that only follows from the missing file. `dotgen deps` lists what
-is missing and how to install it.
+`genom3` rejects the specification. `dotgen check` and editors show a warning, because nothing is wrong with the
+text: they check the rest, and say which names wait for what is missing. `dotgen check --deny missing` (or
+`DOTGEN_DENY=missing` in the environment) makes it an error. `dotgen deps` lists what is missing and how to install
+it.
 ";
 
 /// A text in a fence with the language of an example.

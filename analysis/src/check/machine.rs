@@ -187,8 +187,8 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
     }
 }
 
-/// States of codels that nothing leads to, with the state that some codel leads to and no codel implements,
-/// where the names are near: the name of the former is misspelt.
+/// States of codels that nothing leads to, with the state that several transitions lead to and no codel
+/// implements, where the names are near: the name of the former is misspelt.
 fn misnamed<'m>(machine: &Machine<'m>) -> BTreeMap<(&'m Name, Src), &'m Name> {
     let used: Vec<&Name> = machine
         .codels
@@ -196,10 +196,11 @@ fn misnamed<'m>(machine: &Machine<'m>) -> BTreeMap<(&'m Name, Src), &'m Name> {
         .flat_map(|(_, codel)| codel.yields.iter().map(|it| &it.name))
         .collect();
     let given = |name: &str| matches!(name, "start" | "stop" | "ether");
+    let is_often_used = |it: &&Name| used.iter().filter(|other| *other == it).count() > 1;
     let undefined = || {
-        used.iter()
-            .copied()
-            .filter(|it| !given(it) && machine.codel(it).is_none())
+        let used = used.iter().copied();
+        used.filter(|it| !given(it) && machine.codel(it).is_none())
+            .filter(is_often_used)
     };
     let mut out = BTreeMap::new();
     for state in machine.codels.iter().flat_map(|(_, codel)| &codel.triggers) {

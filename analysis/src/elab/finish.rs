@@ -26,7 +26,10 @@ impl Elaborator<'_> {
     /// Notes the types that stand-ins declare.
     fn note_open_types(&mut self) {
         let visits = self.visits;
-        let is_standin: Vec<bool> = visits.iter().map(|it| is_standin(it.path.as_ref())).collect();
+        let is_standin: Vec<bool> = visits
+            .iter()
+            .map(|it| is_standin(it.path.as_ref()))
+            .collect();
         if !is_standin.contains(&true) {
             return;
         }

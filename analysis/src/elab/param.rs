@@ -410,7 +410,9 @@ impl<'a> Elaborator<'a> {
         let (base, dir, place) = (known.ty, known.dir, known.src);
         let mut path = Vec::new();
         let ty = self.walk(base, written, &mut path)?;
-        if dir == ParamDir::In && written.decl.dir != Dir::In && kind != CodelKind::Validate {
+        // In a state machine, another state or a later turn may read the value.
+        let is_lost = !matches!(kind, CodelKind::Validate | CodelKind::Fsm);
+        if dir == ParamDir::In && written.decl.dir != Dir::In && is_lost {
             let diagnostic = Finding::new(
                 Using::WritesInput {
                     name: written.first.text.clone(),

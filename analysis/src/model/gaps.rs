@@ -146,9 +146,9 @@ impl Spec {
         self.open.binary_search(&ty).is_ok()
     }
 
-    /// The unknown or open type that decides how values of a type are written, if there is one: behind aliases,
-    /// and as the element of an array, sequence or optional. Members do not count: a struct has a name of its
-    /// own.
+    /// The unknown or open type that decides how values of a type are written, if there is one: behind
+    /// aliases, and as the element of an array, sequence or optional. Members do not count: a struct has a
+    /// name of its own.
     pub fn opaque(&self, ty: TypeId) -> Option<TypeId> {
         let mut seen = FxHashSet::default();
         let mut ty = ty;

@@ -1,5 +1,6 @@
 //! What the command line does with codels: `check`, `stub`, `sync`, `headers`.
 
+pub mod judge;
 mod project;
 mod report;
 
@@ -15,11 +16,11 @@ use super::{
     drift::{DriftCode, Repair},
     edit::{Edit, apply, unified_diff},
     expected::{Expected, state_text},
-    judge::{self, Judge, Verdict},
     repair::ByHand,
     stub::NewFile,
 };
 
+use self::judge::{Judge, Verdict};
 pub use super::folder::Folder;
 pub use project::Project;
 pub use report::{CheckReport, Finding, FolderSummary};

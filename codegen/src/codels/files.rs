@@ -230,6 +230,15 @@ impl Sources {
         Sources::load_with(specification, config, files, &mut IndexedFile::new)
     }
 
+    /// Whether a name, or one that ends with it, stands in some source.
+    pub fn mention(&self, name: &str) -> bool {
+        let goes_on = |it: char| it.is_alphanumeric() || it == '_';
+        self.all().any(|file| {
+            let mut found = file.text.match_indices(name);
+            found.any(|(at, _)| !file.text[at + name.len()..].starts_with(goes_on))
+        })
+    }
+
     /// Like [`Sources::load`], with a function that may remember the indexes of texts (its
     /// arguments are those of [`IndexedFile::new`]).
     pub fn load_with(

@@ -138,6 +138,16 @@ pub fn folders(unit: &UnitResult, sources: &mut dyn FnMut(&Utf8Path) -> Sources)
     by_file.into_iter().map(folder).collect()
 }
 
+/// Whether the sources disagree with a finding about a specification: they raise an exception that no `throw`
+/// names. `text`: of the file of the finding.
+pub fn is_refuted(finding: &Diagnostic, text: &str, sources: &Sources) -> bool {
+    let name = text.get(finding.range.clone()).unwrap_or_default();
+    finding.code == NEVER_THROWN && !name.is_empty() && sources.mention(name)
+}
+
+/// The finding that an exception is thrown nowhere.
+pub const NEVER_THROWN: &str = "unused/exception";
+
 /// Specifications in one folder share its codels: each learns the names that the others use.
 pub fn share_names(folders: &mut [Folder]) {
     let mut names: FxHashMap<Utf8PathBuf, FxHashSet<Name>> = FxHashMap::default();

@@ -81,9 +81,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         if arguments.fix || arguments.diff {
             trouble.or_tell(fix::mend(&mut session, &mut changed));
         }
-        let from = report.diagnostics.len();
+        let before = std::mem::take(&mut report.diagnostics);
         check(&mut session, &mut report, &mut trouble);
-        fix::judge(&mut session, &changed, &mut report.diagnostics[from..]);
+        fix::retain_founded(&mut session, &mut report.diagnostics);
+        fix::judge(&mut session, &changed, &mut report.diagnostics);
+        report.diagnostics.splice(0..0, before);
     }
     if arguments.diff {
         return fix::print(&changed);

@@ -392,6 +392,19 @@ pub(crate) fn file_diagnostics(
     Ok(out)
 }
 
+/// Findings about a specification with which its codels do not disagree.
+pub(crate) fn founded(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
+    let mut all = snapshot.analysis.diagnostics(path)?;
+    if all.iter().any(|it| it.code == folder::NEVER_THROWN)
+        && let Some(text) = snapshot.analysis.text(path)?
+    {
+        let compared = around(snapshot, path)?;
+        let folders = || compared.iter().flat_map(|it| it.folders());
+        all.retain(|it| !folders().any(|of| folder::is_refuted(it, &text, &of.sources)));
+    }
+    Ok(all)
+}
+
 /// Comments of a file that allow what nothing is.
 pub(crate) fn unused_in(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
     let mut unused = unused_allowances(snapshot, &around(snapshot, path)?)?;

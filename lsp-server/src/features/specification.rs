@@ -34,7 +34,7 @@ pub(crate) struct Specification;
 
 impl Language for Specification {
     fn diagnostics(&self, snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
-        let mut all = snapshot.analysis.diagnostics(path)?;
+        let mut all = codels::founded(snapshot, path)?;
         all.extend(verification::in_specification(snapshot, path)?);
         all.extend(codels::file_diagnostics(snapshot, path)?);
         Ok(all)

@@ -80,6 +80,7 @@ impl<'a> Project<'a> {
         let found = reports.flatten().flat_map(|it| it.to_vec());
         let mut seen = FxHashSet::default();
         found
+            .filter(|it| !self.refutes(it))
             .filter(|it| {
                 seen.insert((
                     it.path.clone(),
@@ -89,6 +90,14 @@ impl<'a> Project<'a> {
                 ))
             })
             .collect()
+    }
+
+    /// Whether the sources of a specification disagree with a finding about it: see [`folder::is_refuted`].
+    pub fn refutes(&self, finding: &Diagnostic) -> bool {
+        finding.code == folder::NEVER_THROWN
+            && self.text(&finding.path).is_some_and(|text| {
+                folder::is_refuted(finding, &text, &self.sources(&finding.path))
+            })
     }
 
     /// See [`Analysis::trials`](dotgen_analysis::host::Analysis::trials).

@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::{Diagnostic, Fix, FixKind, Severity};
 use dotgen_codegen::codels::command::Project;
+use dotgen_codegen::codels::command::judge::{Judge, MOST_TRIALS, Verdict};
 use dotgen_codegen::codels::edit::Edit;
-use dotgen_codegen::codels::judge::{Judge, MOST_TRIALS, Verdict};
+use dotgen_codegen::codels::folder::NEVER_THROWN;
 
 use super::{FileReports, Outcome, Session, Trouble, check};
 use crate::cli::{codels, fmt, report, session};
@@ -21,7 +22,7 @@ const MOST_TRIED: usize = 3;
 pub(super) type Changed = BTreeMap<Utf8PathBuf, (String, String)>;
 
 /// Repairs the texts that a session reads, in memory. A repair is made if it was tried and is whole: see
-/// [`judge`](dotgen_codegen::codels::judge).
+/// [`judge`](dotgen_codegen::codels::command::judge).
 pub(super) fn mend(session: &mut Session, changed: &mut Changed) -> anyhow::Result<()> {
     let mut room = MOST_TRIALS;
     for _ in 0..MOST_ROUNDS {
@@ -94,6 +95,14 @@ pub(super) fn judge(session: &mut Session, changed: &Changed, found: &mut [Diagn
         }
         room = judge.room;
         at = end;
+    }
+}
+
+/// Leaves out findings with which the sources of codels disagree.
+pub(super) fn retain_founded(session: &mut Session, found: &mut Vec<Diagnostic>) {
+    if found.iter().any(|it| it.code == NEVER_THROWN) {
+        let project = codels::project(session);
+        found.retain(|it| !project.refutes(it));
     }
 }
 

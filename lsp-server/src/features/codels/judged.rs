@@ -1,12 +1,12 @@
 //! Edits as they may be offered: each was tried on a copy of the documents, see [`judge`].
 //!
-//! [`judge`]: dotgen_codegen::codels::judge
+//! [`judge`]: dotgen_codegen::codels::command::judge
 
 use camino::Utf8Path;
 use dotgen_analysis::host::{AnalysisHost, Cancellable, Change};
 use dotgen_codegen::codels::command::Project;
+use dotgen_codegen::codels::command::judge::{Judge, Verdict};
 use dotgen_codegen::codels::edit::Edit;
-use dotgen_codegen::codels::judge::{Judge, Verdict};
 use dotgen_codegen::codels::stub::StubOptions;
 
 use crate::features::codels::{self, Texts};

@@ -48,7 +48,7 @@ fn offered(
     };
     let mut actions = Vec::new();
     let codels = |kind: &CodeActionKind| actions::offered(params, kind);
-    let mut all = snapshot.analysis.diagnostics(&subject.path)?;
+    let mut all = crate::features::codels::founded(snapshot, &subject.path)?;
     all.extend(crate::features::codels::unused_in(snapshot, &subject.path)?);
     // Only on request: it changes the whole file.
     let plain = "Fix all that has one plain repair";

@@ -12,8 +12,8 @@ use dotgen_analysis::codes::lints;
 use dotgen_analysis::diagnostic::{Diagnostic, Severity};
 use rustc_hash::FxHashMap;
 
-use super::{
-    command::{FileChange, Project},
+use super::{FileChange, project::Project};
+use crate::codels::{
     diagnostics::{Side, diagnostics},
     drift::{Drift, Repair},
     edit::{Edit, line_edits},
