@@ -47,6 +47,7 @@ impl Missing {
         let around = |it: &TextRange| it.contains_range(range);
         inside_out.is_some_and(|from| range.start() >= from)
             || self.files && finding.kind.may_be_in_a_package(finding.near.is_some())
+            || code == "delay-range" && has_error_on_line(db, key, range)
             || self.nameless && is_about_names_in_components(code)
             || is_about_machines(code) && broken_machines(db, key).iter().any(around)
             || follows_from_missing_text(code)
@@ -187,6 +188,15 @@ fn broken_machines<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<TextRange> {
         .filter(is_lost)
         .map(|it| it.text_range())
         .collect()
+}
+
+/// Whether something on the line of a place was not understood: a time without its unit is in seconds.
+fn has_error_on_line(db: &dyn Db, key: FileKey<'_>, range: TextRange) -> bool {
+    let text = key.file(db).text(db);
+    let line = |at: usize| text.get(..at).map(|it| it.matches('\n').count());
+    let here = line(usize::from(range.start()));
+    let mut errors = parsed(db, key).errors.iter();
+    errors.any(|it| line(usize::from(it.range.start())) == here)
 }
 
 /// Words in the text that fits no rule of the grammar: a declaration of them may be lost in it.

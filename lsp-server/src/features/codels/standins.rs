@@ -13,8 +13,8 @@ use dotgen_codegen::codels::files::Files as _;
 
 use super::headers::{FOLDER, IGNORED};
 use crate::features::codels::Disk;
+use crate::features::codels::judged::Offers;
 use crate::features::convert::diagnostic;
-use crate::features::convert::edit::{Review, edit_of, with_edit};
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
@@ -45,6 +45,7 @@ pub(crate) fn actions(
     subject: &Subject,
     found: &[Diagnostic],
     range: &Range<usize>,
+    offers: &mut Offers<'_, '_, '_>,
 ) -> Cancellable<Vec<CodeActionOrCommand>> {
     let touches = |it: &&Diagnostic| it.range.start <= range.end && range.start <= it.range.end;
     let mut here = found
@@ -71,15 +72,19 @@ pub(crate) fn actions(
         if edit.created.is_empty() {
             continue;
         }
+        // At a package the finding stays: a stand-in takes the place of a file, not of the package.
+        let mended = Some(cause).filter(|_| only_here);
+        let shown = match mended {
+            Some(cause) => diagnostic::to_proto(snapshot, cause)?,
+            None => None,
+        };
         let action = CodeAction {
-            title: title.clone(),
+            title,
             kind: Some(CodeActionKind::QUICKFIX),
-            diagnostics: diagnostic::to_proto(snapshot, cause)?.map(|it| vec![it]),
+            diagnostics: shown.map(|it| vec![it]),
             ..CodeAction::default()
         };
-        let edit = edit_of(snapshot, Review::None, &edit)?;
-        let action = with_edit(snapshot, action, edit);
-        out.extend(action.map(CodeActionOrCommand::CodeAction));
+        out.extend(offers.action(action, &edit, mended.map(|it| it.code))?);
     }
     Ok(out)
 }

@@ -110,7 +110,7 @@ fn offered(
             }
         }
     }
-    actions.extend(standins::actions(snapshot, subject, &all, &range)?);
+    actions.extend(standins::actions(snapshot, subject, &all, &range, offers)?);
     for code in codes {
         let alike = || {
             all.iter()
