@@ -226,7 +226,7 @@ fn whole(
             let edits = candidates
                 .iter()
                 .map(|it| (it.edit.clone(), it.code.as_str()));
-            judge.together(&edits.collect::<Vec<_>>())
+            judge.together(&edits.collect::<Vec<_>>(), true)
         }
     };
     *room = judge.room;

@@ -133,7 +133,9 @@ impl<'j, 'p> Judge<'j, 'p> {
     /// Of edits, each with the code of the finding that it is for, those that can be made together: each
     /// whole by itself and beside those before it. Edits that touch each other are left for another time.
     /// Returns the edits as one, and the numbers of those that are in it.
-    pub fn together(&mut self, edits: &[(Edit, &str)]) -> (Edit, Vec<usize>) {
+    ///
+    /// With `follow`, the sources may follow an edit.
+    pub fn together(&mut self, edits: &[(Edit, &str)], follow: bool) -> (Edit, Vec<usize>) {
         let mut chosen = Edit::default();
         let mut numbers = Vec::new();
         for (number, (edit, code)) in edits.iter().enumerate() {
@@ -143,8 +145,8 @@ impl<'j, 'p> Judge<'j, 'p> {
             }
             let edit = match self.verdict(edit, Some(code)) {
                 Verdict::Whole => edit.clone(),
-                Verdict::Paired(edit) => edit,
-                Verdict::Refused | Verdict::Unknown => continue,
+                Verdict::Paired(edit) if follow => edit,
+                _ => continue,
             };
             if more.touches(&edit) || !more.merge(edit) {
                 continue;

@@ -38,7 +38,7 @@ pub(super) fn mend(session: &mut Session, changed: &mut Changed) -> anyhow::Resu
         for (roots, edits) in by_roots(&project, edits) {
             let mut judge = Judge::new(&mut project, &roots);
             judge.room = room;
-            let edit = judge.together(&edits).0;
+            let edit = judge.together(&edits, false).0;
             room = judge.room;
             // Edits of other units are judged beside these.
             for it in project.changes(&edit) {

@@ -74,9 +74,9 @@ impl Offers<'_, '_, '_> {
         Ok(with_edit(self.snapshot, action, edit).map(CodeActionOrCommand::CodeAction))
     }
 
-    /// See [`Judge::together`].
+    /// See [`Judge::together`]. No source is changed: editors make such edits unasked.
     pub(crate) fn together(&mut self, edits: &[(Edit, &str)]) -> Cancellable<Edit> {
-        let edit = self.judge.together(edits).0;
+        let edit = self.judge.together(edits, false).0;
         self.texts.check()?;
         Ok(edit)
     }
