@@ -253,6 +253,9 @@ fn what_is_missing_is_said() {
     let output = it.run(&["codels", "build", "valve.gen"]);
     let said = stderr(&output);
     assert_eq!(status(&output), 0, "{said}");
-    assert!(said.contains("not installed: `no-such-package-of-dotgen"), "{said}");
+    assert!(
+        said.contains("not installed: `no-such-package-of-dotgen"),
+        "{said}"
+    );
     assert!(!said.contains("genom3"), "{said}");
 }

@@ -531,7 +531,10 @@ fn only_measured_times_are_imported() {
         let output = dotgen(&directory, &[&import[..], more].concat());
         assert_eq!(status(&output), 2, "{}", stdout(&output));
         let said = stderr(&output);
-        assert!(said.contains("simulated, not measured: nothing to import"), "{said}");
+        assert!(
+            said.contains("simulated, not measured: nothing to import"),
+            "{said}"
+        );
         assert!(said.contains("--clock real"), "{said}");
         assert_eq!(stdout(&output), "");
     }
@@ -548,6 +551,9 @@ fn only_measured_times_are_imported() {
         stdout(&output)
     );
     let text = directory.read("cell.gen");
-    assert!(text.contains("beat_start(out it) yield pause::main;"), "{text}");
+    assert!(
+        text.contains("beat_start(out it) yield pause::main;"),
+        "{text}"
+    );
     assert!(text.contains("again wcet 3 ms"), "{text}");
 }

@@ -388,10 +388,17 @@ fn without_execution_times_there_is_neither_load_nor_bound() {
         assert_eq!(status(&output), 0, "{}", stderr(&output));
         let report = json_of(&output);
         for task in report["tasks"].as_array().expect("a list") {
-            assert_eq!((task.get("load"), task.get("bound")), (None, None), "{task}");
+            assert_eq!(
+                (task.get("load"), task.get("bound")),
+                (None, None),
+                "{task}"
+            );
         }
         let notes = report["notes"].to_string();
-        assert!(notes.contains("no execution times: this run shows the order"), "{notes}");
+        assert!(
+            notes.contains("no execution times: this run shows the order"),
+            "{notes}"
+        );
     }
     it.run(&[&virtually[..], &["--profile", "run.out"]].concat());
     let output = it.run(&["monitor", "run.out", "tight.gen"]);

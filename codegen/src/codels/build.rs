@@ -90,7 +90,11 @@ pub struct Required {
 impl Required {
     /// All of them.
     pub fn all(&self) -> Vec<String> {
-        self.specification.iter().chain(&self.codels).cloned().collect()
+        self.specification
+            .iter()
+            .chain(&self.codels)
+            .cloned()
+            .collect()
     }
 }
 
@@ -113,7 +117,8 @@ pub fn packages(folder: &Folder) -> Required {
         out.codels.extend(it.codels_requires.iter().cloned());
     }
     let mut seen = rustc_hash::FxHashSet::default();
-    let mut is_wanted = |it: &String| package_name(it.trim()) != "genom3" && seen.insert(it.clone());
+    let mut is_wanted =
+        |it: &String| package_name(it.trim()) != "genom3" && seen.insert(it.clone());
     out.codels.retain(&mut is_wanted);
     out.specification.retain(&mut is_wanted);
     out
