@@ -3,7 +3,6 @@
 //! The recordings and the reference's own templates are not part of this repository: without them
 //! the test is skipped. It names itself as the command to run; called that way, it is the generator.
 
-use std::path::Path;
 use std::process::{Command, ExitCode};
 use std::sync::Arc;
 

@@ -242,5 +242,20 @@ fn what_is_missing_is_said() {
         "{}",
         stderr(&output)
     );
+    assert!(stderr(&output).contains("install"), "{}", stderr(&output));
     assert!(!Path::new("valve.so").exists());
+    // What only the specification requires may be missing, and GenoM3 always.
+    let package = VALVE.replace(
+        "LANG\";",
+        "c\";\n  require \"no-such-package-of-dotgen >= 2\", \"genom3 >= 99\";",
+    );
+    it.write("valve.gen", package.as_bytes());
+    let output = it.run(&["codels", "build", "valve.gen"]);
+    let said = stderr(&output);
+    assert_eq!(status(&output), 0, "{said}");
+    assert!(
+        said.contains("not installed: `no-such-package-of-dotgen"),
+        "{said}"
+    );
+    assert!(!said.contains("genom3"), "{said}");
 }

@@ -516,3 +516,44 @@ fn statistics_for_people() {
     assert_eq!(status(&output), 0, "{}", stderr(&output));
     insta::assert_snapshot!(stdout(&output));
 }
+
+#[test]
+fn only_measured_times_are_imported() {
+    let directory = Directory::new(&[("cell.gen", SPEC)]);
+    let arguments = ["run", "cell.gen", "--simulate", "all", "--until", "1s"];
+    let output = dotgen(
+        &directory,
+        &[&arguments[..], &["--profile", "run.out"]].concat(),
+    );
+    assert!(matches!(status(&output), 0 | 3), "{}", stderr(&output));
+    for more in [&[][..], &["--diff", "--format", "json"]] {
+        let import = ["wcet", "import", "run.out", "cell.gen"];
+        let output = dotgen(&directory, &[&import[..], more].concat());
+        assert_eq!(status(&output), 2, "{}", stdout(&output));
+        let said = stderr(&output);
+        assert!(
+            said.contains("simulated, not measured: nothing to import"),
+            "{said}"
+        );
+        assert!(said.contains("--clock real"), "{said}");
+        assert_eq!(stdout(&output), "");
+    }
+    assert_eq!(directory.read("cell.gen"), SPEC);
+
+    // Codels without a function in a run on the real clock.
+    let head = "# dotgen: times are measured\n# dotgen: simulated cell.beat.start\n";
+    put(&directory, "run.out", &format!("{head}{}", log()));
+    let output = dotgen(&directory, &["wcet", "import", "run.out", "cell.gen"]);
+    assert_eq!(status(&output), 0, "{}", stderr(&output));
+    assert!(
+        stdout(&output).contains("simulated, not measured: cell.beat.start\n"),
+        "{}",
+        stdout(&output)
+    );
+    let text = directory.read("cell.gen");
+    assert!(
+        text.contains("beat_start(out it) yield pause::main;"),
+        "{text}"
+    );
+    assert!(text.contains("again wcet 3 ms"), "{text}");
+}

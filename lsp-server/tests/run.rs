@@ -170,7 +170,9 @@ fn every_run_of_a_codel_is_a_line_of_the_profile() {
     let report = json_of(&it.run(&arguments));
     let text = std::fs::read_to_string(it.path().join("run.out")).expect("the profile");
     let mut counted = std::collections::BTreeMap::new();
-    for line in text.lines() {
+    let first = text.lines().next();
+    assert_eq!(first, Some("# dotgen: times are simulated"));
+    for line in text.lines().skip(1) {
         let columns: Vec<&str> = line.split(' ').collect();
         assert_eq!(columns.len(), 9, "{line}");
         let times: Vec<f64> = columns[..3]
@@ -368,4 +370,42 @@ fn what_is_read_is_not_written() {
     }
     assert_eq!(before("c.gen"), specification);
     assert_eq!(before("c.scn"), scenario);
+}
+
+#[test]
+fn without_execution_times_there_is_neither_load_nor_bound() {
+    let spec = TIGHT.lines().map(|line| match line.find(" wcet ") {
+        Some(at) => format!("{};\n", &line[..at]),
+        None => format!("{line}\n"),
+    });
+    let spec: String = spec.collect();
+    let it = Directory::new(&[("tight.gen", &spec)]);
+    let words = "run tight.gen --simulate all --until 400ms --format json";
+    let virtually: Vec<&str> = words.split(' ').collect();
+    let socket = ["--clock", "real", "--socket", "s"];
+    for more in [&[][..], &socket] {
+        let output = it.run(&[&virtually[..], more].concat());
+        assert_eq!(status(&output), 0, "{}", stderr(&output));
+        let report = json_of(&output);
+        for task in report["tasks"].as_array().expect("a list") {
+            assert_eq!(
+                (task.get("load"), task.get("bound")),
+                (None, None),
+                "{task}"
+            );
+        }
+        let notes = report["notes"].to_string();
+        assert!(
+            notes.contains("no execution times: this run shows the order"),
+            "{notes}"
+        );
+    }
+    it.run(&[&virtually[..], &["--profile", "run.out"]].concat());
+    let output = it.run(&["monitor", "run.out", "tight.gen"]);
+    assert_eq!(status(&output), 0, "{}", stdout(&output));
+    assert!(
+        stderr(&output).contains("no bounds, because no execution time: tight.fast.start"),
+        "{}",
+        stderr(&output)
+    );
 }

@@ -24,6 +24,43 @@ const OVERLOAD: &[u8] = b"genom_prof_record";
 /// A line longer than this is no line of a log: it is given up, so that no memory is taken for it.
 const LONGEST: usize = 1 << 16;
 
+/// How lines begin in which `dotgen run` says where the times of a log are from. Other readers skip these
+/// lines, because they do not begin with a time.
+const SAYS: &[u8] = b"# dotgen: ";
+
+/// The source of the times of a log.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Origin<'l> {
+    /// The real clock: from here, times are measured unless their codel is named.
+    Measured,
+    /// The virtual clock: from here, no time is measured.
+    Simulated,
+    /// A simulated codel in a run on the real clock, by its path.
+    Codel(&'l str),
+}
+
+/// The lines of a log that name the source of its times.
+pub fn origins<'c>(measured: bool, simulated: impl Iterator<Item = &'c str>) -> String {
+    let says = String::from_utf8_lossy(SAYS);
+    if !measured {
+        return format!("{says}times are simulated\n");
+    }
+    let mut out = format!("{says}times are measured\n");
+    for path in simulated {
+        out.push_str(&format!("{says}simulated {path}\n"));
+    }
+    out
+}
+
+/// Reads a line that names the source of times; `None` for other lines.
+pub fn origin(text: &[u8]) -> Option<Origin<'_>> {
+    match std::str::from_utf8(text.strip_prefix(SAYS)?).ok()?.trim() {
+        "times are measured" => Some(Origin::Measured),
+        "times are simulated" => Some(Origin::Simulated),
+        other => other.strip_prefix("simulated ").map(Origin::Codel),
+    }
+}
+
 /// A line, as far as it is different from others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Line<'l> {
@@ -365,6 +402,9 @@ impl Left {
             return None;
         }
         let Some(line) = line(text) else {
+            if origin(text).is_some() {
+                return None;
+            }
             self.garbage += u64::from(!text.trim_ascii().is_empty());
             return None;
         };

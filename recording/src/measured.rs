@@ -1,10 +1,12 @@
 //! How long codels took, of those lines of a log that tell it.
 
-use dotgen_timing::scn::names::Names;
-use rustc_hash::FxHashMap;
+use std::collections::BTreeMap;
 
-use crate::log::{Kind, Kinds, Left};
-use crate::matching::{Site, Stray, site, sites};
+use dotgen_timing::scn::names::Names;
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use crate::log::{Kind, Kinds, Left, Origin, origin};
+use crate::matching::{Site, Stray, path, site, sites};
 
 /// Times of execution, in nanoseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -60,6 +62,20 @@ pub struct Measured {
     /// What was not used.
     pub left: Left,
     kinds: Kinds,
+    /// Sections of logs: each has one source of times.
+    sections: Vec<Section>,
+    /// The file of the last section.
+    file: Option<usize>,
+}
+
+/// A part of a log, from one line about the source of times to the next.
+#[derive(Debug, Default)]
+struct Section {
+    /// No time is measured.
+    simulated: bool,
+    /// Paths of simulated codels; the times of all others are measured.
+    codels: FxHashSet<String>,
+    /// By kind.
     of: Vec<Measure>,
 }
 
@@ -70,26 +86,42 @@ pub struct Measurements {
     pub sites: Vec<(Site, Measure)>,
     /// Lines about no codel of the specifications, by kind, with their number.
     pub strays: Vec<(Kind, Stray, u64)>,
+    /// Paths of simulated codels, with the number of their runs: their times are not measured.
+    pub simulated: BTreeMap<String, u64>,
 }
 
 impl Measured {
     /// A line of a file. `ended`: its end was seen.
     pub fn line(&mut self, file: usize, number: u64, text: &[u8], ended: bool) {
+        if self.file != Some(file) {
+            self.file = Some(file);
+            self.sections.push(Section::default());
+        }
+        match origin(text) {
+            Some(Origin::Codel(path)) => {
+                if let Some(section) = self.sections.last_mut() {
+                    section.codels.insert(path.to_owned());
+                }
+            }
+            Some(it) => self.sections.push(Section {
+                simulated: it == Origin::Simulated,
+                ..Section::default()
+            }),
+            None => {}
+        }
         let Some((line, kind)) = self.left.sift(&mut self.kinds, text, ended) else {
             return;
         };
+        let Some(section) = self.sections.last_mut() else {
+            return;
+        };
         let kind = kind as usize;
-        if self.of.len() <= kind {
-            self.of.resize(kind + 1, Measure::default());
+        if section.of.len() <= kind {
+            section.of.resize(kind + 1, Measure::default());
         }
-        if let Some(measure) = self.of.get_mut(kind) {
+        if let Some(measure) = section.of.get_mut(kind) {
             measure.add(line.ended - line.began, (file, number));
         }
-    }
-
-    /// Runs that were measured.
-    pub fn runs(&self) -> u64 {
-        self.of.iter().map(|it| it.runs).sum()
     }
 
     /// Brings what was measured to the codels of specifications.
@@ -105,18 +137,33 @@ impl Measured {
                 .map(|it| (it, Measure::default()))
                 .collect(),
             strays: Vec::new(),
+            simulated: BTreeMap::new(),
         };
-        let seen = |it: &(&Kind, &Measure)| it.1.runs > 0;
-        for (kind, measure) in self.kinds.all.iter().zip(&self.of).filter(seen) {
-            match site(names, kind) {
-                Ok(site) => {
-                    let place = places.get(&(site.component, site.codel, site.state));
-                    let entry = place.and_then(|&it| found.sites.get_mut(it));
-                    if let Some((_, known)) = entry {
-                        known.join(measure);
+        let mut strays: Vec<u64> = vec![0; self.kinds.all.len()];
+        for section in &self.sections {
+            let kinds = self.kinds.all.iter().zip(&section.of).enumerate();
+            for (number, (kind, measure)) in kinds.filter(|it| it.1.1.runs > 0) {
+                let Ok(site) = site(names, kind) else {
+                    if let Some(runs) = strays.get_mut(number) {
+                        *runs += measure.runs;
                     }
+                    continue;
+                };
+                let path = path(names, &site);
+                if section.simulated || section.codels.contains(&path) {
+                    *found.simulated.entry(path).or_default() += measure.runs;
+                    continue;
                 }
-                Err(stray) => found.strays.push((kind.clone(), stray, measure.runs)),
+                let place = places.get(&(site.component, site.codel, site.state));
+                let entry = place.and_then(|&it| found.sites.get_mut(it));
+                if let Some((_, known)) = entry {
+                    known.join(measure);
+                }
+            }
+        }
+        for (kind, runs) in self.kinds.all.iter().zip(strays) {
+            if let (Err(stray), true) = (site(names, kind), runs > 0) {
+                found.strays.push((kind.clone(), stray, runs));
             }
         }
         found

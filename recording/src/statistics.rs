@@ -8,7 +8,7 @@
 
 use rustc_hash::FxHashMap;
 
-use crate::log::{About, Kinds, Left, line};
+use crate::log::{About, Kinds, Left, line, origin};
 
 /// Least, greatest and mean time with the deviation from that, in nanoseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -113,6 +113,9 @@ impl Collector {
     /// with empty names, as for `profundis`.
     pub fn line(&mut self, text: &[u8], ended: bool) {
         let Some(line) = line(text) else {
+            if origin(text).is_some() {
+                return;
+            }
             self.left.garbage += u64::from(!text.trim_ascii().is_empty());
             return;
         };

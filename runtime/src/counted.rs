@@ -2,7 +2,7 @@
 //! goes on.
 
 use dotgen_timing::report::Value;
-use dotgen_timing::system::{Ticks, Yield};
+use dotgen_timing::system::{Ticks, TimedSystem, Yield};
 use dotgen_timing::verify::Prepared;
 use serde::Serialize;
 
@@ -31,7 +31,9 @@ pub struct OfTask {
     /// Ticks before the job of the one before had ended.
     pub missed: u64,
     /// Share of the time in which a codel of its activities had its locks: it executed, or waited for a core.
-    pub load: f64,
+    /// None if no codel of its activities has an execution time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub load: Option<f64>,
 }
 
 /// A state machine.
@@ -59,6 +61,23 @@ pub struct Transition {
     pub greatest: Option<Value>,
 }
 
+/// Whether a codel of the activities of a task has an execution time.
+pub fn has_times(system: &TimedSystem, task: usize) -> bool {
+    let machines = system.automata.iter().filter(|it| it.task == task);
+    let mut states = machines.flat_map(|it| &system.machines[it.machine].states);
+    states.any(|it| system.codels[it.codel].upper > 0)
+}
+
+/// Codels without an execution time, by path, each once.
+pub fn untimed(system: &TimedSystem) -> Vec<String> {
+    let codels = system.codels.iter();
+    let untimed = codels.filter(|it| it.site.is_some() && it.upper == 0);
+    let mut out: Vec<String> = untimed.map(|it| it.path.clone()).collect();
+    out.sort();
+    out.dedup();
+    out
+}
+
 /// Tasks, after a time in base units.
 pub(crate) fn tasks(
     prepared: &Prepared,
@@ -81,7 +100,7 @@ pub(crate) fn tasks(
         bound: bounds.get(task).copied().flatten().map(value),
         period: it.period.map(value),
         missed: counted.missed,
-        load: counted.executed as f64 / time.max(1) as f64,
+        load: has_times(system, task).then(|| counted.executed as f64 / time.max(1) as f64),
     });
     tasks.collect()
 }

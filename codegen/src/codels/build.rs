@@ -78,16 +78,49 @@ pub struct Plan {
     pub missing: Vec<String>,
 }
 
-/// Packages that the codels of a folder require, as `pkg-config` takes them, without repetition.
-pub fn packages(folder: &Folder) -> Vec<String> {
+/// Packages that a folder of codels names, as `pkg-config` takes them, without repetition.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Required {
+    /// Required to read the specification and to build the server: codels may do without them.
+    pub specification: Vec<String>,
+    /// Required by the codels.
+    pub codels: Vec<String>,
+}
+
+impl Required {
+    /// All of them.
+    pub fn all(&self) -> Vec<String> {
+        self.specification
+            .iter()
+            .chain(&self.codels)
+            .cloned()
+            .collect()
+    }
+}
+
+/// The name of a package, without its version.
+pub fn package_name(requirement: &str) -> &str {
+    let end = requirement.find(|c: char| c.is_whitespace() || "<>=!".contains(c));
+    &requirement[..end.unwrap_or(requirement.len())]
+}
+
+/// Packages that a folder of codels requires. `genom3` is left out: codels are compiled without GenoM3.
+pub fn packages(folder: &Folder) -> Required {
     let spec = &folder.unit.spec;
-    let mut out = spec.pragma_requires.clone();
+    let mut out = Required {
+        specification: spec.pragma_requires.clone(),
+        codels: Vec::new(),
+    };
     for &component in &folder.components {
         let it = &spec.components[component as usize];
-        out.extend(it.requires.iter().chain(&it.codels_requires).cloned());
+        out.specification.extend(it.requires.iter().cloned());
+        out.codels.extend(it.codels_requires.iter().cloned());
     }
     let mut seen = rustc_hash::FxHashSet::default();
-    out.retain(|it| seen.insert(it.clone()));
+    let mut is_wanted =
+        |it: &String| package_name(it.trim()) != "genom3" && seen.insert(it.clone());
+    out.codels.retain(&mut is_wanted);
+    out.specification.retain(&mut is_wanted);
     out
 }
 

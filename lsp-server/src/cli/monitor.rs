@@ -24,7 +24,7 @@ use super::session::{display, is_standard_input};
 use super::verify::told::Told;
 use super::verify::{Cores, PolicyName, SemanticsName, cores, interrupt, one_problem};
 use super::wcet::{PIECE, given, read_log};
-use super::{Outcome, Reading};
+use super::{Outcome, Reading, report};
 use crate::files::disk::Stream;
 
 /// How long to wait for more of a log that is followed.
@@ -137,6 +137,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let bounds = bounds::of_tasks(arguments.bounds, &problem, &options, &prepared, &interrupt);
     let names = Names::new(&input.specs);
     let system = &prepared.built.system;
+    // The monitor compares no bounds then, but keeps them for ticks.
+    if let Some(note) = bounds::without_times(system, &mut [], true) {
+        report::note(&note);
+    }
     // Each log is that of one run: what was awaited at the end of one does not come in the next.
     let mut reports = Vec::new();
     let mut trace = arguments.trace.is_some().then(Trace::default);

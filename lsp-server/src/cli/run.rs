@@ -343,7 +343,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             trouble.told();
             continue;
         }
-        let bounds = bounds::of_tasks(arguments.bounds, &problem, &options, &prepared, &interrupt);
+        let mut bounds =
+            bounds::of_tasks(arguments.bounds, &problem, &options, &prepared, &interrupt);
+        let measured = arguments.clock == Clock::Real && arguments.simulate == Simulate::Missing;
+        let untimed = bounds::without_times(&prepared.built.system, &mut bounds, measured);
         let names = Names::new(&input.specs);
         let (trace, perfetto) = match &arguments.trace {
             Some(path) if path.extension() == Some(PERFETTO) => (None, Some(path)),
@@ -368,12 +371,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             return Ok(Outcome::Unusable);
         };
         let execute::Run {
-            report,
+            mut report,
             executed,
             lines,
             messages,
             told,
         } = run;
+        report.notes.extend(untimed);
         let mut written = Vec::new();
         // What happened is told also where it could not be written down.
         let recorded = lines.map_err(anyhow::Error::new).and_then(|lines| {

@@ -77,7 +77,7 @@ export class MeasuredTimes implements vscode.InlayHintsProvider, vscode.CodeLens
     await this.ask(this.question);
     const { times } = this;
     if (times === undefined) {
-      void vscode.window.showInformationMessage('Nothing was measured: simulate or run a component first.');
+      void vscode.window.showInformationMessage('No times to import: times of a simulation are not measured. Run the codels of a component first.');
       return;
     }
     const edit = new vscode.WorkspaceEdit();

@@ -10,8 +10,8 @@ export interface OfTask {
   bound?: number;
   period?: number;
   missed: number;
-  /** Share of the time in which its codels had their locks. */
-  load: number;
+  /** Share of the time in which its codels had their locks; none if they have no execution times. */
+  load?: number;
 }
 
 /** How often it was taken, and the greatest time of its codel then; `to` may begin with `pause::`. */

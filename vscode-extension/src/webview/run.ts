@@ -97,7 +97,7 @@ function showReport(report: Report | null, progress: Progress | null): void {
   table('tasks', ['task', '#load', '#jobs', '#mean', '#greatest', '#bound', '#period', '#missed'], (known?.tasks ?? []).map((it) => {
     const beyond = it.greatest !== undefined && it.bound !== undefined && it.greatest > it.bound;
     const greatest = node('span', number(it.greatest), beyond ? 'violated' : '');
-    return [it.task, percent(it.load), String(it.jobs), number(it.mean), greatest, number(it.bound), number(it.period), node('span', String(it.missed), it.missed > 0 ? 'violated' : '')];
+    return [it.task, it.load === undefined ? '' : percent(it.load), String(it.jobs), number(it.mean), greatest, number(it.bound), number(it.period), node('span', String(it.missed), it.missed > 0 ? 'violated' : '')];
   }));
   table('checks', ['check', 'of', 'verdict', '#greatest', '#limit'], (report?.checks ?? []).map((it) => [
     it.name === undefined ? it.check : `${it.name}: ${it.check}`,

@@ -20,6 +20,7 @@ use dotgen_codegen::codels::hosted::{Hosted, hosted};
 use dotgen_codegen::codels::links::codel_functions;
 use dotgen_codegen::disk::{Disk as _, NewContent};
 use dotgen_codegen::process::Processes as _;
+use dotgen_syntax::packages;
 use dotgen_timing::verify::Interrupt;
 
 use super::{has_place, project, roots};
@@ -219,7 +220,7 @@ impl Builder<'_> {
     fn plan(&self) -> anyhow::Result<Planned> {
         let specification = &self.folder.specification;
         let shown = session::display(specification);
-        let wanted = build::packages(self.folder);
+        let wanted = self.packages(&shown)?;
         let words = |question| {
             let words = vfs::words(self.packages, question, &wanted);
             words
@@ -243,6 +244,37 @@ impl Builder<'_> {
             packages,
             place,
         })
+    }
+
+    /// Packages that are there. Those that only the specification requires may be missing.
+    fn packages(&self, shown: &str) -> anyhow::Result<Vec<String>> {
+        let required = build::packages(self.folder);
+        let all = required.all();
+        let flags = |packages: &[String]| vfs::words(self.packages, "--cflags", packages);
+        if flags(&all).is_ok() {
+            return Ok(all);
+        }
+        for it in &required.codels {
+            if let Err(why) = flags(std::slice::from_ref(it)) {
+                let advice = packages::advice(build::package_name(it));
+                bail!(
+                    "`{shown}` is not compiled: its codels require the package `{it}`: {}; install {advice}",
+                    why.trim_end()
+                );
+            }
+        }
+        let is_there = |it: &&String| flags(std::slice::from_ref(*it)).is_ok();
+        let (there, missing): (Vec<&String>, Vec<&String>) =
+            required.specification.iter().partition(is_there);
+        if !missing.is_empty() {
+            let missing: Vec<String> = missing.iter().map(|it| format!("`{it}`")).collect();
+            report::note(&format!(
+                "not installed: {}; the codels of `{shown}` are compiled without, because only the \
+                 specification requires it",
+                missing.join(", ")
+            ));
+        }
+        Ok(there.into_iter().chain(&required.codels).cloned().collect())
     }
 
     fn build(&self) -> anyhow::Result<Built> {

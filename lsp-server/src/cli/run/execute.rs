@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use dotgen_recording::log::origins;
 use dotgen_runtime::profile::{Profile, functions};
 use dotgen_runtime::report::RunReport;
 use dotgen_runtime::simulation::{Outcome, Record, simulate_recorded};
@@ -73,7 +74,7 @@ impl Context<'_, '_> {
     ) -> anyhow::Result<Run> {
         let plan = arguments.plan(prepared);
         let system = &prepared.built.system;
-        let mut profile = self.profile(prepared, stream, None);
+        let mut profile = self.profile(prepared, stream, None, None)?;
         let interrupted = || self.interrupt.is_raised();
         let bounds = self.bounds.clone();
         let mut recording = self.recording(arguments, prepared, false)?;
@@ -96,22 +97,33 @@ impl Context<'_, '_> {
         })
     }
 
-    /// What writes the runs of codels, if somebody wants them.
+    /// What writes the runs of codels, if somebody wants them. `measured`: on the real clock, the codels that
+    /// are executed.
     fn profile<'r, 'a>(
         &self,
         prepared: &'r Prepared,
-        recorder: Option<&'r mut Recorder<'a>>,
+        mut recorder: Option<&'r mut Recorder<'a>>,
         followers: Option<Box<dyn Write>>,
-    ) -> Option<Profile<'r, Runs<'r, 'a>>> {
+        measured: Option<&dyn Fn(usize) -> bool>,
+    ) -> anyhow::Result<Option<Profile<'r, Runs<'r, 'a>>>> {
         if recorder.is_none() && followers.is_none() {
-            return None;
+            return Ok(None);
         }
         let system = &prepared.built.system;
+        if let Some(recorder) = &mut recorder {
+            let codels = system.codels.iter().enumerate();
+            let simulated = codels.filter(|(number, codel)| {
+                codel.site.is_some() && measured.is_some_and(|is_executed| !is_executed(*number))
+            });
+            let simulated = simulated.map(|(_, codel)| codel.path.as_str());
+            recorder.say(&origins(measured.is_some(), simulated))?;
+        }
         let runs = Runs {
             recorder,
             followers,
         };
-        Some(Profile::new(system, functions(system, self.names), runs))
+        let functions = functions(system, self.names);
+        Ok(Some(Profile::new(system, functions, runs)))
     }
 
     /// The recording that is wanted, if one is.
@@ -227,8 +239,14 @@ impl Context<'_, '_> {
         let grown = |it: &Option<Ticks>| it.map(|it| it.saturating_mul(factor));
         let bounds: Vec<_> = self.bounds.iter().map(grown).collect();
         let followers = server.map(|it| Box::new(it.followers()) as Box<dyn Write>);
+        let is_executed = |codel: usize| parts.codel(codel).is_some();
         let mut lookers = server.map(Server::lookers);
-        let mut profile = self.profile(&opened, stream, followers);
+        let mut profile = self.profile(
+            &opened,
+            stream,
+            followers,
+            real.then_some(&is_executed as &dyn Fn(usize) -> bool),
+        )?;
         let interrupted = || self.interrupt.is_raised();
         let stops_activities = arguments.on_violation == super::OnViolation::StopActivity;
         let mut live = Live::new(system, &parts, &mut children, !real, stops_activities);

@@ -39,6 +39,14 @@ impl<'a> Recorder<'a> {
         }))
     }
 
+    /// Writes a line that only the log has.
+    pub(super) fn say(&mut self, text: &str) -> io::Result<()> {
+        match &mut self.log {
+            Some((_, stream)) => stream.write_all(text.as_bytes()),
+            None => Ok(()),
+        }
+    }
+
     /// Gives the files their names.
     pub(super) fn finish(self, names: &Names<'_>) -> anyhow::Result<()> {
         if let Some((path, stream)) = self.log {

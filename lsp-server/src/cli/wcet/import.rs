@@ -105,6 +105,8 @@ struct Answer {
     logs: Vec<Utf8PathBuf>,
     rows: Vec<Row>,
     strays: Vec<(Kind, Stray, u64)>,
+    /// Simulated codels, with the number of their runs.
+    simulated: BTreeMap<String, u64>,
     left: Left,
     refused: Vec<(String, Refusal)>,
     edits: Vec<FileEdit>,
@@ -223,7 +225,13 @@ fn answer(
             decision,
         });
     }
-    if rows.iter().all(|it| it.measure.runs == 0) {
+    let is_measured = rows.iter().any(|it| it.measure.runs > 0);
+    ensure!(
+        is_measured || found.simulated.is_empty(),
+        "these times were simulated, not measured: nothing to import; run the codels with `dotgen run --clock \
+         real --profile FILE`"
+    );
+    if !is_measured {
         let strays: u64 = found.strays.iter().map(|it| it.2).sum();
         let why = match (strays, measured.left.total()) {
             (0, 0) => "the log is empty".to_owned(),
@@ -236,6 +244,7 @@ fn answer(
         logs,
         rows,
         strays: found.strays,
+        simulated: found.simulated,
         left: measured.left,
         refused: Vec::new(),
         edits: Vec::new(),

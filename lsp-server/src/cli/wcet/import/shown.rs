@@ -52,7 +52,15 @@ pub(super) fn print(answer: &Answer, only_shown: bool) -> anyhow::Result<()> {
         ]);
     }
     table(&mut out, &rows)?;
-    let never = answer.rows.iter().filter(|it| it.measure.runs == 0);
+    let simulated: Vec<&str> = answer.simulated.keys().map(String::as_str).collect();
+    if !simulated.is_empty() {
+        writeln!(
+            out,
+            "{TITLE}left out{TITLE:#}: simulated, not measured: {}",
+            terminal::text(&simulated.join(", "))
+        )?;
+    }
+    let never = never_seen(answer);
     let never: Vec<&str> = never.map(|it| it.path.as_str()).collect();
     if !never.is_empty() {
         writeln!(out, "{TITLE}never seen{TITLE:#}: {}", never.join(", "))?;
@@ -111,6 +119,12 @@ pub(super) fn print(answer: &Answer, only_shown: bool) -> anyhow::Result<()> {
         writeln!(out, "nothing to change")?;
     }
     Ok(())
+}
+
+/// Codels without a run, measured or simulated.
+fn never_seen(answer: &Answer) -> impl Iterator<Item = &Row> {
+    let is_seen = |row: &Row| row.measure.runs > 0 || answer.simulated.contains_key(&row.path);
+    answer.rows.iter().filter(move |row| !is_seen(row))
 }
 
 fn is_far(row: &Row) -> bool {
@@ -179,7 +193,7 @@ pub(super) fn print_json(answer: &Answer) -> anyhow::Result<()> {
             "place": it.place.as_ref().map(|it| place(&it.path, &it.range)),
         })
     });
-    let never = answer.rows.iter().filter(|it| it.measure.runs == 0);
+    let never = never_seen(answer);
     let strays = answer.strays.iter().map(|(kind, stray, runs)| {
         json!({
             "instance": kind.instance,
@@ -203,6 +217,7 @@ pub(super) fn print_json(answer: &Answer) -> anyhow::Result<()> {
         "format": 1,
         "codels": codels.collect::<Vec<Value>>(),
         "never-seen": never.map(|it| it.path.as_str()).collect::<Vec<_>>(),
+        "simulated": answer.simulated.keys().collect::<Vec<_>>(),
         "unknown": strays.collect::<Vec<Value>>(),
         "left": answer.left,
         "refused": refused.collect::<Vec<Value>>(),
