@@ -2,7 +2,6 @@
 //!
 //! `cargo bench -p dotgen-timing`
 
-use std::path::Path;
 use std::sync::Arc;
 
 use camino::Utf8Path;

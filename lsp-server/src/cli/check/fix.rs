@@ -115,12 +115,11 @@ fn project<'s>(session: &'s mut Session, changed: &Changed) -> Project<'s> {
     project
 }
 
-/// Edits with the roots of the units that they concern, where these are the same.
-fn by_roots<'e>(
-    project: &Project<'_>,
-    edits: Vec<(Edit, &'e str)>,
-) -> Vec<(Vec<Utf8PathBuf>, Vec<(Edit, &'e str)>)> {
-    let mut out: BTreeMap<Vec<Utf8PathBuf>, Vec<(Edit, &str)>> = BTreeMap::new();
+/// Edits by the roots of the units that they concern, each with the code of the finding that it mends.
+type ByRoots<'e> = BTreeMap<Vec<Utf8PathBuf>, Vec<(Edit, &'e str)>>;
+
+fn by_roots<'e>(project: &Project<'_>, edits: Vec<(Edit, &'e str)>) -> ByRoots<'e> {
+    let mut out = ByRoots::new();
     for it in edits {
         let paths = it.0.changed.keys();
         let mut roots: Vec<_> = paths.flat_map(|it| project.roots_of(it)).collect();
@@ -128,7 +127,7 @@ fn by_roots<'e>(
         roots.dedup();
         out.entry(roots).or_default().push(it);
     }
-    out.into_iter().collect()
+    out
 }
 
 /// Shows what would change.
