@@ -153,8 +153,6 @@ fn what_cannot_be_put_back_is_named() {
 fn killed_at(fixture: &Fixture, step: usize, fails: Option<usize>) -> Vec<Move> {
     let mut at = 0;
     let mut kept = Kept::default();
-    let quiet = std::panic::take_hook();
-    std::panic::set_hook(Box::new(|_| {}));
     let killed = catch_unwind(AssertUnwindSafe(|| {
         write(&fixture.files, &mut kept, &mut |_| {
             at += 1;
@@ -165,7 +163,6 @@ fn killed_at(fixture: &Fixture, step: usize, fails: Option<usize>) -> Vec<Move> 
             }
         })
     }));
-    std::panic::set_hook(quiet);
     assert!(killed.is_err());
     kept.0
 }
