@@ -143,12 +143,20 @@ export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bi
     },
     /** Opens the quick input with a key. */
     quick: (key) => wb.press(key, page.locator('.quick-input-widget input.input').first()),
+    /** Runs a command of the palette, which drops what is typed while it is still being filled: then it is opened again. */
     async command(title) {
-      const input = await wb.quick('F1');
-      await input.fill('>' + title);
       const row = page.locator('.quick-input-list .monaco-list-row', { hasText: title }).first();
-      await row.waitFor();
-      await row.click();
+      for (let attempt = 0; ; attempt++) {
+        try {
+          const input = await wb.quick('F1');
+          await input.fill('>' + title);
+          await row.waitFor({ timeout: 8000 });
+          return await row.click();
+        } catch (error) {
+          if (attempt === 4) throw error;
+          await page.keyboard.press('Escape');
+        }
+      }
     },
     /**
      * Chooses a file of the workspace in the dialog that asks for one (`files.simpleDialog.enable`). The dialog shows its
