@@ -12,6 +12,7 @@ mod declare;
 pub(crate) mod place;
 pub(crate) mod types;
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use rustc_hash::FxHashSet;
@@ -277,7 +278,61 @@ pub(crate) fn parse(text: &str, grammar: Grammar) -> Option<tree_sitter::Tree> {
     };
     let mut parser = Parser::new();
     parser.set_language(&language).ok()?;
-    parser.parse(text, None)
+    parser.parse(without_attributes(text).as_ref(), None)
+}
+
+/// The text with blanks for each `__attribute__((…))`: compilers take them in more places than the
+/// grammars do, and nothing here depends on one.
+fn without_attributes(text: &str) -> Cow<'_, str> {
+    const WORD: &str = "__attribute";
+    let mut out = Cow::Borrowed(text);
+    let mut from = 0;
+    while let Some(found) = text[from..].find(WORD) {
+        let start = from + found;
+        from = start + WORD.len();
+        let rest = text[from..].strip_prefix("__").unwrap_or(&text[from..]);
+        let list = rest.trim_start();
+        let within = text[..start].ends_with(|it: char| it.is_alphanumeric() || it == '_');
+        if let Some(length) = parenthesised(list)
+            && !within
+        {
+            let end = text.len() - list.len() + length;
+            let blank = |it: char| if it.is_ascii_whitespace() { it } else { ' ' };
+            // A character of more than one byte becomes as many blanks.
+            let blanks: String = text[start..end]
+                .chars()
+                .flat_map(|it| std::iter::repeat_n(blank(it), it.len_utf8()))
+                .collect();
+            out.to_mut().replace_range(start..end, &blanks);
+            from = end;
+        }
+    }
+    out
+}
+
+/// The length of the parentheses a text begins with; `None` where they do not close in the code
+/// that follows.
+fn parenthesised(text: &str) -> Option<usize> {
+    text.strip_prefix('(')?;
+    let mut depth = 0_usize;
+    let mut in_string = false;
+    let mut before = ' ';
+    for (at, letter) in text.char_indices() {
+        match letter {
+            '"' if before != '\\' => in_string = !in_string,
+            _ if in_string => {}
+            '(' => depth += 1,
+            ')' => depth -= 1,
+            '/' if before == '*' => return None,
+            ';' | '{' | '}' => return None,
+            _ => {}
+        }
+        if depth == 0 {
+            return Some(at + 1);
+        }
+        before = letter;
+    }
+    None
 }
 
 /// Visits a tree in text order without recursion; `enter` says whether to go inside.

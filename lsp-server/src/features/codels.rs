@@ -379,7 +379,7 @@ pub(crate) fn file_diagnostics(
     for compared in around(snapshot, path)? {
         for found in compared.findings(&snapshot.analysis) {
             let (folder, findings) = found?;
-            let all = diagnostics(&findings, &*folder.unit.locations, Side::Both);
+            let all = diagnostics(&findings, &*folder.unit.locations, Side::First);
             for it in all.into_iter().filter(|it| it.path == *path) {
                 if !out.contains(&it) {
                     out.push(it);

@@ -43,6 +43,25 @@ fn signatures() {
 }
 
 #[test]
+fn attributes_are_read_over() {
+    for attribute in ["__attribute__((unused))", "__attribute ((section(\".text;)\"), cold))"] {
+        for read in [index, cxx] {
+            let index = read(&format!(
+                "static {attribute} int\nf(int a {attribute}, {attribute} const double *b) {attribute};\n\
+                 int {attribute} f(int a {attribute}, double {attribute} *b)\n\
+                 {{ int {attribute} c = a; label: {attribute}; return (*b {attribute}); }}\n"
+            ));
+            let known = index.functions.iter().all(|it| it.known);
+            assert!(known && names(&index) == ["f", "f"], "{index:#?}");
+            assert!(index.loose.is_empty(), "{index:#?}");
+            assert_eq!(index.functions[0].parameters[1].ty.base, "double");
+        }
+    }
+    let unfinished = index("int f(int a __attribute__((unused { return 1; }\nint g(void) { return 2; }");
+    assert!(unfinished.loose.contains("g"), "{unfinished:#?}");
+}
+
+#[test]
 fn scopes_and_linkage() {
     let index = cxx(
         "namespace a::b { int f(void) {} namespace { void g() {} } }\n\

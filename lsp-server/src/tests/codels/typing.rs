@@ -21,6 +21,8 @@ fn tokens(text: &str) -> Vec<usize> {
 async fn a_text_that_breaks_off_anywhere_keeps_lenses_implementations_and_findings() {
     const EARLIER: &str = " · as of the last text without syntax errors";
     let folder = tank();
+    // The codels of this file are missing, which shows in the specification.
+    folder.write("codels/tank_codels.c", "");
     let (uri, source) = (
         folder.uri("tank.gen"),
         folder.uri("codels/tank_control_codels.c"),
@@ -87,8 +89,8 @@ async fn a_text_that_breaks_off_anywhere_keeps_lenses_implementations_and_findin
                 "at {cut}: {message}\n{left:#?}"
             );
         }
-        if whole.contains("tank_mix") {
-            let params = at(&uri, &text, "tank_mix", 0);
+        if whole.contains("tank_control_main") {
+            let params = at(&uri, &text, "tank_control_main", 0);
             let found = client.ok("textDocument/implementation", params).await;
             assert!(found.is_array(), "at {cut}: {found}");
         }
