@@ -261,9 +261,15 @@ impl<'a> Elaborator<'a> {
         if size == 0 {
             self.error(at, Valuing::Zero { what });
         }
+        if size > LARGEST_SIZE {
+            self.error(at, Valuing::TooLarge { what, size });
+        }
         Some(size)
     }
 }
+
+/// The largest size of an array and largest bound that the reference compiler takes.
+const LARGEST_SIZE: u64 = i32::MAX as u64;
 
 fn base_kind(base: BaseType) -> TypeKind {
     match base {

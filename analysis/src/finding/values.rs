@@ -79,6 +79,8 @@ findings! {
             => "a `{word}` is a number, but this is {value}";
         "string-too-long" StringTooLong { length: usize, bound: u64 }
             => "this string has {length} characters, but its type holds {bound}";
+        "size-too-large" TooLarge { what: &'static str, size: u64 }
+            => "the {what} is {size}: `genom3` refuses more than 2147483647";
         "zero-size" Zero { what: &'static str } => "the {what} is 0: it holds nothing";
 
         "init-scalar-compound" NoDefault { ty: Name }

@@ -145,6 +145,11 @@ impl Trust {
         self.all_broken || uses.any(|it| self.broken.contains(&(expected.component, it.owner)))
     }
 
+    /// Whether a member may be declared in what was not understood, or be still to come.
+    pub fn may_have_member(&self, name: &str) -> bool {
+        self.is_cut || self.may_declare(name)
+    }
+
     /// Whether a name may be declared in what was not understood.
     pub fn may_declare(&self, name: &str) -> bool {
         self.words.contains(name)

@@ -10,6 +10,12 @@ pub(super) const CODES: &[Code] = &[
         "Write the intended size. Leave the bound out for a sequence or string of any length.",
     )),
     ours(warning(
+        "size-too-large",
+        "The size of an array, or the bound of a string or sequence, is above 2147483647.",
+        "`genom3` reads sizes as numbers of 32 bits with a sign and refuses larger ones.",
+        "Write a smaller size. Leave the bound out for a sequence or string of any length.",
+    )),
+    ours(warning(
         "not-a-type",
         "A constant, enumerator, state, port or remote service is used as a type.",
         "`genom3` accepts this without an error, because all of these names share one scope, but the \

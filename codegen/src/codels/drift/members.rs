@@ -141,7 +141,7 @@ impl<'a> Members<'a, '_> {
                     .is_some_and(|it| it.contains_key(&name))
                 {
                     self.used.insert((structure, name));
-                } else if !self.options.trust.may_declare(&name) {
+                } else if !self.options.trust.may_have_member(&name) {
                     let uses = self.unknown.entry((structure, name)).or_default();
                     uses.push(Use { file, span, shape });
                 }
