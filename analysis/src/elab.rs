@@ -11,7 +11,7 @@ mod codel;
 mod component;
 mod constant;
 mod context;
-mod convert;
+pub(crate) mod convert;
 mod decl;
 mod finish;
 mod foreign;

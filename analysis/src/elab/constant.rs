@@ -220,7 +220,7 @@ fn is_one_character(content: &str) -> bool {
     }
 }
 
-fn from_value(value: &Value) -> Const {
+pub(super) fn from_value(value: &Value) -> Const {
     match value {
         Value::Bool(it) => Const::Bool(*it),
         Value::Uint(it) => Const::unsigned(i128::from(*it)),

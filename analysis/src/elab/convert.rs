@@ -2,7 +2,7 @@
 
 use smol_str::format_smolstr;
 
-use super::{types, value::Const};
+use super::{constant::from_value, types, value::Const};
 use crate::{
     finding::values::{Purpose, Valuing},
     model::{Spec, TypeId, TypeKind, Value},
@@ -17,6 +17,11 @@ pub(super) enum Misfit {
     Kind,
     /// Out of the type's range.
     Range,
+}
+
+/// Whether a type holds the value of a constant.
+pub(crate) fn holds(spec: &Spec, ty: TypeId, value: &Value) -> bool {
+    convert(spec, &from_value(value), ty).is_ok()
 }
 
 /// The value as the declared type holds it.

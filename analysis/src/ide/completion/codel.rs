@@ -19,7 +19,9 @@ pub(super) fn clause(
     rest: &[Word],
     out: &mut Completions,
 ) {
-    let timed = context.after.rest.iter().any(|it| it.is("wcet"));
+    let behind = context.after.rest.iter();
+    let mut own = behind.take_while(|it| !it.is_any(&["codel", "async", "validate"]));
+    let timed = own.any(|it| it.is("wcet"));
     let yields = rest.iter().position(|it| it.is_any(&["yield", "yields"]));
     if let Some(yields) = yields.filter(|it| *it > 0) {
         let after = &rest[yields + 1..];
@@ -56,8 +58,9 @@ pub(super) fn clause(
         [open, ..] if open.is("<") => {
             let done = rest.last().is_some_and(|it| it.is(")"));
             if done || rest.iter().any(|it| it.is("wcet")) {
-                let yields = |it: &Word| it.is_any(&["yield", "yields"]);
-                if done && !context.after.rest.iter().any(yields) {
+                let behind = context.after.rest.iter();
+                let mut own = behind.take_while(|it| !it.is_any(&["codel", "async", "validate"]));
+                if done && !own.any(|it| it.is_any(&["yield", "yields"])) {
                     match context.after.next() {
                         Some(_) => out.keywords(&["yield"], 0),
                         None => {
@@ -354,7 +357,9 @@ pub(super) fn after_simple_codel(
     rest: &[Word],
     out: &mut Completions,
 ) {
-    let timed = context.after.rest.iter().any(|it| it.is("wcet"));
+    let behind = context.after.rest.iter();
+    let mut own = behind.take_while(|it| !it.is_any(&["codel", "async", "validate"]));
+    let timed = own.any(|it| it.is("wcet"));
     if let Some(wcet) = rest.iter().rposition(|it| it.is("wcet")) {
         quantity(names, &rest[wcet + 1..], &["s", "ms", "us"], out);
     } else if rest.last().is_some_and(|it| it.is(")")) && !timed {

@@ -183,7 +183,6 @@ const ONCE: &[&str] = &[
     "task",
     "before",
     "after",
-    "doc",
     "ids",
     "default",
 ];

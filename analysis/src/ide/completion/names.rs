@@ -8,11 +8,11 @@ use super::{
     scopes::{full_path, in_scopes, opens_scope, outer_scope},
 };
 use crate::{
-    elab::types::has_native,
     elab::{DefId, DefKind, Definition, Elaborated, Entity, Reference},
+    elab::{convert::holds, types::has_native},
     ide::{
         FileView, SymbolKind,
-        context::{BodyKind, Context, FrameKind, Word},
+        context::{BodyKind, Context, Frame, FrameKind, Word},
         render,
     },
     model::{Codel, Component, Name, Spec, TypeId, TypeKind, Value},
@@ -30,6 +30,8 @@ pub(in crate::ide) struct Names<'a, 'db> {
     /// Where the statement begins in which the cursor is, with the types around it: what is declared from
     /// here on is not known yet at the cursor.
     begins: usize,
+    /// The cursor is between the braces of `ids`.
+    in_ids: bool,
     /// Definitions that live in scopes, by full path.
     paths: FxHashMap<Vec<SmolStr>, DefId>,
 }
@@ -60,6 +62,8 @@ impl<'a, 'db> Names<'a, 'db> {
         let elaborated = view.elaborated();
         let mut scope: Vec<SmolStr> = Vec::new();
         let mut component = None;
+        let in_ids = |it: &Frame| matches!(it.kind, FrameKind::Body(BodyKind::Ids));
+        let in_ids = context.frames.iter().any(in_ids);
         for frame in &context.frames {
             let FrameKind::Body(kind) = frame.kind else {
                 continue;
@@ -111,6 +115,7 @@ impl<'a, 'db> Names<'a, 'db> {
             component: component.and_then(by_name).map(|it| it as u32),
             at,
             begins: begins(context, at),
+            in_ids,
             paths,
         }
     }
@@ -350,6 +355,7 @@ impl<'a, 'db> Names<'a, 'db> {
                         | DefKind::Ids
                         | DefKind::Native
                 ) && it.ty.is_none_or(carried)
+                    && !(it.kind == DefKind::Ids && self.in_ids)
             }
             Wanted::ConstTypes | Wanted::SwitchTypes => {
                 let kind = it
@@ -450,8 +456,13 @@ impl<'a, 'db> Names<'a, 'db> {
                 Some(TypeKind::Const { ty, .. }) => Some(self.value_type(*ty)),
                 _ => None,
             };
+            let value = ty.and_then(|it| match &spec.ty(it).kind {
+                TypeKind::Const { value, .. } => Some(value),
+                _ => None,
+            });
+            let holds = |ty| value.is_none_or(|it| holds(spec, ty, it));
             match (resolved, of) {
-                (Some(wanted), Some(of)) if self.same(wanted, of) => item.rank = 0,
+                (Some(wanted), Some(of)) if self.same(wanted, of) && holds(wanted) => item.rank = 0,
                 // Anything else does not convert.
                 (Some(_), Some(_)) => item.rank = NEVER,
                 _ => {}

@@ -553,3 +553,37 @@ fn snippets_without_placeholders() {
         "task t { t_f t  }"
     );
 }
+
+#[test]
+fn what_follows_the_parameters_of_a_codel_ends_where_the_next_begins() {
+    let task = "component c { task t { codel<start> f() HERE\n codel<stop> g() yield ether wcet 1 ms; }; };";
+    check(&task.replace("HERE", "$0"), "yield | wcet");
+    check(&task.replace("HERE", "yield ether $0"), "wcet");
+}
+
+#[test]
+fn a_constant_is_offered_where_its_value_fits() {
+    let constants = "const double R = 1.5; const long N = 300; const double W = 2.0;\n";
+    has(&format!("{constants}const long M = $0;"), "N | W | !R");
+    has(&format!("{constants}const octet M = $0;"), "W | !N | !R");
+    has(&format!("{constants}const float M = $0;"), "W | N | R");
+}
+
+#[test]
+fn the_ids_are_no_type_within_themselves() {
+    has(
+        "component c { ids { long a; sequence<$0> b; }; };",
+        "long | !ids",
+    );
+    has("component c { ids { long a; $0 }; };", "long | !ids");
+    has("component c { ids { long a; }; port in $0 };", "ids");
+}
+
+#[test]
+fn there_may_be_several_docs() {
+    has(
+        "component c { doc \"a\"; $0 task t { doc \"b\"; }; };",
+        "doc | version",
+    );
+    has("component c { task t { doc \"b\"; $0 }; };", "doc | period");
+}

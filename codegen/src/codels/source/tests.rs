@@ -44,7 +44,10 @@ fn signatures() {
 
 #[test]
 fn attributes_are_read_over() {
-    for attribute in ["__attribute__((unused))", "__attribute ((section(\".text;)\"), cold))"] {
+    for attribute in [
+        "__attribute__((unused))",
+        "__attribute ((section(\".text;)\"), cold))",
+    ] {
         for read in [index, cxx] {
             let index = read(&format!(
                 "static {attribute} int\nf(int a {attribute}, {attribute} const double *b) {attribute};\n\
@@ -57,7 +60,8 @@ fn attributes_are_read_over() {
             assert_eq!(index.functions[0].parameters[1].ty.base, "double");
         }
     }
-    let unfinished = index("int f(int a __attribute__((unused { return 1; }\nint g(void) { return 2; }");
+    let unfinished =
+        index("int f(int a __attribute__((unused { return 1; }\nint g(void) { return 2; }");
     assert!(unfinished.loose.contains("g"), "{unfinished:#?}");
 }
 

@@ -22,7 +22,10 @@ async fn drift_is_shown_once_without_a_document_being_open() {
         );
     }
     // It leads to the other side.
-    let mut all = shown["codels/tank_codels.c"].as_array().expect("a list").iter();
+    let mut all = shown["codels/tank_codels.c"]
+        .as_array()
+        .expect("a list")
+        .iter();
     let there = all
         .find(|it| {
             let message = it["message"].as_str().unwrap_or_default();
