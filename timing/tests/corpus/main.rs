@@ -44,7 +44,7 @@ fn load(path: &Path) -> (Scenario, UnitResult) {
         .collect();
     let input = BatchInput {
         inputs,
-        include_dirs: vec![folder.join("idl"), folder],
+        include_dirs: vec![folder.join("idl"), folder.join("../maneuver/idl"), folder],
         defines: Vec::new(),
     };
     let host = AnalysisHost::new(Arc::new(Disk));
