@@ -1,0 +1,182 @@
+// The tree-sitter grammar of dotgen's verification scenarios (`.scn`).
+//
+// Keywords are contextual, as in the language: the parser takes a word as a keyword only where the keyword fits.
+
+const comma = (rule) => seq(rule, repeat(seq(',', rule)));
+/** `KEYWORD WORD;`, where the word is one of a few. */
+const CHOICES = {
+  semantics: ['servers', 'published'],
+  policy: ['priority', 'fair', 'fifo', 'edf', 'any'],
+  durations: ['interval', 'fixed', 'open'],
+  ticks: ['component', 'task'],
+  turns: ['codel', 'pause'],
+  locks: ['queue', 'free', 'fifo'],
+  ports: ['copy', 'lock'],
+  pause: ['events', 'turns'],
+  order: ['on', 'off'],
+  async: ['held', 'free'],
+  aperiodic: ['core', 'free'],
+};
+const CHECKS = [
+  'schedulable',
+  'no-overdue',
+  'response',
+  'within',
+  'reaction',
+  'age',
+  'leadsto',
+  'eventually',
+  'always',
+  'reachable',
+  'deadlock',
+];
+const STEPS = ['send', 'await', 'delay', 'repeat', 'choice', 'abort', 'kill', 'connect'];
+
+module.exports = grammar({
+  name: 'genom3_scenario',
+
+  word: ($) => $.identifier,
+
+  extras: ($) => [/[ \t\r\n\f\uFEFF]/, $.comment],
+
+  rules: {
+    source_file: ($) => optional($.scenario),
+
+    scenario: ($) => seq('scenario', field('name', $.identifier), field('body', $.scenario_body)),
+    scenario_body: ($) => seq('{', repeat(choice($._item, ';')), '}'),
+
+    // ---- Items ----------------------------------------------------------------------------------------------------
+
+    _item: ($) =>
+      choice(
+        $.use,
+        $.unit_setting,
+        $.cores,
+        $.affinity,
+        $.setting,
+        $.duration,
+        $.loop,
+        $.connection,
+        $.slots,
+        $.client,
+        $.check,
+      ),
+
+    use: ($) => seq('use', field('file', $.string), ';'),
+    unit_setting: ($) => seq('unit', field('value', $.number), field('unit', $.unit), ';'),
+    cores: ($) => seq('cores', field('count', choice($.number, alias('free', $.choice_word))), ';'),
+    affinity: ($) => seq('affinity', field('task', $.path), field('core', $.number), ';'),
+    setting: ($) =>
+      choice(
+        ...Object.entries(CHOICES).map(([key, words]) =>
+          seq(field('key', key), field('value', alias(choice(...words), $.choice_word)), ';'),
+        ),
+        seq(field('key', 'exceptions'), field('value', alias(choice('on', 'off'), $.choice_word)), optional(field('of', $.path)), ';'),
+        seq(field('key', 'idle'), field('value', alias(choice('drop', 'keep'), $.choice_word)), optional(field('of', $.path)), ';'),
+      ),
+    duration: ($) => seq('duration', field('codel', $.path), field('value', $._times), field('unit', $.unit), ';'),
+    loop: ($) =>
+      seq(
+        'loop',
+        field('limit', choice($.number, alias(choice('free', 'once'), $.choice_word))),
+        optional(field('of', $.path)),
+        ';',
+      ),
+    connection: ($) =>
+      seq('connect', field('input', $.path), 'to', field('output', choice(alias('none', $.choice_word), $.path)), ';'),
+    slots: ($) => seq('slots', field('of', $.path), field('count', $.number), ';'),
+
+    // ---- Clients --------------------------------------------------------------------------------------------------
+
+    client: ($) => seq('client', field('name', $.identifier), field('body', $.steps)),
+    steps: ($) => seq('{', repeat(choice($._step, ';')), '}'),
+    _step: ($) => choice($.send, $.await, $.delay, $.repeat, $.choice, $.abort, $.kill, $.connect),
+
+    _label: ($) => seq(field('label', $.label), ':'),
+    label: ($) => choice($.identifier, ...STEPS.map((word) => alias(word, $.identifier))),
+    send: ($) => seq(optional($._label), 'send', field('service', $.path), ';'),
+    await: ($) =>
+      seq(
+        optional($._label),
+        'await',
+        choice(
+          seq(field('event', alias('accepted', $.choice_word)), optional(field('service', $.path))),
+          seq(
+            field('event', alias('ended', $.choice_word)),
+            optional(field('ending', alias(choice('ok', 'failed'), $.choice_word))),
+            optional(field('service', $.path)),
+          ),
+          // A component may be called `ok` or `failed`.
+          seq(field('event', alias('ended', $.choice_word)), field('service', alias($._path_of_ending, $.path))),
+        ),
+        ';',
+      ),
+    delay: ($) => seq(optional($._label), 'delay', field('value', $._times), field('unit', $.unit), ';'),
+    repeat: ($) => seq(optional($._label), 'repeat', field('count', choice($.number, '*')), field('body', $.steps)),
+    choice: ($) =>
+      prec.right(
+        seq(optional($._label), 'choice', field('branch', $.steps), repeat(seq('or', field('branch', $.steps)))),
+      ),
+    abort: ($) => seq(optional($._label), 'abort', field('target', $.path), ';'),
+    kill: ($) => seq(optional($._label), 'kill', field('component', $.path), ';'),
+    connect: ($) => seq(optional($._label), 'connect', field('component', $.path), ';'),
+
+    // ---- Checks ---------------------------------------------------------------------------------------------------
+
+    check: ($) =>
+      seq(
+        'check',
+        optional(seq(field('name', alias($._check_name, $.label)), ':')),
+        choice(
+          seq(field('kind', choice('schedulable', 'no-overdue')), field('of', choice($.path, '*'))),
+          seq(field('kind', 'response'), field('of', choice($.path, '*')), optional($.bound)),
+          seq(
+            field('kind', 'within'),
+            field('trigger', $._predicate),
+            '=>',
+            field('response', $._predicate),
+            repeat(seq('then', field('response', $._predicate))),
+            optional($.bound),
+          ),
+          seq(
+            field('kind', choice('reaction', 'age')),
+            field('from', $.path),
+            '->',
+            field('to', $.path),
+            optional(seq('via', comma(field('via', $.path)))),
+            optional($.bound),
+          ),
+          seq(field('kind', 'leadsto'), field('trigger', $._predicate), '=>', field('response', $._predicate)),
+          seq(field('kind', choice('eventually', 'always', 'reachable')), field('predicate', $._predicate)),
+          field('kind', 'deadlock'),
+        ),
+        ';',
+      ),
+    _check_name: ($) => choice($.identifier, ...CHECKS.map((word) => alias(word, $.identifier))),
+    bound: ($) => seq('<=', field('value', $.number), field('unit', $.unit)),
+
+    _predicate: ($) => choice($.or, $.and, $.not, $.leave, $.parentheses, $.path),
+    or: ($) => prec.left(1, seq(field('left', $._predicate), 'or', field('right', $._predicate))),
+    and: ($) => prec.left(2, seq(field('left', $._predicate), 'and', field('right', $._predicate))),
+    not: ($) => prec(3, seq('not', field('operand', $._predicate))),
+    leave: ($) => seq('leave', field('of', $.path)),
+    parentheses: ($) => seq('(', $._predicate, ')'),
+
+    // ---- Values and names -----------------------------------------------------------------------------------------
+
+    path: ($) => seq(field('name', $.identifier), repeat(seq('.', field('name', $.identifier)))),
+    _path_of_ending: ($) =>
+      seq(
+        field('name', alias(choice('ok', 'failed'), $.identifier)),
+        repeat1(seq('.', field('name', $.identifier))),
+      ),
+    _times: ($) => choice($.number, $.interval),
+    interval: ($) => seq('[', field('lower', $.number), ',', field('upper', choice($.number, '*')), ']'),
+    unit: () => choice('s', 'ms', 'us'),
+
+    identifier: () => /[A-Za-z_][A-Za-z0-9_]*|no-overdue/,
+    number: () => /[0-9]+/,
+    string: () => /"[^"\n]*"/,
+    comment: () => token(choice(/\/\/[^\n]*/, /\/\*[^*]*\*+([^/*][^*]*\*+)*\//)),
+  },
+});

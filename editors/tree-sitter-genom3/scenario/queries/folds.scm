@@ -1,0 +1,5 @@
+[
+  (scenario_body)
+  (steps)
+  (comment)
+] @fold
