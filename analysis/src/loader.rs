@@ -27,6 +27,8 @@ pub struct PackageFlags {
     pub include_dirs: Vec<Utf8PathBuf>,
     /// From `-D`, in order: name and value.
     pub defines: Vec<(SmolStr, SmolStr)>,
+    /// Packages that are not installed, and instead of which definitions of dotgen's own are found.
+    pub own: Vec<String>,
 }
 
 /// All input and output of analysis. Called at most once per path or question until a [`Change`]

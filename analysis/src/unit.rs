@@ -19,7 +19,7 @@ use dotgen_syntax::{
     parse,
     preproc::{
         self, Element, Host, IncludeError, IncludeRequest, MacroEnv, Mentioned, Preprocessed,
-        preprocess,
+        Required, preprocess,
     },
 };
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -66,7 +66,7 @@ pub(crate) enum Outcome {
     /// An active `#include`: the environment after it, or why it was not followed.
     Include(Result<MacroEnv, IncludeError>),
     /// An active `#pragma requires`: the environment after it, or what the package tool said.
-    Requires(Result<MacroEnv, String>),
+    Requires(Result<Required, String>),
 }
 
 impl Hash for Outcome {
@@ -141,6 +141,10 @@ pub(crate) fn visits<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Visits<'db> {
                     Outcome::Include(it.as_ref().map(restrict).map_err(Clone::clone))
                 }
                 Outcome::Requires(it) => {
+                    let restrict = |it: &Required| Required {
+                        env: restrict(&it.env),
+                        own: it.own.clone(),
+                    };
                     Outcome::Requires(it.as_ref().map(restrict).map_err(Clone::clone))
                 }
             })
@@ -373,7 +377,7 @@ pub(crate) fn include_fragments<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<
 /// Answers with what the walk recorded.
 struct Replay<'a> {
     includes: Vec<&'a Result<MacroEnv, IncludeError>>,
-    requires: std::vec::IntoIter<&'a Result<MacroEnv, String>>,
+    requires: std::vec::IntoIter<&'a Result<Required, String>>,
 }
 
 impl<'a> Replay<'a> {
@@ -402,8 +406,8 @@ impl Host for Replay<'_> {
         recorded.map_or_else(|| Ok(env.clone()), |&it| it.clone())
     }
 
-    fn requires(&mut self, _: &[SmolStr], env: &MacroEnv) -> Result<MacroEnv, String> {
+    fn requires(&mut self, _: &[SmolStr], env: &MacroEnv) -> Result<Required, String> {
         let recorded = self.requires.next();
-        recorded.map_or_else(|| Ok(env.clone()), Clone::clone)
+        recorded.map_or_else(|| Ok(env.clone().into()), Clone::clone)
     }
 }

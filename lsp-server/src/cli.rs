@@ -114,6 +114,10 @@ struct Reading {
     /// dotgen.toml, else the installed one, else the newest that the specifications require]
     #[arg(long, value_name = "RELEASE")]
     release: Option<Release>,
+
+    /// Take packages that are not installed for missing, also those whose interfaces come with dotgen.
+    #[arg(skip)]
+    only_installed: bool,
 }
 
 /// A definition of a macro that can be one.

@@ -99,6 +99,7 @@ impl Config {
                 paths: absolute(&settings.package_paths),
                 templates: absolute(&settings.template_paths),
                 may_run: trusted,
+                own_interfaces: true,
             },
             template_paths: absolute(&settings.template_paths),
             generate: settings

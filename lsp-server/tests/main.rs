@@ -10,6 +10,7 @@ mod examples;
 mod faults;
 mod hosted;
 mod hostile;
+mod interfaces;
 mod manners;
 mod measure;
 mod monitor;

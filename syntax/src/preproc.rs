@@ -23,7 +23,7 @@ use crate::kind::SyntaxKind;
 
 pub use definition::{Macro, MacroKind};
 pub use env::{MacroEnv, Mentioned, mentioned};
-pub use host::{Host, IncludeError, IncludeRequest, NoIncludes};
+pub use host::{Host, IncludeError, IncludeRequest, NoIncludes, Required};
 pub use output::{ActiveInclude, MacroUse, PpError, Preprocessed, Severity};
 pub use walk::preprocess;
 

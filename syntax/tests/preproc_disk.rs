@@ -15,7 +15,8 @@ use dotgen_syntax::{
     lexer::lex,
     line_index::LineIndex,
     preproc::{
-        Element, Host, IncludeError, IncludeRequest, MacroEnv, PpError, Severity, preprocess,
+        Element, Host, IncludeError, IncludeRequest, MacroEnv, PpError, Required, Severity,
+        preprocess,
     },
 };
 use serde_json::Value;
@@ -93,8 +94,8 @@ impl Host for Disk {
         }
     }
 
-    fn requires(&mut self, _: &[SmolStr], env: &MacroEnv) -> Result<MacroEnv, String> {
-        Ok(env.clone())
+    fn requires(&mut self, _: &[SmolStr], env: &MacroEnv) -> Result<Required, String> {
+        Ok(env.clone().into())
     }
 }
 

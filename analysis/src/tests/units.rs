@@ -137,6 +137,7 @@ fn packages_add_directories_and_definitions() {
     let flags = PackageFlags {
         include_dirs: vec!["/p".into()],
         defines: vec![("FROM_P".into(), "1".into())],
+        ..PackageFlags::default()
     };
     fixture
         .loader

@@ -7,7 +7,7 @@ use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_syntax::{
     SyntaxKind,
     lexer::{RawTokens, lex},
-    preproc::{Host, IncludeError, IncludeRequest, MacroEnv, preprocess},
+    preproc::{Host, IncludeError, IncludeRequest, MacroEnv, Required, preprocess},
 };
 use smol_str::SmolStr;
 
@@ -299,7 +299,7 @@ impl Host for VisitHost<'_, '_> {
         result
     }
 
-    fn requires(&mut self, arguments: &[SmolStr], env: &MacroEnv) -> Result<MacroEnv, String> {
+    fn requires(&mut self, arguments: &[SmolStr], env: &MacroEnv) -> Result<Required, String> {
         let walker = &mut *self.walker;
         let arguments: Vec<String> = arguments.iter().map(|it| it.to_string()).collect();
         let packages = walker.db.packages(&arguments);
@@ -315,7 +315,8 @@ impl Host for VisitHost<'_, '_> {
                 for (name, value) in &flags.defines {
                     define_in(&mut env, name, value);
                 }
-                env
+                let own = flags.own.iter().map(SmolStr::from).collect();
+                Required { env, own }
             });
         walker.packages_missing |= result.is_err();
         walker.visits[self.visit]

@@ -151,11 +151,21 @@ pub fn plan(
     }
     let mut seen = rustc_hash::FxHashSet::default();
     headers.retain(|it| seen.insert(it.path.clone()));
-    let compile: Vec<Step> = (folder.sources.sources.iter())
+    let own: Vec<&str> = {
+        let components = folder.components.iter();
+        components
+            .map(|&it| folder.unit.spec.components[it as usize].name.as_str())
+            .collect()
+    };
+    let sources = || {
+        let all = folder.sources.sources.iter();
+        all.filter(|it| !is_of_another(it, &own))
+    };
+    let compile: Vec<Step> = sources()
         .map(|source| compile_step(source, place, codels, tools, packages))
         .collect();
     let is_cxx = |it: &IndexedFile| it.path.extension() != Some("c");
-    let linker = match folder.sources.sources.iter().any(is_cxx) {
+    let linker = match sources().any(|it| is_cxx(it)) {
         true => &tools.cxx,
         false => &tools.c,
     };
@@ -179,6 +189,21 @@ pub fn plan(
     })
 }
 
+/// Whether a source includes the headers of another component (`ac….h`) and none of these.
+fn is_of_another(source: &IndexedFile, components: &[&str]) -> bool {
+    let includes = source.index.includes.iter();
+    let mut named = includes.filter_map(|it| {
+        let file = it.path.rsplit('/').next()?;
+        file.strip_prefix("ac")?.strip_suffix(".h")
+    });
+    let first = named.next();
+    first.is_some_and(|first| {
+        !std::iter::once(first)
+            .chain(named)
+            .any(|it| components.contains(&it))
+    })
+}
+
 fn compile_step(
     source: &IndexedFile,
     place: &Utf8Path,
@@ -195,6 +220,9 @@ fn compile_step(
     let name = name.as_str().replace('_', "__").replace(['/', '\\'], "_-");
     let output = place.join("objects").join(format!("{name}.o"));
     let mut command = compiler.clone();
+    if source.path.extension() != Some("c") {
+        command.push(headers::CXX_NAMES.to_owned());
+    }
     // Columns are counted in characters.
     command.extend(
         [

@@ -128,6 +128,29 @@ pub const CODES: &[CodelCode] = &[
         fix: "Use the name that the specification has now. If only one member can be meant, the quick fix changes the name \
               in all sources.",
     },
+    CodelCode {
+        code: DriftCode::UndeclaredName,
+        meaning: "A codel uses a name that was a parameter and is none any more.",
+        why: "The code does not compile. The parameter was taken away or renamed in the specification.",
+        specification: "component c {\n  ids { double speed, limit; };\n  function f() { codel c_f(inout speed); };\n};\n",
+        source: "genom_event c_f(double *speed, const genom_context self)\n{\n  *speed = limit;\n  return genom_ok;\n}\n",
+        corrected: Corrected::Specification(
+            "component c {\n  ids { double speed, limit; };\n  function f() { codel c_f(inout speed, in limit); };\n};\n",
+        ),
+        fix: "Add the parameter to the codel and update the signature, or declare the name in the source.",
+    },
+    CodelCode {
+        code: DriftCode::ConstantWrite,
+        meaning: "A codel writes to a parameter that it may only read.",
+        why: "The code does not compile. A parameter with the direction `in` points to a constant.",
+        specification: "component c {\n  struct s { double x; };\n  ids { s state; };\n  function f() { codel c_f(in state); };\n};\n",
+        source: "genom_event c_f(const c_s *state, const genom_context self)\n{\n  state->x = 1.;\n  return genom_ok;\n}\n",
+        corrected: Corrected::Specification(
+            "component c {\n  struct s { double x; };\n  ids { s state; };\n  function f() { codel c_f(inout state); };\n};\n",
+        ),
+        fix: "Change the direction in the specification to `out` or `inout` and update the signature, or write to a \
+              copy.",
+    },
 ];
 
 /// The entry of a kind.

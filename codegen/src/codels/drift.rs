@@ -7,6 +7,7 @@ mod comment;
 pub mod finding;
 mod flow;
 mod members;
+mod names;
 mod orphan;
 mod signature;
 
@@ -45,11 +46,15 @@ pub enum DriftCode {
     StaleComment,
     /// The code uses a member that its mapped type does not have.
     UnknownMember,
+    /// The code uses a name that was a parameter.
+    UndeclaredName,
+    /// The code writes to a parameter that is read only.
+    ConstantWrite,
 }
 
 impl DriftCode {
     /// Every kind.
-    pub const ALL: [DriftCode; 8] = [
+    pub const ALL: [DriftCode; 10] = [
         DriftCode::MissingDefinition,
         DriftCode::SignatureMismatch,
         DriftCode::UndeclaredYield,
@@ -58,6 +63,8 @@ impl DriftCode {
         DriftCode::Orphan,
         DriftCode::StaleComment,
         DriftCode::UnknownMember,
+        DriftCode::UndeclaredName,
+        DriftCode::ConstantWrite,
     ];
 
     /// The kind of a difference.
@@ -75,6 +82,8 @@ impl DriftCode {
             Differing::Orphan { .. } | Differing::Renamed { .. } => DriftCode::Orphan,
             Differing::StaleComment { .. } => DriftCode::StaleComment,
             Differing::NoMember { .. } | Differing::FormerMember { .. } => DriftCode::UnknownMember,
+            Differing::NoName { .. } => DriftCode::UndeclaredName,
+            Differing::ConstantWrite { .. } => DriftCode::ConstantWrite,
         }
     }
 
@@ -89,6 +98,8 @@ impl DriftCode {
             DriftCode::Orphan => "codel/orphan",
             DriftCode::StaleComment => "codel/stale-comment",
             DriftCode::UnknownMember => "codel/unknown-member",
+            DriftCode::UndeclaredName => "codel/undeclared-name",
+            DriftCode::ConstantWrite => "codel/constant-write",
         }
     }
 
@@ -329,6 +340,7 @@ pub fn check(all: &[Expected<'_>], sources: &Sources, options: &DriftOptions) ->
             }
             signature::check(&check, &definitions, &mut out);
             flow::check(&check, &definitions, &mut out);
+            names::check(&check, &definitions, &mut out);
             comment::check(&check, &definitions, &mut out);
         }
         members::check(expected, sources, options, &mut out);

@@ -43,6 +43,9 @@ pub const RUNTIME: [(&str, &str); 7] = [
     ),
 ];
 
+/// What compilers of C++ take so that `and`, `or` and the like may be names, as modules of GenoM3 have them.
+pub(super) const CXX_NAMES: &str = "-fno-operator-names";
+
 /// Name of the folder with the `genom3` headers.
 const INCLUDE: &str = "include";
 
@@ -72,6 +75,9 @@ pub fn headers(
         text: configuration(expected),
     });
     let mut lines = include_flags(folder, codels);
+    if expected.language == Language::Cxx {
+        lines.push(CXX_NAMES.to_owned());
+    }
     lines.extend(flags.iter().cloned());
     out.push(NewFile {
         path: "compile_flags.txt".into(),

@@ -148,6 +148,11 @@ pub struct Body {
     pub throws_unknown: bool,
     /// Every identifier.
     pub mentions: FxHashSet<SmolStr>,
+    /// Names used as values that the function does not declare, each at its first use. Left out are those
+    /// under a preprocessor's condition, and arguments of what looks like a macro.
+    pub free: Vec<(SmolStr, Span)>,
+    /// Writes to what a parameter points to, where that is constant: its name, and the left side.
+    pub constant_writes: Vec<(SmolStr, Span)>,
 }
 
 /// A `return` statement.

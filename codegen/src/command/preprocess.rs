@@ -7,7 +7,7 @@ use dotgen_analysis::host::{FileContent, Loader};
 use dotgen_analysis::release::Release;
 use dotgen_syntax::lexer::{RawTokens, lex};
 use dotgen_syntax::preproc::{
-    self, Element, Host, IncludeError, IncludeRequest, MacroEnv, Preprocessed, preprocess,
+    self, Element, Host, IncludeError, IncludeRequest, MacroEnv, Preprocessed, Required, preprocess,
 };
 use smol_str::SmolStr;
 
@@ -117,7 +117,7 @@ impl Host for Inside<'_> {
         Err(IncludeError::NotFound { searched })
     }
 
-    fn requires(&mut self, arguments: &[SmolStr], env: &MacroEnv) -> Result<MacroEnv, String> {
+    fn requires(&mut self, arguments: &[SmolStr], env: &MacroEnv) -> Result<Required, String> {
         let arguments: Vec<String> = arguments.iter().map(ToString::to_string).collect();
         let flags = self.outer.loader.packages(&arguments)?;
         let mut env = env.clone();
@@ -129,7 +129,7 @@ impl Host for Inside<'_> {
                 self.outer.include_dirs.push(dir);
             }
         }
-        Ok(env)
+        Ok(env.into())
     }
 }
 

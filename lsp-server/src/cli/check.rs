@@ -74,7 +74,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     let mut report = FileReports::default();
     let mut changed = fix::Changed::new();
-    for mut session in session::open(files, &arguments.reading)? {
+    let reading = Reading {
+        only_installed: arguments.denies_missing(),
+        ..arguments.reading.clone()
+    };
+    for mut session in session::open(files, &reading)? {
         if arguments.verbose {
             say_release(&session)?;
         }

@@ -329,7 +329,8 @@ impl Session {
                 problems: read.problems,
             });
         }
-        let configuration = Config::new(&settings, here, true);
+        let mut configuration = Config::new(&settings, here, true);
+        configuration.packages.own_interfaces &= !reading.only_installed;
         let vfs = Arc::new(Vfs::new(configuration.packages.clone()));
         let mut host = AnalysisHost::new(vfs);
         let given = files

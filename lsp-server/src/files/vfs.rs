@@ -3,6 +3,8 @@
 //! All input and output of the analysis goes through [`Vfs`], which implements its `Loader`.
 
 mod installed;
+mod interfaces;
+
 mod pkg_config;
 mod pkg_file;
 
@@ -16,6 +18,7 @@ use dotgen_analysis::release::ReleaseChoice;
 use dotgen_syntax::encoding;
 
 pub use dotgen_analysis::host::normalize;
+pub(crate) use interfaces::has as has_own_interfaces;
 pub use pkg_config::query;
 pub(crate) use pkg_config::words;
 
@@ -28,6 +31,8 @@ pub struct PackageConfig {
     pub templates: Vec<Utf8PathBuf>,
     /// Whether the package tool may be run. Otherwise dotgen reads `.pc` files itself.
     pub may_run: bool,
+    /// Whether the interfaces that come with dotgen take the place of packages that are not installed.
+    pub own_interfaces: bool,
 }
 
 /// The disk and the package tool, as analysis asks for them.

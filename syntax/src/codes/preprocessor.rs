@@ -168,6 +168,16 @@ pub(super) const CODES: &[Code] = &[
         "#pragma requires \"missing\"\n",
         "",
     ),
+    hint(
+        "pp-requires-own",
+        "A package is not installed, and its interfaces come with dotgen.",
+        "The specification is checked with dotgen's own definitions of these interfaces. GenoM3 itself \
+         needs the package.",
+        "Install the package to work with its files. For a file that is not found in dotgen's definitions, \
+         `dotgen deps` says what to install.",
+        "#pragma requires \"openrobots2-idl\"\n",
+        "",
+    ),
     error(
         "pp-cond-unterminated",
         "A conditional is still open at the end of the file.",

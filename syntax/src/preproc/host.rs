@@ -21,7 +21,23 @@ pub trait Host {
     ///
     /// # Errors
     /// A message for the user; the environment is then taken as unchanged.
-    fn requires(&mut self, arguments: &[SmolStr], env: &MacroEnv) -> Result<MacroEnv, String>;
+    fn requires(&mut self, arguments: &[SmolStr], env: &MacroEnv) -> Result<Required, String>;
+}
+
+/// What packages bring.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Required {
+    /// The environment with the definitions of the packages.
+    pub env: MacroEnv,
+    /// Packages that are not installed: definitions that come with dotgen take their place.
+    pub own: Vec<SmolStr>,
+}
+
+impl From<MacroEnv> for Required {
+    fn from(env: MacroEnv) -> Required {
+        let own = Vec::new();
+        Required { env, own }
+    }
 }
 
 /// A host that finds no file and knows every package, for texts on their own.
@@ -35,8 +51,8 @@ impl Host for NoIncludes {
         })
     }
 
-    fn requires(&mut self, _: &[SmolStr], env: &MacroEnv) -> Result<MacroEnv, String> {
-        Ok(env.clone())
+    fn requires(&mut self, _: &[SmolStr], env: &MacroEnv) -> Result<Required, String> {
+        Ok(env.clone().into())
     }
 }
 

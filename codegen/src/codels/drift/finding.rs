@@ -59,6 +59,11 @@ findings! {
             => "`{structure}` has no member `{member}`";
         "codel/unknown-member" FormerMember { parameter: Name, member: Name }
             => "parameter `{parameter}` is member `{member}` of the `ids`: was that one renamed?";
+        "codel/undeclared-name" NoName { function: Name, name: Name }
+            => "`{function}` uses `{name}`, which is no parameter of it", "add it to the codel, or declare it";
+        "codel/constant-write" ConstantWrite { function: Name, parameter: Name }
+            => "`{function}` writes to `{parameter}`, which is read only", "make it `out` or `inout` in the codel, \
+                or write to a copy";
         "codel/stale-comment" StaleComment { codel: Name, wrong: Clauses }
             => "comment of codel `{codel}`: {wrong}";
     }

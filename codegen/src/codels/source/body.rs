@@ -1,11 +1,13 @@
 //! What a function body returns and raises.
 
+mod names;
+
 use rustc_hash::{FxHashMap, FxHashSet};
 use smol_str::SmolStr;
 use tree_sitter::Node;
 
 use super::{
-    Body, Call, Return, Throw, Value,
+    Body, Call, Parameter, Return, Throw, Value,
     ctype::{compact, declared_name, source},
     preorder,
 };
@@ -13,8 +15,8 @@ use super::{
 /// What the skeleton writes in its samples.
 const SAMPLE: &str = "skeleton sample: insert your code";
 
-/// Reads the block of a function with the given parameter names.
-pub(super) fn read(block: Node<'_>, parameters: &[SmolStr], text: &str) -> Body {
+/// Reads the block of a function.
+pub(super) fn read(block: Node<'_>, parameters: &[Parameter], text: &str) -> Body {
     let mut reader = Reader {
         text,
         body: Body {
@@ -26,15 +28,20 @@ pub(super) fn read(block: Node<'_>, parameters: &[SmolStr], text: &str) -> Body 
             throws: Vec::new(),
             throws_unknown: false,
             mentions: FxHashSet::default(),
+            free: Vec::new(),
+            constant_writes: Vec::new(),
         },
         variables: FxHashMap::default(),
         calls: FxHashMap::default(),
     };
-    for name in parameters {
+    for name in parameters.iter().filter_map(|it| it.name.as_ref()) {
         reader.variable(name.clone()).unknown = true;
     }
     let mut returns = Vec::new();
     preorder(block, |node| reader.node(node, &mut returns));
+    let names = names::Names::of(block, text);
+    reader.body.free = names.free(parameters);
+    reader.body.constant_writes = names.constant_writes(parameters);
     for node in returns {
         let values = node.named_child(0).filter(|it| it.kind() != "comment");
         let Some(value) = values else { continue };

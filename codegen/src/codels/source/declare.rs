@@ -203,9 +203,7 @@ fn definition(node: Node<'_>, context: &Context, text: &str, index: &mut SourceI
     if !function.known {
         loose(declarator, text, index);
     }
-    let parameters = function.parameters.iter();
-    let parameters: Vec<SmolStr> = parameters.filter_map(|it| it.name.clone()).collect();
-    function.body = Some(body::read(block, &parameters, text));
+    function.body = Some(body::read(block, &function.parameters, text));
     function.comments = comments_above(node, text);
     index.names.insert(function.name.clone());
     index.functions.push(function);

@@ -250,3 +250,44 @@ fn garbage_is_read_without_panic() {
     let chain = format!("int f(int a) {{ return {}1; }}", "a ? 1 : ".repeat(5_000));
     cxx(&chain);
 }
+
+#[test]
+fn names_that_a_function_does_not_declare() {
+    let free = |index: &SourceIndex| -> Vec<String> {
+        let bodies = index.functions.iter().filter_map(|it| it.body.as_ref());
+        let names = bodies.flat_map(|it| &it.free);
+        names.map(|it| it.0.to_string()).collect()
+    };
+    let c = index(
+        "int f(int a, int b[2]) { int c = a, *d = &e; for (int i = 0; i < g; i++) { c += i + b[i] + g; }\n\
+         enum { H, I = 2 }; struct { int a; } s = { .j = k }; call(l, s.m, H); goto out; out: return *d; }\n\
+         int g(void) {\n#ifdef X\n  int n = o;\n#endif\n  FOR_EACH(p, list) { use(p); }\n  return n; }\n",
+    );
+    assert_eq!(free(&c), ["e", "g", "k", "l"]);
+    let cxx = cxx(
+        "int f(int a) { auto [b, c] = pair(); for (auto &d : e) { use(d, b, c); }\n\
+         auto h = [g](int i) { return i + g; }; try { h(a); } catch (error &x) { log(x); }\n\
+         return std::max(j, 2) + k::l; }",
+    );
+    assert_eq!(free(&cxx), ["e", "j"]);
+}
+
+#[test]
+fn writes_to_what_a_parameter_only_reads() {
+    let index = index(
+        "void f(const s *a, s *b, const double *c, const s d[2], const char *const *e, s g) {\n\
+         a->x = 1; (*a).x.y += 1; a->p->x = 2; a->list[0] = 3; *b = 4; *c = 5; (*c)++; c[1] = 6; d[0].x = 7;\n\
+         *e = 0; a = 0; g.x = 8; b->x = 9; if (a->x == 1) return; }\n\
+         void h(const s *a) { { s *a = other; a->x = 1; } }\n",
+    );
+    let text = "a->x|(*a).x.y|*c|(*c)|c[1]|d[0].x";
+    let body = index.functions[0].body.as_ref().expect("a body");
+    let found: Vec<&str> = body
+        .constant_writes
+        .iter()
+        .map(|it| it.0.as_str())
+        .collect();
+    assert_eq!(found, ["a", "a", "c", "c", "c", "d"], "{text}");
+    let body = index.functions[1].body.as_ref().expect("a body");
+    assert!(body.constant_writes.is_empty());
+}

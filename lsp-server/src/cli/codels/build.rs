@@ -254,13 +254,28 @@ impl Builder<'_> {
         if flags(&all).is_ok() {
             return Ok(all);
         }
+        let mut wanted: Vec<String> = Vec::new();
         for it in &required.codels {
-            if let Err(why) = flags(std::slice::from_ref(it)) {
-                let advice = packages::advice(build::package_name(it));
-                bail!(
-                    "`{shown}` is not compiled: its codels require the package `{it}`: {}; install {advice}",
-                    why.trim_end()
-                );
+            if flags(std::slice::from_ref(it)).is_ok() {
+                wanted.push(it.clone());
+                continue;
+            }
+            let names = packages::names(it);
+            for name in &names {
+                let one = match names.len() {
+                    1 => it.clone(),
+                    _ => (*name).to_owned(),
+                };
+                match flags(std::slice::from_ref(&one)) {
+                    Ok(_) => wanted.push(one),
+                    // It is no more than interfaces.
+                    Err(_) if vfs::has_own_interfaces(name) => {}
+                    Err(why) => bail!(
+                        "`{shown}` is not compiled: its codels require the package `{one}`: {}; install {}",
+                        why.trim_end(),
+                        packages::advice(name)
+                    ),
+                }
             }
         }
         let is_there = |it: &&String| flags(std::slice::from_ref(*it)).is_ok();
@@ -274,7 +289,7 @@ impl Builder<'_> {
                 missing.join(", ")
             ));
         }
-        Ok(there.into_iter().chain(&required.codels).cloned().collect())
+        Ok(there.into_iter().cloned().chain(wanted).collect())
     }
 
     fn build(&self) -> anyhow::Result<Built> {

@@ -9,19 +9,61 @@ use std::time::Duration;
 use camino::{Utf8Path, Utf8PathBuf};
 
 use dotgen_analysis::host::PackageFlags;
+use dotgen_syntax::packages;
 
 use super::PackageConfig;
-use super::pkg_file;
+use super::{interfaces, pkg_file};
 use crate::process;
 
 /// How long pkg-config may take before it is given up.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Flags for all `arguments` (each `package`, or `package op version`) in one query.
+/// Flags for all `arguments` (each `package`, or `package op version`) in one query. Packages that are not
+/// installed and whose interfaces come with dotgen have these.
 ///
 /// # Errors
 /// A message for the user: which package is missing, or why none could be looked up.
 pub fn query(config: &PackageConfig, arguments: &[String]) -> Result<PackageFlags, String> {
+    let why = match asked(config, arguments) {
+        Err(why) if config.own_interfaces => why,
+        answer => return answer,
+    };
+    let (own, rest) = replaced(config, arguments);
+    let folders: Vec<_> = own
+        .iter()
+        .flat_map(|it| interfaces::folders_of(it))
+        .collect();
+    if folders.is_empty() {
+        return Err(why);
+    }
+    let mut flags = match rest.is_empty() {
+        true => PackageFlags::default(),
+        false => asked(config, &rest)?,
+    };
+    flags.include_dirs.extend(folders);
+    flags.own = own;
+    Ok(flags)
+}
+
+/// Packages that are not there and have interfaces that come with dotgen, and the arguments that are left.
+fn replaced(config: &PackageConfig, arguments: &[String]) -> (Vec<String>, Vec<String>) {
+    let directories = pkg_file::search_path(&config.paths);
+    let mut own = Vec::new();
+    let mut rest = Vec::new();
+    for argument in arguments {
+        let names = packages::names(argument);
+        let is_own =
+            |it: &&str| interfaces::has(it) && pkg_file::version(&directories, it).is_none();
+        match !names.is_empty() && names.iter().all(is_own) {
+            true => own.extend(names.into_iter().map(str::to_owned)),
+            false => rest.push(argument.clone()),
+        }
+    }
+    (own, rest)
+}
+
+/// What the package tool answers.
+fn asked(config: &PackageConfig, arguments: &[String]) -> Result<PackageFlags, String> {
     if config.may_run {
         match run(&program(), &config.paths, "--cflags", arguments) {
             Err(Failure::NotInstalled) => {}

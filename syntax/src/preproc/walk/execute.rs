@@ -379,7 +379,12 @@ impl Walker<'_> {
                 let arguments: Vec<SmolStr> =
                     pragma.args.iter().map(|it| it.text.clone()).collect();
                 match self.host.requires(&arguments, &self.env) {
-                    Ok(env) => self.env = env,
+                    Ok(required) => {
+                        self.env = required.env;
+                        for package in required.own {
+                            self.error(range, Preprocessing::OwnInterfaces { package });
+                        }
+                    }
                     Err(why) => {
                         let why = why.trim_end_matches('.').into();
                         let install = Install(arguments);

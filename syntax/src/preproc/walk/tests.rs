@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::{
     lexer::lex,
-    preproc::{IncludeError, IncludeRequest, MacroSite, NoIncludes},
+    preproc::{IncludeError, IncludeRequest, MacroSite, NoIncludes, Required},
 };
 
 /// Files in memory. A fixture has parts that begin with `//- name`; the first is the main file.
@@ -87,7 +87,7 @@ impl Host for Files {
         }
     }
 
-    fn requires(&mut self, arguments: &[SmolStr], env: &MacroEnv) -> Result<MacroEnv, String> {
+    fn requires(&mut self, arguments: &[SmolStr], env: &MacroEnv) -> Result<Required, String> {
         let mut env = env.clone();
         for argument in arguments {
             let package = argument
@@ -95,7 +95,7 @@ impl Host for Files {
                 .ok_or(format!("unknown package `{argument}`"))?;
             env.define_option(&format!("HAVE{package}=7"))?;
         }
-        Ok(env)
+        Ok(env.into())
     }
 }
 

@@ -1,0 +1,75 @@
+//! What the body of a codel cannot use: names that nothing declares any more, and values that are read only.
+
+use dotgen_analysis::model::{Name, TypeKind};
+use rustc_hash::FxHashSet;
+
+use super::finding::Differing;
+use super::{Check, Drift, FunctionIn};
+
+pub(super) fn check(check: &Check<'_>, definitions: &[FunctionIn<'_>], out: &mut Vec<Drift>) {
+    let mut said: Option<FxHashSet<Name>> = None;
+    for found in definitions {
+        let body = found.function.body.as_ref();
+        let Some(body) = body.filter(|it| !it.broken) else {
+            continue;
+        };
+        let name = || check.function.name.clone();
+        for (used, span) in &body.free {
+            let said = said.get_or_insert_with(|| named(check));
+            // Any header may declare what the specification does not know.
+            if !said.contains(used.as_str()) || is_declared(check, used) {
+                continue;
+            }
+            let kind = Differing::NoName {
+                function: name(),
+                name: used.as_str().into(),
+            };
+            out.push(Drift {
+                source: Some(found.at(span.clone())),
+                ..check.drift(kind)
+            });
+        }
+        for (parameter, span) in &body.constant_writes {
+            let kind = Differing::ConstantWrite {
+                function: name(),
+                parameter: parameter.as_str().into(),
+            };
+            out.push(Drift {
+                source: Some(found.at(span.clone())),
+                ..check.drift(kind)
+            });
+        }
+    }
+}
+
+/// Names that parameters of codels and services have, or could have: members of the IDS.
+fn named(check: &Check<'_>) -> FxHashSet<Name> {
+    let component = check.expected.component();
+    let mut out: FxHashSet<Name> = FxHashSet::default();
+    for at in component.all_codels() {
+        out.extend(component.codel(at).params.iter().map(|it| it.name.clone()));
+    }
+    for service in &component.services {
+        out.extend(service.params.iter().map(|it| it.name.clone()));
+    }
+    let spec = check.expected.spec;
+    let members = component.ids.map(|it| &spec.ty(it).kind);
+    let names = match members {
+        Some(TypeKind::Struct { members }) => members.as_slice(),
+        _ => &[],
+    }
+    .iter();
+    out.extend(names.filter_map(|&it| spec.ty(it).name.clone()));
+    out
+}
+
+/// Whether a source or header of the folder declares a name, or may do so.
+fn is_declared(check: &Check<'_>, name: &str) -> bool {
+    let mut files = check.sources.all();
+    files.any(|it| {
+        let index = &it.index;
+        index.names.contains(name)
+            || index.loose.contains(name)
+            || index.macros.iter().any(|it| it.name == name)
+    })
+}

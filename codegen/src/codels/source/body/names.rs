@@ -1,0 +1,196 @@
+//! Names that a function uses and does not declare, and writes that its parameters do not allow.
+
+use rustc_hash::FxHashSet;
+use smol_str::SmolStr;
+use tree_sitter::Node;
+
+use crate::codels::source::{
+    Layer, Parameter, Span,
+    ctype::{declared_name, source},
+};
+
+/// What a block declares, uses and writes.
+#[derive(Default)]
+pub(super) struct Names {
+    declared: FxHashSet<SmolStr>,
+    /// Values, in text order.
+    used: Vec<(SmolStr, Span)>,
+    /// Names that a macro may declare.
+    in_macros: FxHashSet<SmolStr>,
+    /// Left sides that go through a pointer once: the pointer, and the whole.
+    written: Vec<(SmolStr, Span)>,
+}
+
+/// What is around a node.
+#[derive(Clone, Copy, Default)]
+struct Around {
+    /// The kind of the parent.
+    parent: &'static str,
+    /// Compiled under a condition of the preprocessor only.
+    conditional: bool,
+    /// Within arguments of what is written like a macro, or in a lambda: names may be declared there.
+    declares: bool,
+}
+
+impl Names {
+    pub(super) fn of(block: Node<'_>, text: &str) -> Names {
+        let mut out = Names::default();
+        let mut cursor = block.walk();
+        let mut around = vec![Around::default()];
+        loop {
+            let node = cursor.node();
+            let here = around.last().copied().unwrap_or_default();
+            out.node(node, cursor.field_name(), here, text);
+            if cursor.goto_first_child() {
+                around.push(Around {
+                    parent: node.kind(),
+                    conditional: here.conditional || node.kind().starts_with("preproc"),
+                    declares: here.declares || declares(node, text),
+                });
+                continue;
+            }
+            while !cursor.goto_next_sibling() {
+                around.pop();
+                if !cursor.goto_parent() {
+                    return out;
+                }
+            }
+        }
+    }
+
+    fn node(&mut self, node: Node<'_>, field: Option<&str>, around: Around, text: &str) {
+        let name = |it: Node<'_>| SmolStr::from(source(it, text));
+        match node.kind() {
+            "declaration" => {
+                let mut cursor = node.walk();
+                for it in node.children_by_field_name("declarator", &mut cursor) {
+                    self.declare(it, text);
+                }
+            }
+            "parameter_declaration" | "optional_parameter_declaration" | "for_range_loop" => {
+                if let Some(it) = node.child_by_field_name("declarator") {
+                    self.declare(it, text);
+                }
+            }
+            "enumerator" | "preproc_def" | "preproc_function_def" => {
+                self.declared
+                    .extend(node.child_by_field_name("name").map(name));
+            }
+            "assignment_expression" => {
+                let left = node.child_by_field_name("left");
+                self.written.extend(left.and_then(|it| through(it, text)));
+            }
+            "update_expression" => {
+                let of = node.child_by_field_name("argument");
+                self.written.extend(of.and_then(|it| through(it, text)));
+            }
+            "identifier" if around.declares => {
+                self.in_macros.insert(name(node));
+            }
+            "identifier" if is_value(around.parent, field) && !around.conditional => {
+                self.used.push((name(node), node.byte_range()));
+            }
+            _ => {}
+        }
+    }
+
+    fn declare(&mut self, declarator: Node<'_>, text: &str) {
+        let inner = declarator.child_by_field_name("declarator");
+        let several = [Some(declarator), inner].into_iter().flatten();
+        let several = several.filter(|it| it.kind() == "structured_binding_declarator");
+        for it in several {
+            let mut cursor = it.walk();
+            let names = it.named_children(&mut cursor);
+            self.declared
+                .extend(names.map(|it| SmolStr::from(source(it, text))));
+        }
+        if let Some(it) = declared_name(declarator) {
+            self.declared.insert(source(it, text).into());
+        }
+    }
+
+    /// Names that are declared nowhere in the function, each at its first use.
+    pub(super) fn free(&self, parameters: &[Parameter]) -> Vec<(SmolStr, Span)> {
+        let parameters = parameters.iter().filter_map(|it| it.name.as_ref());
+        let mut known: FxHashSet<&SmolStr> = parameters.collect();
+        known.extend(self.declared.iter().chain(&self.in_macros));
+        let used = self.used.iter();
+        used.filter(|it| known.insert(&it.0)).cloned().collect()
+    }
+
+    /// Writes through parameters that point to constants.
+    pub(super) fn constant_writes(&self, parameters: &[Parameter]) -> Vec<(SmolStr, Span)> {
+        let constant = |it: &Parameter| {
+            it.ty.constant
+                && matches!(
+                    it.ty.layers.as_slice(),
+                    [Layer::Pointer { .. } | Layer::Array { .. }]
+                )
+        };
+        let constant = parameters.iter().filter(|it| constant(it));
+        let names: FxHashSet<&SmolStr> = constant
+            .filter_map(|it| it.name.as_ref())
+            .filter(|it| !self.declared.contains(*it))
+            .collect();
+        let written = self.written.iter();
+        written
+            .filter(|it| names.contains(&it.0))
+            .cloned()
+            .collect()
+    }
+}
+
+/// Whether an identifier is a value: not a function that is called, nor part of another name.
+fn is_value(parent: &str, field: Option<&str>) -> bool {
+    match parent {
+        "call_expression" => field != Some("function"),
+        "qualified_identifier" | "template_function" => false,
+        kind => !kind.starts_with("preproc"),
+    }
+}
+
+/// Whether names may be declared inside that nobody sees.
+fn declares(node: Node<'_>, text: &str) -> bool {
+    if node.kind() == "lambda_expression" {
+        return true;
+    }
+    let function = node.child_by_field_name("function");
+    let function =
+        function.filter(|it| node.kind() == "call_expression" && it.kind() == "identifier");
+    function.is_some_and(|it| !source(it, text).contains(|it: char| it.is_lowercase()))
+}
+
+/// How many parentheses and members of a left side are followed.
+const MEMBERS: usize = 16;
+
+/// The pointer that a left side goes through, where it goes through no other: `*p`, `p->a.b`, `p[0].a`.
+fn through(left: Node<'_>, text: &str) -> Option<(SmolStr, Span)> {
+    let mut node = left;
+    for _ in 0..MEMBERS {
+        let inner = match node.kind() {
+            "parenthesized_expression" => node.named_child(0)?,
+            "field_expression" => {
+                let of = node.child_by_field_name("argument")?;
+                let arrow = node.child_by_field_name("operator")?.kind() == "->";
+                if arrow {
+                    return pointer(of, left, text);
+                }
+                of
+            }
+            "pointer_expression" if node.child(0)?.kind() == "*" => {
+                return pointer(node.child_by_field_name("argument")?, left, text);
+            }
+            "subscript_expression" => {
+                return pointer(node.child_by_field_name("argument")?, left, text);
+            }
+            _ => return None,
+        };
+        node = inner;
+    }
+    None
+}
+
+fn pointer(node: Node<'_>, left: Node<'_>, text: &str) -> Option<(SmolStr, Span)> {
+    let is_name = node.kind() == "identifier";
+    is_name.then(|| (source(node, text).into(), left.byte_range()))
+}

@@ -1,0 +1,123 @@
+//! Interfaces that come with dotgen take the place of packages that are not installed.
+
+use std::process::Output;
+
+use crate::directory::{Directory, status, stderr, stdout};
+use crate::running::compilers;
+
+/// What public components have: an interface from a package, its types in ports and the IDS, C++.
+const FLY: &str = r#"#pragma require "openrobots2-idl >= 2.0"
+#include "or/pose/pose_estimator.gen"
+#include "or/robot/rotorcraft.gen"
+component fly {
+  version "1.0";
+  lang "c++";
+  require "genom3 >= 2.99.26";
+  codels-require "openrobots2-idl";
+  uses or_rotorcraft;
+  port in or_pose_estimator::state pose;
+  exception e_input { short code; };
+  ids { or_pose_estimator::state last; sequence<double, 8> wanted; };
+  task main {
+    period 5 ms;
+    codel<start> fly_start(out ::ids) yield control;
+    codel<control> fly_control(in pose, inout last, port out rotor_input, in wanted)
+      yield pause::control;
+  };
+  attribute set(in wanted);
+};
+"#;
+
+fn run(it: &Directory, arguments: &[&str]) -> Output {
+    let mut command = it.command(arguments);
+    command.env("XDG_CACHE_HOME", it.path().join("cache"));
+    command.env("PKG_CONFIG_LIBDIR", it.path().join("packages"));
+    command.output().expect("it runs")
+}
+
+#[test]
+fn a_fresh_clone_has_nothing_open() {
+    let it = Directory::new(&[("fly.gen", FLY)]);
+    let output = run(&it, &["check", "fly.gen"]);
+    assert_eq!(status(&output), 0, "{}", stderr(&output));
+    let shown = stdout(&output);
+    assert!(shown.contains("hint[pp-requires-own]"), "{shown}");
+    assert!(
+        !shown.contains("warning") && !shown.contains("error"),
+        "{shown}"
+    );
+    assert!(!shown.contains("wait for"), "{shown}");
+
+    // For those who want what is installed only.
+    let output = run(&it, &["check", "--deny", "missing", "fly.gen"]);
+    assert_eq!(status(&output), 1);
+    assert!(stdout(&output).contains("error[pp-requires-unresolved]"));
+    // GenoM3 knows nothing of them.
+    let output = run(&it, &["genom3", "-n", "fly.gen"]);
+    assert_ne!(status(&output), 0);
+}
+
+#[test]
+fn the_installed_package_comes_first() {
+    let it = Directory::new(&[("fly.gen", FLY)]);
+    let folder = it.path().display();
+    for (path, text) in [
+        (
+            "packages/openrobots2-idl.pc",
+            format!("Name: p\nDescription: p\nVersion: 2.1\nCflags: -I{folder}/installed\n"),
+        ),
+        (
+            "installed/or/pose/pose_estimator.gen",
+            "interface or_pose_estimator { struct state { long mine; }; };\n".to_owned(),
+        ),
+    ] {
+        it.write(path, text.as_bytes());
+    }
+    let output = run(&it, &["check", "fly.gen"]);
+    let shown = stdout(&output);
+    assert!(!shown.contains("pp-requires-own"), "{shown}");
+    // The other file is not in that package, and dotgen does not mix the two.
+    assert!(shown.contains("pp-include-not-found"), "{shown}");
+
+    // One that is too old is no missing one.
+    let old = format!("Name: p\nDescription: p\nVersion: 1.0\nCflags: -I{folder}/installed\n");
+    it.write("packages/openrobots2-idl.pc", old.as_bytes());
+    let shown = stdout(&run(&it, &["check", "fly.gen"]));
+    assert!(shown.contains("pp-requires-unresolved"), "{shown}");
+}
+
+#[test]
+fn its_codels_compile_and_run() {
+    if !compilers() {
+        return;
+    }
+    let it = Directory::new(&[("fly.gen", FLY)]);
+    assert_eq!(status(&run(&it, &["codels", "stub", "fly.gen"])), 0);
+    let output = run(&it, &["codels", "check", "fly.gen"]);
+    assert_eq!(status(&output), 0, "{}", stdout(&output));
+    // The module `or` is an operator of C++.
+    let output = run(&it, &["run", "--until", "100ms", "fly.gen"]);
+    let shown = format!("{}{}", stdout(&output), stderr(&output));
+    assert_eq!(status(&output), 0, "{shown}");
+}
+
+#[test]
+fn sources_of_another_component_beside_are_left_out() {
+    if !compilers() {
+        return;
+    }
+    let component = |name: &str| {
+        format!(
+            "component {name} {{\n  version \"1\"; lang \"c\";\n  ids {{ long n; }};\n  task main {{\n    \
+             period 10 ms;\n    codel<start> {name}_main(inout n) yield pause::start;\n  }};\n}};\n"
+        )
+    };
+    let (left, right) = (component("left"), component("right"));
+    let it = Directory::new(&[("left.gen", &left), ("right.gen", &right)]);
+    for name in ["left.gen", "right.gen"] {
+        assert_eq!(status(&run(&it, &["codels", "stub", name])), 0);
+    }
+    let output = run(&it, &["run", "--until", "50ms", "left.gen", "right.gen"]);
+    let shown = format!("{}{}", stdout(&output), stderr(&output));
+    assert_eq!(status(&output), 0, "{shown}");
+}
