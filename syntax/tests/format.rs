@@ -574,9 +574,8 @@ fn long_lines_and_deep_nesting_take_linear_time() {
     };
     for (name, n, text) in texts {
         let (short, long) = (text(n), text(4 * n));
-        // Other processes make both slower at times: one attempt that shows it is enough.
-        let ratios = (0..5).map(|_| time(&long) / time(&short));
-        let least = ratios.fold(f64::INFINITY, f64::min);
-        assert!(least < 9.0, "{name}: {least} times as long");
+        // Other processes slow both down at times. One attempt that is linear is enough.
+        let is_linear = (0..5).any(|_| time(&long) < 9.0 * time(&short));
+        assert!(is_linear, "{name}");
     }
 }
