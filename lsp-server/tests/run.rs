@@ -409,3 +409,46 @@ fn without_execution_times_there_is_neither_load_nor_bound() {
         stderr(&output)
     );
 }
+
+/// Ten independent tasks, one of which takes nearly a period of another. On one core they have far too many
+/// states for a short verification.
+fn ten_tasks() -> String {
+    let periods = [5, 10, 20, 25, 40, 50, 80, 100, 125, 200];
+    let task = |(i, period): (usize, u32)| {
+        let wcet = if i == 9 { 4_000 } else { period * 50 };
+        format!(
+            "task t{i} {{ period {period} ms; codel <start> c{i}(inout x{i}) yield pause::start wcet {wcet} \
+             us; }};\n"
+        )
+    };
+    let ids: String = (0..10).map(|i| format!("long x{i}; ")).collect();
+    let tasks: String = periods.into_iter().enumerate().map(task).collect();
+    format!("component ten {{\nversion \"1\"; lang \"c\";\nids {{ {ids}}};\n{tasks}}};\n")
+}
+
+/// The run ends long before its verification would, so it cannot have waited for the verification.
+#[test]
+fn a_run_does_not_wait_for_its_verification() {
+    let directory = Directory::new(&[("ten.gen", &ten_tasks())]);
+    let run = |arguments: &[&str]| {
+        let all = ["run", "ten.gen", "--cores", "1", "--simulate", "all"];
+        let all = [&all[..], &["--format", "json"]].concat();
+        let output = directory.run(&[&all[..], arguments].concat());
+        assert_eq!(status(&output), 0, "{}", stderr(&output));
+        json_of(&output)
+    };
+    let is_cancelled = |report: &Value| {
+        let notes = report["notes"].as_array().expect("a list");
+        let told = |it: &&Value| it.as_str().is_some_and(|it| it.contains("cancelled"));
+        notes.iter().filter(told).count() == 1
+    };
+    let real = ["--clock", "real", "--until", "100ms"];
+    let report = run(&real);
+    assert!(is_cancelled(&report), "{report}");
+    let analysed = run(&[&real[..], &["--bounds", "analysed"]].concat());
+    assert!(!is_cancelled(&analysed), "{analysed}");
+    // On the virtual clock there is no verification that a fast machine would complete.
+    let virtually = run(&["--until", "100ms"]);
+    assert!(!is_cancelled(&virtually), "{virtually}");
+    assert_eq!(virtually, run(&["--until", "100ms"]));
+}

@@ -71,6 +71,8 @@ pub struct Judge<'p> {
     places: Vec<Option<usize>>,
     /// Bounds on response times, by task.
     bounds: Vec<Option<Ticks>>,
+    /// By task, the longest response time so far, and its moment.
+    longest: Vec<Option<(Ticks, Moment)>>,
     /// Answers, by check.
     pub answers: Vec<Answer>,
     /// The first violation of each kind, with its moment.
@@ -112,6 +114,7 @@ impl<'p> Judge<'p> {
             violations: Vec::new(),
             broken: Vec::new(),
             gone: vec![false; bounds.len()],
+            longest: vec![None; bounds.len()],
             count: 0,
             run: 0,
             prepared,
@@ -155,6 +158,31 @@ impl<'p> Judge<'p> {
             | Seen::Begun { .. }
             | Seen::Ended { .. }
             | Seen::Requested { .. } => {}
+        }
+    }
+
+    /// Compares the longest response times so far with bounds that became known since.
+    pub fn bound_late(&mut self, bounds: &[Option<Ticks>]) {
+        for (task, &bound) in bounds.iter().enumerate() {
+            let known = self.bounds[task];
+            let Some(bound) = bound.filter(|&bound| known.is_none_or(|known| bound < known)) else {
+                continue;
+            };
+            self.bounds[task] = Some(bound);
+            let of_task = |it: &Violation| match *it {
+                Violation::BeyondBound { task: of, .. } => of == task,
+                _ => false,
+            };
+            if let Some((response, when)) = self.longest[task].filter(|it| it.0 > bound)
+                && !self.violations.iter().any(|it| of_task(&it.1))
+            {
+                let violation = Violation::BeyondBound {
+                    task,
+                    response,
+                    bound,
+                };
+                self.note(when, violation);
+            }
         }
     }
 
@@ -298,6 +326,9 @@ impl<'p> Judge<'p> {
             {
                 self.lasts(now, check, time);
             }
+        }
+        if self.longest[task].is_none_or(|it| time > it.0) {
+            self.longest[task] = Some((time, now));
         }
         if let Some(bound) = self.bounds[task].filter(|&bound| time > bound)
             && !std::mem::replace(&mut self.beyond[task], true)

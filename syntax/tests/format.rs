@@ -521,3 +521,61 @@ fn block_comments_move_as_a_block() {
         "#]],
     );
 }
+
+/// Texts that are one long line, or nested deeply, take time in proportion to their length: four times the
+/// text takes much less than sixteen times the time.
+#[test]
+fn long_lines_and_deep_nesting_take_linear_time() {
+    let list = |n: usize, item: &dyn Fn(usize) -> String, between: &str| {
+        let all: Vec<String> = (0..n).map(item).collect();
+        all.join(between)
+    };
+    let component = |it: String| format!("component c {{ version \"1\"; lang \"c\"; {it} }};\n");
+    type Text<'a> = (&'a str, usize, &'a dyn Fn(usize) -> String);
+    let texts: [Text<'_>; 8] = [
+        ("exceptions", 5_000, &|n| {
+            let names = list(n, &|i| format!("e{i}"), ", ");
+            component(format!("exception {names};"))
+        }),
+        ("parameters", 5_000, &|n| {
+            let all = list(n, &|i| format!("in long x{i}"), ", ");
+            component(format!("function f({all}) {{ }};"))
+        }),
+        ("enumerators", 10_000, &|n| {
+            format!("enum e {{ {} }};\n", list(n, &|i| format!("v{i}"), ", "))
+        }),
+        ("lines", 10_000, &|n| {
+            let all = list(n, &|i| format!("v{i}"), ",\n  ");
+            format!("enum e {{\n  {all}\n}};\n")
+        }),
+        ("labels", 10_000, &|n| {
+            let all = list(n, &|i| format!("case {i}:"), " ");
+            format!("union u switch (long) {{ {all} long x; }};\n")
+        }),
+        ("columns", 2_500, &|n| {
+            let line = list(n, &|i| format!("v{i}"), ",  ");
+            format!("enum e {{\n  {line},\n  {line},\n  {line}\n}};\n")
+        }),
+        ("sequences", 1_000, &|n| {
+            let (open, close) = ("sequence<".repeat(n), ">".repeat(n));
+            format!("typedef {open}long{close} t;\n")
+        }),
+        ("structs", 1_000, &|n| {
+            let (open, close) = ("struct s { ".repeat(n), " } x; ".repeat(n));
+            format!("{open}\nlong x;{close};\n")
+        }),
+    ];
+    let time = |text: &str| {
+        let parse = parse_text(text);
+        let (root, broken) = (parse.syntax(), parse.broken());
+        let start = std::time::Instant::now();
+        std::hint::black_box(format(&root, &broken, None, &Options::default()));
+        start.elapsed().as_secs_f64()
+    };
+    for (name, n, text) in texts {
+        let (short, long) = (text(n), text(4 * n));
+        // Other processes slow both down at times. One attempt that is linear is enough.
+        let is_linear = (0..5).any(|_| time(&long) < 9.0 * time(&short));
+        assert!(is_linear, "{name}");
+    }
+}

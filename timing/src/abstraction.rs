@@ -45,6 +45,8 @@ pub struct Budget {
     pub before_batches: usize,
     /// Then the system is refused.
     pub states: usize,
+    /// The system is also refused when the states that are kept take so many bytes.
+    pub bytes: usize,
 }
 
 /// States, times the tasks that each has an interval for, at most: they have to be kept in memory.
@@ -55,6 +57,7 @@ impl Default for Budget {
         Budget {
             before_batches: 5_000,
             states: 250_000,
+            bytes: usize::MAX,
         }
     }
 }
@@ -76,7 +79,10 @@ pub fn abstract_bounds(
             states: budget.states.min(PLACES / model.threads.len().max(1)),
             ..budget
         };
-        let search = |batches, states| Search::new(&model, batches, states, cancel).run();
+        let search = |batches, states| {
+            let budget = Budget { states, ..budget };
+            Search::new(&model, batches, budget, cancel).run()
+        };
         let found = match Batches::new(&model) {
             None => search(None, budget.states),
             batches => match search(None, budget.before_batches) {

@@ -16,6 +16,7 @@ mod reductions;
 mod rules;
 mod run;
 mod search;
+mod segments;
 mod state;
 mod stepper;
 mod store;

@@ -256,7 +256,7 @@ impl Group<'_> {
         if !wanted || self.limits.without.contains(Kind::ScheduleAbstraction) {
             return;
         }
-        let found = analysed.abstracted(self.cancel);
+        let found = analysed.abstracted(self.limits.bytes, self.cancel);
         report.reductions.add_abstraction(found.err());
         if found.is_err() {
             return;

@@ -343,8 +343,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             trouble.told();
             continue;
         }
-        let mut bounds =
-            bounds::of_tasks(arguments.bounds, &problem, &options, &prepared, &interrupt);
+        let source = (arguments.bounds, arguments.clock);
+        let (mut bounds, proving) =
+            bounds::at_once(source, &problem, &options, &prepared, &interrupt);
         let measured = arguments.clock == Clock::Real && arguments.simulate == Simulate::Missing;
         let untimed = bounds::without_times(&prepared.built.system, &mut bounds, measured);
         let names = Names::new(&input.specs);
@@ -361,9 +362,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             names: &names,
             options: &options,
             bounds,
+            proving: proving.as_ref(),
+            measured,
             interrupt: &interrupt,
         };
-        let Some(run) = context.run(arguments, prepared, recorder.as_mut())? else {
+        let Some(run) = context.run_while_proving(arguments, prepared, recorder.as_mut())? else {
             if interrupt.is_raised() {
                 report::note("interrupted before it ran");
                 return Ok(Outcome::GaveUp);

@@ -8,6 +8,10 @@
 #[cfg(target_os = "linux")]
 const PRIORITY: i32 = 40;
 
+/// The nice value of a thread that works while others run codels.
+#[cfg(target_os = "linux")]
+const LOWEST: libc::c_int = 19;
+
 /// Keeps all pages of this process in memory; whether that is granted.
 pub(crate) fn lock_memory() -> bool {
     #[cfg(target_os = "linux")]
@@ -37,6 +41,15 @@ pub(crate) fn raise_priority() -> bool {
     }
     #[allow(unreachable_code, reason = "elsewhere nothing is asked for")]
     false
+}
+
+/// Schedules this thread after ordinary ones, so that it does not delay them.
+pub(crate) fn lower_priority() {
+    #[cfg(target_os = "linux")]
+    // SAFETY: only numbers are passed. On Linux the priority is that of the calling thread alone.
+    unsafe {
+        libc::setpriority(libc::PRIO_PROCESS, 0, LOWEST);
+    }
 }
 
 /// Ties this thread to a core; whether that is granted.

@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use crate::{
-    SyntaxElement, SyntaxKind, SyntaxKind::*, SyntaxNode, SyntaxToken, TextRange, WalkEvent,
+    SyntaxElement, SyntaxKind, SyntaxKind::*, SyntaxNode, SyntaxToken, TextRange, TextSize,
+    WalkEvent,
 };
 
 /// What a piece is.
@@ -91,8 +92,10 @@ fn is_valued_property(kind: SyntaxKind) -> bool {
 /// Cuts a tree into pieces.
 pub(super) fn chunks(root: &SyntaxNode, broken: &[TextRange]) -> Vec<Chunk> {
     let mut cutter = Cutter {
-        broken,
+        broken: Broken::new(broken),
+        broken_line: None,
         out: Vec::new(),
+        pieces: 0,
         newlines: 0,
         spaced: false,
         path: Vec::new(),
@@ -150,21 +153,61 @@ struct Level {
     kind: SyntaxKind,
     flat: bool,
     frozen: bool,
-    /// Pieces before it.
-    chunks: usize,
-    /// No piece of it but comments so far.
-    fresh: bool,
+    /// Pieces before the node, without comments.
+    pieces: usize,
+    /// The node or one around it is text that the grammar does not read.
+    opaque: bool,
+    /// Blocks from the root to the node, with the node.
+    blocks: usize,
+    /// Lists from the root to the node, with the node.
+    lists: usize,
+    /// Place of the innermost block in the path.
+    block: Option<usize>,
+    /// Pieces before the innermost property that has a value.
+    property: Option<usize>,
 }
 
-struct Cutter<'a> {
-    broken: &'a [TextRange],
+/// Ranges of syntax errors, to be asked for overlaps.
+struct Broken {
+    /// In order of their starts.
+    ranges: Vec<TextRange>,
+    /// The greatest end of a range and those before it, for each range.
+    ends: Vec<TextSize>,
+}
+
+impl Broken {
+    fn new(ranges: &[TextRange]) -> Broken {
+        let mut ranges = ranges.to_vec();
+        ranges.sort_by_key(|it| it.start());
+        let greatest = |end: &mut TextSize, it: &TextRange| {
+            *end = it.end().max(*end);
+            Some(*end)
+        };
+        let ends = ranges.iter().scan(TextSize::new(0), greatest).collect();
+        Broken { ranges, ends }
+    }
+
+    /// Whether an error is in a node. An error next to the node is not in it: else white space between them,
+    /// which formatting changes, would make a difference.
+    fn touches(&self, range: TextRange) -> bool {
+        let before = self.ranges.partition_point(|it| it.start() < range.end());
+        before > 0 && range.start() < self.ends[before - 1]
+    }
+}
+
+struct Cutter {
+    broken: Broken,
+    /// A line break that was found, and the brace of a block from which on it is the first.
+    broken_line: Option<(TextSize, TextSize)>,
     out: Vec<Chunk>,
+    /// Pieces so far, without comments.
+    pieces: usize,
     newlines: usize,
     spaced: bool,
     path: Vec<Level>,
 }
 
-impl Cutter<'_> {
+impl Cutter {
     fn enter(&mut self, node: &SyntaxNode) {
         let kind = node.kind();
         let above = self.path.last();
@@ -172,23 +215,33 @@ impl Cutter<'_> {
         let in_body = above.is_none_or(|l| l.kind == BODY || l.kind == SOURCE_FILE);
         // An item of a body is frozen as a whole when something in it does not parse, unless it has a
         // body of its own in which the trouble can be isolated.
-        let troubled = kind == ERROR || self.broken.iter().any(|b| touches(*b, range));
+        let troubled = kind == ERROR || self.broken.touches(range);
         let holds_body = node.children().any(|c| c.kind() == BODY);
         let frozen = above.is_some_and(|l| l.frozen)
             || (troubled && kind != SOURCE_FILE && (kind == ERROR || (in_body && !holds_body)));
         // Inline structs keep the shape their outermost block has.
         // Components and modules are never on one line; the others as their author has them.
         let large = above.is_some_and(|l| matches!(l.kind, COMPONENT | MODULE));
-        let flat =
-            above.is_some_and(|l| l.flat) || (is_block(kind) && !large && !breaks_inside(node));
+        let (in_opaque, blocks, lists, block, property) = above
+            .map_or_else(Default::default, |l| {
+                (l.opaque, l.blocks, l.lists, l.block, l.property)
+            });
+        let in_flat = above.is_some_and(|l| l.flat);
+        let flat = in_flat || (is_block(kind) && !large && !self.breaks_inside(node));
+        let place = self.path.len();
+        let chunks = self.out.len();
         self.path.push(Level {
             kind,
             flat,
             frozen,
-            chunks: self.out.len(),
-            fresh: true,
+            pieces: self.pieces,
+            opaque: in_opaque || is_opaque(kind),
+            blocks: blocks + usize::from(is_block(kind)),
+            lists: lists + usize::from(is_list(kind)),
+            block: is_block(kind).then_some(place).or(block),
+            property: is_valued_property(kind).then_some(chunks).or(property),
         });
-        if is_opaque(kind) && !self.inside_opaque() {
+        if is_opaque(kind) && !in_opaque {
             self.push(ChunkKind::Opaque, range, false);
         }
     }
@@ -200,14 +253,9 @@ impl Cutter<'_> {
         }
     }
 
-    fn inside_opaque(&self) -> bool {
-        let above = self.path.len().saturating_sub(1);
-        self.path[..above].iter().any(|l| is_opaque(l.kind))
-    }
-
     fn token(&mut self, token: &SyntaxToken) {
         let range = token.text_range();
-        if range.is_empty() || self.path.iter().any(|l| is_opaque(l.kind)) {
+        if range.is_empty() || self.path.last().is_some_and(|l| l.opaque) {
             return;
         }
         match token.kind() {
@@ -251,8 +299,8 @@ impl Cutter<'_> {
         };
         let closes = matches!(kind, ChunkKind::Token(R_CURLY)) && is_block(up(1));
         let opens_block = matches!(kind, ChunkKind::Token(L_CURLY)) && is_block(up(1));
-        let blocks = self.path.iter().filter(|l| is_block(l.kind)).count();
-        let lists = self.path.iter().filter(|l| is_list(l.kind)).count();
+        let last = self.path.last();
+        let (blocks, lists) = last.map_or((0, 0), |l| (l.blocks, l.lists));
         // Braces belong to the level outside.
         let indent = if closes || opens_block {
             blocks.saturating_sub(1)
@@ -264,30 +312,19 @@ impl Cutter<'_> {
         let comment = matches!(kind, ChunkKind::Comment | ChunkKind::TrailingComment);
         // The second piece of a property is where its value begins. Comments move with those of other lines,
         // so nothing is aligned under them.
-        let property = |l: &Level| is_valued_property(l.kind);
-        let value = !comment
-            && self
-                .path
-                .iter()
-                .rposition(property)
-                .is_some_and(|at| self.out.len() == self.path[at].chunks + 1);
-        let item = self
-            .path
-            .iter()
-            .rposition(|l| is_block(l.kind))
-            .map_or(1, |b| b + 1);
-        let first_of_item = !comment
-            && self
-                .path
-                .get(item)
-                .is_some_and(|l| l.fresh && !is_block(l.kind));
+        let property = last.and_then(|l| l.property);
+        let value = !comment && property.is_some_and(|before| self.out.len() == before + 1);
+        let in_value = property.is_some_and(|before| self.out.len() > before);
+        let item = last.and_then(|l| l.block).map_or(1, |b| b + 1);
+        let fresh = |l: &Level| l.pieces == self.pieces && !is_block(l.kind);
+        let first_of_item = !comment && self.path.get(item).is_some_and(fresh);
         let listed = item > 0
             && self
                 .path
                 .get(item - 1)
                 .is_some_and(|l| l.kind == ENUMERATOR_LIST);
-        let flat = self.path.last().is_some_and(|l| l.flat);
-        let frozen = self.path.last().is_some_and(|l| l.frozen);
+        let flat = last.is_some_and(|l| l.flat);
+        let frozen = last.is_some_and(|l| l.frozen);
         self.out.push(Chunk {
             kind,
             range,
@@ -297,8 +334,8 @@ impl Cutter<'_> {
                 lists - 1
             } else {
                 lists
-            } + usize::from(value || self.in_value()),
-            opens_list: opens_list.then_some(lists + usize::from(self.in_value())),
+            } + usize::from(value || in_value),
+            opens_list: opens_list.then_some(lists + usize::from(in_value)),
             opens_hang: value.then_some(lists + 1),
             frozen,
             newlines: self.newlines,
@@ -308,42 +345,45 @@ impl Cutter<'_> {
             listed,
             ends_line,
         });
-        if !comment {
-            self.path.iter_mut().for_each(|l| l.fresh = false);
-        }
+        self.pieces += usize::from(!comment);
         (self.newlines, self.spaced) = (0, false);
     }
 
-    /// Whether the current token is inside the value of a property.
-    fn in_value(&self) -> bool {
-        self.path
-            .iter()
-            .rposition(|l| is_valued_property(l.kind))
-            .is_some_and(|at| self.out.len() > self.path[at].chunks)
+    /// Whether there is a line break between the braces of a block.
+    fn breaks_inside(&mut self, block: &SyntaxNode) -> bool {
+        let range = block.text_range();
+        // The text up to the line break that was found for an outer block is not read again.
+        if let Some((brace, at)) = self.broken_line
+            && (brace..at).contains(&range.start())
+        {
+            return at < range.end();
+        }
+        let found = first_break(block);
+        self.broken_line = found.or(self.broken_line);
+        found.is_some()
     }
 }
 
-/// Whether an error is in a node. One right beside it is not, or it would matter whether there is
-/// white space between, which is what formatting changes.
-fn touches(broken: TextRange, range: TextRange) -> bool {
-    broken.start() < range.end() && range.start() < broken.end()
-}
-
-/// Whether there is a line break between the braces of a block.
-fn breaks_inside(block: &SyntaxNode) -> bool {
+/// The first brace of a block, and the first line break between it and its partner.
+fn first_break(block: &SyntaxNode) -> Option<(TextSize, TextSize)> {
     let mut depth = 0;
+    let mut brace = None;
     for element in block.descendants_with_tokens() {
         let SyntaxElement::Token(token) = element else {
             continue;
         };
+        let start = token.text_range().start();
         match token.kind() {
-            L_CURLY => depth += 1,
+            L_CURLY => {
+                depth += 1;
+                brace.get_or_insert(start);
+            }
             R_CURLY => depth -= 1,
-            _ if depth > 0 && token.text().contains(['\n', '\r']) => return true,
+            _ if depth > 0 && token.text().contains(['\n', '\r']) => return Some((brace?, start)),
             _ => {}
         }
     }
-    false
+    None
 }
 
 /// What begins a line: items of blocks that are not written on one line, and closing braces.

@@ -5,9 +5,11 @@
 //! or a tabulator). Such a *run* of lines is printed in one column again, no further to the left than
 //! it was, so that formatting a second time finds and leaves it.
 
+use rustc_hash::FxHashMap;
+
 use super::Align;
 use super::chunks::{Chunk, ChunkKind, gap_span};
-use super::page::Page;
+use super::page::{Page, Printed};
 use super::rules;
 
 /// The columns of a text.
@@ -37,7 +39,12 @@ pub(super) fn runs(text: &str, chunks: &[Chunk], columns: &[usize], align: Align
     let mut loose = vec![false; chunks.len()];
     let mut next = vec![None; chunks.len()];
     let mut first = vec![true; chunks.len()];
-    let mut above: Vec<usize> = Vec::new();
+    let place = |i: usize| {
+        let chunk = &chunks[i];
+        (columns[i], chunk.indent, chunk.list_depth, is_comment(i))
+    };
+    // Pieces of the line above, by where they are.
+    let mut above = FxHashMap::default();
     for line in lines(chunks) {
         let adjacent = chunks[line[0]].newlines == 1;
         let mut members: Vec<usize> = Vec::new();
@@ -52,20 +59,17 @@ pub(super) fn runs(text: &str, chunks: &[Chunk], columns: &[usize], align: Align
             if !adjacent {
                 continue;
             }
-            let level = |it: usize| (chunks[it].indent, chunks[it].list_depth);
-            let partner = above.iter().copied().find(|&it| {
-                columns[it] == columns[i]
-                    && level(it) == level(i)
-                    && is_comment(it) == is_comment(i)
-            });
-            if let Some(partner) = partner
+            if let Some(&partner) = above.get(&place(i))
                 && (padded(partner) || padded(i))
             {
                 next[partner] = Some(i);
                 first[i] = false;
             }
         }
-        above = members;
+        above.clear();
+        for i in members {
+            above.entry(place(i)).or_insert(i);
+        }
     }
     let mut runs: Vec<Vec<usize>> = Vec::new();
     for i in 0..chunks.len() {
@@ -97,15 +101,25 @@ fn lines(chunks: &[Chunk]) -> Vec<Vec<usize>> {
 /// broken because of its padding would be whole without it, and so on without end.
 pub(super) fn targets(page: &Page<'_>, runs: &mut Runs) -> Vec<Option<usize>> {
     let mut out = vec![None; page.chunks.len()];
-    let parts = runs.runs.iter().flat_map(|run| together(page, run));
+    let mut line = 0;
+    let number = |it: &Printed| {
+        line += it.space.matches('\n').count();
+        line
+    };
+    let numbers: Vec<usize> = page.printed.iter().map(number).collect();
+    let (shifts, ends) = (shifts(page), page.line_ends());
+    let parts = runs
+        .runs
+        .iter()
+        .flat_map(|run| together(&numbers, page, run));
     runs.runs = parts.collect();
     for run in &runs.runs {
         let least = run.iter().map(|&i| page.end_before(i) + 1).max();
         let least = least.unwrap_or(0);
-        let old = page.old_columns[run[0]].saturating_add_signed(shift(page, run[0]));
+        let old = page.old_columns[run[0]].saturating_add_signed(shifts[run[0]]);
         let over = |column: usize| {
             run.iter().any(|&i| {
-                let length = end_of_line(page, i).saturating_sub(page.printed[i].column);
+                let length = ends[i].saturating_sub(page.printed[i].column);
                 let was_over = page.old_columns[i] + length > page.width;
                 column + length > page.width && !was_over
             })
@@ -117,17 +131,15 @@ pub(super) fn targets(page: &Page<'_>, runs: &mut Runs) -> Vec<Option<usize>> {
     out
 }
 
-/// The parts of a run that are still on consecutive lines.
-fn together(page: &Page<'_>, run: &[usize]) -> Vec<Vec<usize>> {
-    let breaks = |from: usize, to: usize| {
-        let spaces = (from + 1..=to).map(|i| &page.printed[i].space);
-        spaces.map(|it| it.matches('\n').count()).sum::<usize>()
-    };
+/// The parts of a run that are still on consecutive lines, given the number of the line of each piece.
+fn together(numbers: &[usize], page: &Page<'_>, run: &[usize]) -> Vec<Vec<usize>> {
     let in_line = |&i: &usize| !page.printed[i].space.contains('\n');
     let mut out: Vec<Vec<usize>> = Vec::new();
     for i in run.iter().copied().filter(in_line) {
         match out.last_mut() {
-            Some(part) if part.last().is_some_and(|&it| breaks(it, i) == 1) => part.push(i),
+            Some(part) if part.last().is_some_and(|&it| numbers[i] - numbers[it] == 1) => {
+                part.push(i)
+            }
             _ => out.push(vec![i]),
         }
     }
@@ -135,18 +147,15 @@ fn together(page: &Page<'_>, run: &[usize]) -> Vec<Vec<usize>> {
     out
 }
 
-/// How far the line of a piece was moved.
-fn shift(page: &Page<'_>, i: usize) -> isize {
-    let mut first = i;
-    while first > 0 && page.chunks[first].newlines == 0 {
-        first -= 1;
-    }
-    let (old, new) = (page.old_columns[first], page.printed[first].column);
-    isize::try_from(new).unwrap_or(0) - isize::try_from(old).unwrap_or(0)
-}
-
-/// Column after the last piece of the line of a piece.
-fn end_of_line(page: &Page<'_>, i: usize) -> usize {
-    let line = page.line_from(i);
-    page.end_before(line.end)
+/// How far the line of each piece was moved.
+fn shifts(page: &Page<'_>) -> Vec<isize> {
+    let mut moved = 0;
+    let shift = |i: usize| {
+        if i == 0 || page.chunks[i].newlines > 0 {
+            let (old, new) = (page.old_columns[i], page.printed[i].column);
+            moved = isize::try_from(new).unwrap_or(0) - isize::try_from(old).unwrap_or(0);
+        }
+        moved
+    };
+    (0..page.chunks.len()).map(shift).collect()
 }

@@ -1,7 +1,5 @@
 //! A text with what of it is laid out so far.
 
-use std::ops::Range;
-
 use super::chunks::{Chunk, gap_span};
 use super::unit::{Unit, advance};
 
@@ -33,11 +31,21 @@ impl<'a> Page<'a> {
         &self.text[gap_span(self.chunks, i)]
     }
 
-    /// Pieces of one line, as printed: from a piece to the last before the next line break.
-    pub(super) fn line_from(&self, i: usize) -> Range<usize> {
-        let breaks = |it: &Printed| it.space.contains('\n');
-        let end = self.printed[i + 1..].iter().position(breaks);
-        i..end.map_or(self.printed.len(), |it| i + 1 + it)
+    /// Column after the last piece of the line of each piece, as printed.
+    pub(super) fn line_ends(&self) -> Vec<usize> {
+        let mut end = 0;
+        let mut out: Vec<usize> = (0..self.printed.len())
+            .rev()
+            .map(|i| {
+                let next = self.printed.get(i + 1);
+                if next.is_none_or(|it| it.space.contains('\n')) {
+                    end = self.end_before(i + 1);
+                }
+                end
+            })
+            .collect();
+        out.reverse();
+        out
     }
 
     /// Column after the piece before.

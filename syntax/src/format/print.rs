@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::chunks::{Chunk, ChunkKind, gap_span, starts_line};
 use super::page::{Page, Printed};
 use super::rules::{self, Gap};
-use super::unit::{self, Unit, advance, column};
+use super::unit::{self, Ruler, Unit, advance};
 use super::{Options, TextEdit, columns};
 use crate::SyntaxKind::*;
 use crate::{TextRange, TextSize};
@@ -43,6 +43,9 @@ pub(super) struct Printer<'a> {
     options: &'a Options,
     /// Unit of the text as it is.
     old_unit: Unit,
+    /// Column after each piece in the text.
+    old_ends: Vec<usize>,
+    line_end: &'static str,
     /// Column of each piece that stands in a column with others.
     targets: Vec<Option<usize>>,
     /// Column after the last character printed.
@@ -64,7 +67,9 @@ impl<'a> Printer<'a> {
             (Unit::Tabs(_), _) => unit.tab(),
             (_, old) => old.tab(),
         };
-        let old_columns = chunks.iter().map(|it| column(text, it.span().start, tab));
+        let (mut starts, mut ends) = (Ruler::new(text, tab), Ruler::new(text, old_unit.tab()));
+        let old_columns = chunks.iter().map(|it| starts.column(it.span().start));
+        let old_ends = chunks.iter().map(|it| ends.column(it.span().end));
         Printer {
             page: Page {
                 text,
@@ -76,6 +81,11 @@ impl<'a> Printer<'a> {
             },
             options,
             old_unit,
+            old_ends: old_ends.collect(),
+            line_end: match text.contains("\r\n") {
+                true => "\r\n",
+                false => "\n",
+            },
             targets: vec![None; chunks.len()],
             column: 0,
             open: Vec::new(),
@@ -131,7 +141,8 @@ impl<'a> Printer<'a> {
     fn space(&mut self, i: usize, runs: &columns::Runs) -> String {
         let chunk = &self.page.chunks[i];
         let before = i.checked_sub(1).map(|it| &self.page.chunks[it]);
-        self.open.retain(|it| chunk.list_depth >= it.depth);
+        // Depths only grow from one open list to the next.
+        while self.open.pop_if(|it| it.depth > chunk.list_depth).is_some() {}
         match rules::gap(self.page.text, before, chunk) {
             Gap::Keep => self.page.original(i).to_owned(),
             Gap::None => String::new(),
@@ -255,8 +266,7 @@ impl<'a> Printer<'a> {
         let end = (i + 1..self.page.chunks.len()).find(ends);
         let end = end.unwrap_or(self.page.chunks.len());
         let last = &self.page.chunks[end - 1];
-        let tab = self.old_unit.tab();
-        let old_end = column(self.page.text, last.span().end, tab);
+        let old_end = self.old_ends[end - 1];
         let length = self.page.text[self.page.chunks[i].span().start..last.span().end]
             .chars()
             .count();
@@ -276,12 +286,7 @@ impl<'a> Printer<'a> {
 
     /// Line breaks before a piece. Indentation that reaches the column is left as it is.
     fn newlines(&self, i: usize, count: usize, column: usize) -> String {
-        let line_end = if self.page.text.contains("\r\n") {
-            "\r\n"
-        } else {
-            "\n"
-        };
-        let mut out = line_end.repeat(count);
+        let mut out = self.line_end.repeat(count);
         let old = self.page.original(i);
         let old = &old[old.rfind('\n').map_or(0, |it| it + 1)..];
         let begins = i == 0 || self.page.chunks[i].newlines > 0;
@@ -310,10 +315,8 @@ impl<'a> Printer<'a> {
             let joins = self.page.text[..span.start].ends_with('\\');
             let wanted = if last.frozen || joins || last.kind == ChunkKind::Opaque {
                 self.page.text[span.clone()].to_owned()
-            } else if self.page.text.contains("\r\n") {
-                "\r\n".to_owned()
             } else {
-                "\n".to_owned()
+                self.line_end.to_owned()
             };
             if self.page.text[span.clone()] != wanted {
                 out.push(edit(span, wanted));

@@ -91,6 +91,32 @@ pub(super) fn column(text: &str, at: usize, tab: usize) -> usize {
     advance(0, &text[line_start(text, at)..at], tab)
 }
 
+/// Columns of offsets that are asked for in text order. Each part of the text is read once.
+pub(super) struct Ruler<'a> {
+    text: &'a str,
+    tab: usize,
+    at: usize,
+    column: usize,
+}
+
+impl<'a> Ruler<'a> {
+    pub(super) fn new(text: &'a str, tab: usize) -> Ruler<'a> {
+        Ruler {
+            text,
+            tab,
+            at: 0,
+            column: 0,
+        }
+    }
+
+    /// Column of an offset, which is not before the last one.
+    pub(super) fn column(&mut self, at: usize) -> usize {
+        self.column = advance(self.column, &self.text[self.at..at], self.tab);
+        self.at = at;
+        self.column
+    }
+}
+
 /// The column after a text that begins at a column.
 pub(super) fn advance(column: usize, text: &str, tab: usize) -> usize {
     let (start, line) = match text.rfind('\n') {

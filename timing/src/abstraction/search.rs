@@ -5,18 +5,29 @@ use std::collections::BinaryHeap;
 
 use rustc_hash::FxHashMap;
 
+use super::Budget;
 use super::batch::Batches;
 use super::model::Model;
 use super::refusal::Refusal;
-use super::state::{Done, Out, State};
+use super::state::{Done, Out, State, When};
 use crate::cancel::Cancel;
+
+/// Bytes of a state with its key, where the lists of them double.
+fn bytes_of_state(model: &Model) -> usize {
+    let place = 2 * size_of::<Done>() + size_of::<When>();
+    let fixed = size_of::<State>() + size_of::<(Box<[Done]>, usize)>() + 4 * size_of::<usize>();
+    2 * fixed + model.threads.len() * (place + 4 * size_of::<i64>())
+}
 
 /// The graph of one part of a system.
 pub(super) struct Search<'m> {
     model: &'m Model<'m>,
     cancel: &'m Cancel,
     batches: Option<Batches<'m>>,
+    /// States that are looked at, at most.
     budget: usize,
+    /// States that are kept, at most.
+    room: usize,
     known: FxHashMap<Box<[Done]>, usize>,
     states: Vec<State>,
     /// Which states have become wider since they were followed.
@@ -33,14 +44,15 @@ impl<'m> Search<'m> {
     pub(super) fn new(
         model: &'m Model<'m>,
         batches: Option<Batches<'m>>,
-        budget: usize,
+        budget: Budget,
         cancel: &'m Cancel,
     ) -> Self {
         Search {
             model,
             cancel,
             batches,
-            budget,
+            budget: budget.states,
+            room: budget.bytes / bytes_of_state(model),
             known: FxHashMap::default(),
             states: Vec::new(),
             open: Vec::new(),
@@ -61,7 +73,7 @@ impl<'m> Search<'m> {
                 continue;
             }
             looked_at += 1;
-            if looked_at > self.budget {
+            if looked_at > self.budget || self.states.len() > self.room {
                 return Err(Refusal::States { looked_at });
             }
             if looked_at.is_multiple_of(64) && self.cancel.is_over() {

@@ -125,9 +125,12 @@ impl<R: Rules> Graph<'_, R> {
         let mut stopped = None;
         let mut at = 0;
         while at < visits.len() {
-            let full = visits.len() > self.limits.states || bytes > self.limits.bytes;
+            // What the lists hold now is still there while they are copied to larger ones.
+            let about_to_grow = visits.capacity() - visits.len() < LOOKS;
+            let with_copy = bytes + if about_to_grow { bytes / 4 } else { 0 };
+            let full = visits.len() > self.limits.states || with_copy > self.limits.bytes;
             if full || at.is_multiple_of(LOOKS) {
-                stopped = Stop::reason(visits.len(), bytes, self.limits, self.cancel);
+                stopped = Stop::reason(visits.len(), with_copy, self.limits, self.cancel);
                 if stopped.is_some() {
                     break;
                 }

@@ -11,11 +11,14 @@
 //!   Observation clocks influence nothing, and only their supremum is asked for, so that an older
 //!   clock covers a younger one.
 
-use hashbrown::HashTable;
+mod table;
+
 use rustc_hash::FxHasher;
 use smallvec::SmallVec;
 use std::hash::Hasher;
 
+use self::table::Table;
+use super::segments::Segments;
 use super::state::{Frame, State};
 use crate::system::Ticks;
 
@@ -195,11 +198,11 @@ impl Shape {
 /// A set of states.
 #[derive(Debug, Default)]
 pub(crate) struct Store {
-    table: HashTable<u32>,
-    keys: Vec<Key>,
-    key_bytes: Vec<u8>,
-    covers: Vec<Cover>,
-    dims: Vec<Ticks>,
+    table: Table,
+    keys: Segments<Key>,
+    key_bytes: Segments<u8>,
+    covers: Segments<Cover>,
+    dims: Segments<Ticks>,
     clocks: usize,
     covering: Covering,
 }
@@ -207,7 +210,7 @@ pub(crate) struct Store {
 #[derive(Debug)]
 struct Key {
     start: usize,
-    end: usize,
+    len: u32,
     hash: u64,
     first: u32,
 }
@@ -253,25 +256,21 @@ impl Store {
             windows: (it.dims.len() - self.clocks) / 2,
             covering: self.covering,
         };
-        let found = self.table.find(hash, |&k| {
+        let found = self.table.find(hash, |k| {
             let key = &self.keys[k as usize];
-            key.hash == hash && self.key_bytes[key.start..key.end] == it.key[..]
+            key.hash == hash && self.bytes_of(key) == it.key
         });
         let k = match found {
-            Some(&k) => k,
+            Some(k) => k,
             None => {
-                let start = self.key_bytes.len();
-                self.key_bytes.extend(&it.key);
-                let k = self.keys.len() as u32;
-                self.keys.push(Key {
-                    start,
-                    end: self.key_bytes.len(),
+                let k = self.keys.push(Key {
+                    start: self.key_bytes.extend(&it.key),
+                    len: it.key.len() as u32,
                     hash,
                     first: NONE,
-                });
+                }) as u32;
                 let keys = &self.keys;
-                self.table
-                    .insert_unique(hash, k, |&k| keys[k as usize].hash);
+                self.table.insert(hash, k, |k| keys[k as usize].hash);
                 k
             }
         };
@@ -279,7 +278,7 @@ impl Store {
         let mut cover = self.keys[k as usize].first;
         while cover != NONE {
             let record = &self.covers[cover as usize];
-            let dims = &self.dims[record.start..record.start + record.len as usize];
+            let dims = self.dims.slice(record.start, record.len as usize);
             if shape.covers(dims, &it.dims) {
                 return None;
             }
@@ -297,7 +296,7 @@ impl Store {
             while cover != NONE {
                 let record = &self.covers[cover as usize];
                 let next = record.next;
-                let other = &self.dims[record.start..record.start + record.len as usize];
+                let other = self.dims.slice(record.start, record.len as usize);
                 let covered = shape.covers(&dims, other);
                 if covered || shape.join(other, &mut dims) {
                     again |= !covered;
@@ -317,15 +316,13 @@ impl Store {
                 cover = next;
             }
         }
-        let start = self.dims.len();
-        self.dims.extend(&dims);
-        self.covers.push(Cover {
-            start,
+        let cover = self.covers.push(Cover {
+            start: self.dims.extend(&dims),
             len: dims.len() as u32,
             next: self.keys[k as usize].first,
             tag,
         });
-        self.keys[k as usize].first = (self.covers.len() - 1) as u32;
+        self.keys[k as usize].first = cover as u32;
         Some(k)
     }
 
@@ -343,17 +340,20 @@ impl Store {
     /// The covers of the key with these bytes.
     pub(crate) fn find(&self, key: &[u8]) -> impl Iterator<Item = (&[Ticks], u32)> {
         let hash = hash(key);
-        let found = self.table.find(hash, |&k| {
+        let found = self.table.find(hash, |k| {
             let it = &self.keys[k as usize];
-            it.hash == hash && self.key_bytes[it.start..it.end] == *key
+            it.hash == hash && self.bytes_of(it) == key
         });
-        found.into_iter().flat_map(|&k| self.covers(k))
+        found.into_iter().flat_map(|k| self.covers(k))
     }
 
     /// The bytes of a key.
     pub(crate) fn key(&self, key: u32) -> &[u8] {
-        let key = &self.keys[key as usize];
-        &self.key_bytes[key.start..key.end]
+        self.bytes_of(&self.keys[key as usize])
+    }
+
+    fn bytes_of(&self, key: &Key) -> &[u8] {
+        self.key_bytes.slice(key.start, key.len as usize)
     }
 
     /// The number of keys.
@@ -361,26 +361,32 @@ impl Store {
         self.keys.len()
     }
 
+    /// The number of covers, of all keys and with those that were joined since.
+    pub(crate) fn count(&self) -> usize {
+        self.covers.len()
+    }
+
     /// The covers of a key with their tags.
     pub(crate) fn covers(&self, key: u32) -> impl Iterator<Item = (&[Ticks], u32)> {
         let mut cover = self.keys[key as usize].first;
         std::iter::from_fn(move || {
-            let record = self.covers.get(cover as usize)?;
+            if cover == NONE {
+                return None;
+            }
+            let record = &self.covers[cover as usize];
             cover = record.next;
-            Some((
-                &self.dims[record.start..record.start + record.len as usize],
-                record.tag,
-            ))
+            let dims = self.dims.slice(record.start, record.len as usize);
+            Some((dims, record.tag))
         })
     }
 
     /// Bytes in use, roughly.
     pub(crate) fn memory(&self) -> usize {
-        self.table.capacity() * 5
-            + self.keys.capacity() * size_of::<Key>()
-            + self.key_bytes.capacity()
-            + self.covers.capacity() * size_of::<Cover>()
-            + self.dims.capacity() * size_of::<Ticks>()
+        self.table.memory()
+            + self.keys.memory()
+            + self.key_bytes.memory()
+            + self.covers.memory()
+            + self.dims.memory()
     }
 }
 

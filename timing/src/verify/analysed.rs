@@ -33,8 +33,12 @@ impl<'b> Analysed<'b> {
     }
 
     /// Looks for lower bounds with the middle tier.
-    pub(super) fn abstracted(&mut self, cancel: &Cancel) -> Result<(), Refusal> {
-        let found = abstract_bounds(&self.built.system, Budget::default(), cancel)?;
+    pub(super) fn abstracted(&mut self, bytes: usize, cancel: &Cancel) -> Result<(), Refusal> {
+        let budget = Budget {
+            bytes,
+            ..Budget::default()
+        };
+        let found = abstract_bounds(&self.built.system, budget, cancel)?;
         self.abstracted = true;
         for (task, found) in found.into_iter().enumerate() {
             let bound = &mut self.bounds[task];

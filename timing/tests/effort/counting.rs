@@ -39,7 +39,9 @@ unsafe impl GlobalAlloc for Counting {
     }
 
     unsafe fn realloc(&self, at: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        change(size as isize - layout.size() as isize);
+        // Both are there while one is copied to the other.
+        change(size as isize);
+        change(-(layout.size() as isize));
         count();
         unsafe { System.realloc(at, layout, size) }
     }

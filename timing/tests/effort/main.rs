@@ -11,8 +11,8 @@ use counting::Counting;
 use dotgen_analysis::host::UnitResult;
 use dotgen_loaders::unit;
 use dotgen_timing::derive::{Told, largest_wcet, minimum_cores, sensitivity, smallest_period};
-use dotgen_timing::explore::Limits;
-use dotgen_timing::report::{Value, Verdict};
+use dotgen_timing::explore::{Limits, Stop};
+use dotgen_timing::report::{CheckReport, Value, Verdict};
 use dotgen_timing::scn::ast::{Path, Scenario};
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::scn::parse;
@@ -309,6 +309,47 @@ fn a_search_without_memory_gives_up_honestly() {
             assert!(says_so || it.value.is_none() || shown, "{text}");
         }
     }
+}
+
+/// Ten independent tasks on one core, one codel of which takes longer than the shortest period: the states
+/// that they can be in are too many.
+#[test]
+fn a_large_search_stays_within_its_memory() {
+    let periods = [5, 10, 20, 25, 40, 50, 80, 100, 125, 200];
+    let ids: String = (0..10).map(|it| format!("long x{it};")).collect();
+    let tasks = periods.iter().enumerate().map(|(i, period)| {
+        let wcet = if i == 9 { 6_000 } else { period * 50 };
+        format!(
+            "task t{i} {{ period {period} ms;
+               codel <start> c{i}(inout x{i}) yield pause::start wcet {wcet} us; }};"
+        )
+    });
+    let tasks: String = tasks.collect();
+    let unit = load(&format!(
+        "component ten {{ version \"1\"; lang \"c\"; ids {{ {ids} }}; {tasks} }};"
+    ));
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let scenario = parse("scenario ten { cores 1; check schedulable *; check response *; }");
+    let bytes = 80 << 20;
+    let options = Options {
+        limits: Limits {
+            bytes,
+            ..Limits::default()
+        },
+        ..Options::default()
+    };
+    let ask = || verify(&input, &scenario.scenario, &options, &Cancel::default());
+    let (report, peak) = counting::peak(ask);
+    let stopped = |it: &CheckReport| it.gave_up.is_some_and(|it| it.reason == Stop::Memory);
+    assert!(report.checks.iter().any(stopped), "{:?}", report.checks);
+    // One more segment of each sequence, at most.
+    assert!(
+        peak < bytes + bytes / 8,
+        "{peak} bytes used with a limit of {bytes}"
+    );
+    assert!(report.memory > bytes / 2, "{} bytes counted", report.memory);
 }
 
 /// What is answered with so many threads, and how many of them looked whether to go on.

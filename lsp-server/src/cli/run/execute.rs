@@ -9,8 +9,9 @@ use dotgen_runtime::simulation::{Outcome, Record, simulate_recorded};
 use dotgen_timing::report::Event;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::Ticks;
-use dotgen_timing::verify::{Interrupt, Options, Prepared, SystemInput};
+use dotgen_timing::verify::{Cancel, Interrupt, Options, Prepared, SystemInput};
 
+use super::bounds::{self, Proving};
 use super::record::Recording;
 use super::recorder::{Recorder, Runs};
 use super::{Arguments, Clock, Simulate};
@@ -25,6 +26,10 @@ pub(super) struct Context<'c, 's> {
     pub(super) options: &'c Options,
     /// On response times, in units of the system.
     pub(super) bounds: Vec<Option<Ticks>>,
+    /// What proves more bounds while the system runs.
+    pub(super) proving: Option<&'c Proving>,
+    /// Codels are executed on the real clock.
+    pub(super) measured: bool,
     pub(super) interrupt: &'c Interrupt,
 }
 
@@ -48,9 +53,45 @@ pub(super) struct Told {
     pub(super) left_out: bool,
 }
 
+/// A note for a run that ended before the verification of its response times.
+const NOT_PROVED: &str = "verification of response times cancelled: the run ended first; bounds are those of \
+     response-time analysis; `dotgen verify` may prove lower ones";
+
 impl Context<'_, '_> {
+    /// Runs, and proves bounds meanwhile. Bounds that are not proved when the run ends are not waited for.
+    pub(super) fn run_while_proving(
+        &self,
+        arguments: &Arguments,
+        prepared: Prepared,
+        stream: Option<&mut Recorder<'_>>,
+    ) -> anyhow::Result<Option<Run>> {
+        let cancel = Cancel::interrupted_by(self.interrupt);
+        std::thread::scope(|scope| {
+            if let Some(proving) = self.proving {
+                proving.reset();
+                let (problem, options, cancel) = (self.problem, self.options, &cancel);
+                scope.spawn(move || {
+                    #[cfg(unix)]
+                    crate::hosting::realtime::lower_priority();
+                    proving.prove(problem, options, bounds::STATES, cancel);
+                });
+            }
+            let run = self.run(arguments, prepared, stream);
+            cancel.abandon();
+            run
+        })
+    }
+
+    /// The bounds that are known when a run has ended, and a note if some may be missing.
+    fn bounds_in_the_end(&self, prepared: &Prepared) -> (Vec<Option<Ticks>>, Option<String>) {
+        let mut bounds = self.bounds.clone();
+        let proved = self.proving.is_none_or(|it| it.add_to(&mut bounds));
+        bounds::without_times(&prepared.built.system, &mut bounds, self.measured);
+        (bounds, (!proved).then(|| NOT_PROVED.to_owned()))
+    }
+
     /// `None` if it cannot run, which was told, or was interrupted before it ran.
-    pub(super) fn run(
+    fn run(
         &self,
         arguments: &Arguments,
         prepared: Prepared,
@@ -78,7 +119,7 @@ impl Context<'_, '_> {
         let interrupted = || self.interrupt.is_raised();
         let bounds = self.bounds.clone();
         let mut recording = self.recording(arguments, prepared, false)?;
-        let outcome = simulate_recorded(
+        let mut outcome = simulate_recorded(
             prepared,
             bounds,
             &plan,
@@ -87,7 +128,10 @@ impl Context<'_, '_> {
             None,
             &interrupted,
         );
-        let report = RunReport::new(prepared, &plan, &outcome, &self.bounds);
+        let (bounds, note) = self.bounds_in_the_end(prepared);
+        outcome.judge.bound_late(&bounds);
+        let mut report = RunReport::new(prepared, &plan, &outcome, &bounds);
+        report.notes.extend(note);
         Ok(Run {
             lines: lines(profile),
             messages: messages(recording),
@@ -256,9 +300,9 @@ impl Context<'_, '_> {
             follow: lookers.as_mut().map(|it| it as &mut dyn Follow),
         };
         let mut recording = self.recording(arguments, &opened, real)?;
-        let outcome = simulate_recorded(
+        let mut outcome = simulate_recorded(
             &opened,
-            bounds.clone(),
+            bounds,
             &plan,
             profile.as_mut(),
             recording.as_mut().map(|it| it as &mut dyn Record),
@@ -272,7 +316,11 @@ impl Context<'_, '_> {
             let why = live.fault().unwrap_or("a component could not be started");
             anyhow::bail!("{why}");
         }
+        let (bounds, note) = self.bounds_in_the_end(prepared);
+        let bounds: Vec<_> = bounds.iter().map(grown).collect();
+        outcome.judge.bound_late(&bounds);
         let mut report = RunReport::new(&opened, &plan, &outcome, &bounds);
+        notes.extend(note);
         let told = self.told(&opened, &outcome);
         let (lines, messages) = (lines(profile), messages(recording));
         drop(outcome);

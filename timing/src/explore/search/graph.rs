@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Index;
 
 use super::watching::Sight;
+use crate::explore::segments::Segments;
 use crate::explore::state::{Frame, State};
 use crate::explore::store::{Covering, Encoded, Store, decode_to};
 use crate::system::Ticks;
@@ -36,9 +37,9 @@ const END: u32 = u32::MAX;
 /// All nodes, with the nodes they were reached from, and those whose next moment has not come yet.
 pub(super) struct Graph {
     passed: Store,
-    nodes: Vec<Node>,
-    dims: Vec<Ticks>,
-    edges: Vec<(NodeId, u32)>,
+    nodes: Segments<Node>,
+    dims: Segments<Ticks>,
+    edges: Segments<(NodeId, u32)>,
     queue: BTreeMap<u64, Vec<NodeId>>,
 }
 
@@ -47,9 +48,9 @@ impl Graph {
     pub(super) fn new(clocks: usize, covering: Covering) -> Graph {
         Graph {
             passed: Store::new(clocks, covering),
-            nodes: Vec::new(),
-            dims: Vec::new(),
-            edges: Vec::new(),
+            nodes: Segments::default(),
+            dims: Segments::default(),
+            edges: Segments::default(),
             queue: BTreeMap::new(),
         }
     }
@@ -69,26 +70,26 @@ impl Graph {
         let key = self.passed.insert(it, 0, |_, _| 0)?;
         let mut edges = END;
         for parent in parents {
-            self.edges.push((parent, edges));
-            edges = self.edges.len() as u32 - 1;
+            edges = self.edges.push((parent, edges)) as u32;
         }
-        let start = self.dims.len();
-        self.dims.extend(&it.dims);
-        self.nodes.push(Node {
+        let node = self.nodes.push(Node {
             key,
-            start,
+            start: self.dims.extend(&it.dims),
             len: it.dims.len() as u32,
             time,
             edges,
         });
-        Some(NodeId(self.nodes.len() as u32 - 1))
+        Some(NodeId(node as u32))
     }
 
     /// The nodes that a node was reached from.
     pub(super) fn parents(&self, node: NodeId) -> impl Iterator<Item = NodeId> {
         let mut edge = self[node].edges;
         std::iter::from_fn(move || {
-            let &(parent, next) = self.edges.get(edge as usize)?;
+            if edge == END {
+                return None;
+            }
+            let (parent, next) = self.edges[edge as usize];
             edge = next;
             Some(parent)
         })
@@ -119,7 +120,7 @@ impl Graph {
     /// The same, into memory that is there.
     pub(super) fn state_to(&self, frame: &Frame, node: NodeId, s: &mut State) {
         let node = &self[node];
-        let dims = &self.dims[node.start..node.start + node.len as usize];
+        let dims = self.dims.slice(node.start, node.len as usize);
         decode_to(frame, self.passed.key(node.key), dims, s);
     }
 
@@ -131,9 +132,9 @@ impl Graph {
     /// Bytes in use.
     pub(super) fn memory(&self) -> usize {
         self.passed.memory()
-            + self.nodes.capacity() * size_of::<Node>()
-            + self.dims.capacity() * size_of::<Ticks>()
-            + self.edges.capacity() * size_of::<(NodeId, u32)>()
+            + self.nodes.memory()
+            + self.dims.memory()
+            + self.edges.memory()
             + self.nodes.len() * QUEUED
     }
 }
@@ -148,13 +149,17 @@ impl Index<NodeId> for Graph {
 
 /// Lists of the nodes that states of one moment were come to from; states that are merged join theirs.
 #[derive(Default)]
-pub(super) struct Links(Vec<(NodeId, u32)>);
+pub(super) struct Links(Segments<(NodeId, u32)>);
 
 impl Links {
     /// A list of one node: its number.
     pub(super) fn one(&mut self, parent: NodeId) -> u32 {
-        self.0.push((parent, END));
-        self.0.len() as u32 - 1
+        self.0.push((parent, END)) as u32
+    }
+
+    /// Bytes in use.
+    pub(super) fn memory(&self) -> usize {
+        self.0.memory()
     }
 
     /// Takes the last list back.
@@ -166,7 +171,10 @@ impl Links {
     pub(super) fn list(&self, first: u32) -> impl Iterator<Item = NodeId> {
         let mut link = first;
         std::iter::from_fn(move || {
-            let &(parent, next) = self.0.get(link as usize)?;
+            if link == END {
+                return None;
+            }
+            let (parent, next) = self.0[link as usize];
             link = next;
             Some(parent)
         })

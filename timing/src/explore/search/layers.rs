@@ -24,6 +24,16 @@ use crate::system::Ticks;
 /// States looked at per state of a layer to find those that are reached by ends that can wait.
 const CLOSURES: usize = 1;
 
+/// Bytes for a state among those that may reach others: the list of them doubles, and is sorted with half of
+/// its size beside.
+const SOURCE: usize = 4 * size_of::<(usize, u32, &[Ticks], u32)>();
+
+/// Bytes of a tag in a set of tags.
+const REDUNDANT: usize = size_of::<u32>() + 1;
+
+/// Bytes that finding a run again may take, even if the states take all that is allowed.
+const LEAST_FOR_RUN: usize = 8 << 20;
+
 /// States looked at between two looks at what may end the search.
 pub(super) const LOOKS: usize = 64;
 
@@ -43,8 +53,11 @@ struct Layer {
     states: Store,
     /// Of each: time may pass in it.
     calm: Vec<bool>,
-    /// Bytes of the states that it begins with.
+    /// Bytes of the states that it begins with, and of what is kept only while it is looked at.
     under_way: usize,
+    /// Of an exploration that has ended: states and bytes that it had beside the graph. They are given back
+    /// before runs are found again.
+    released: (usize, usize),
 }
 
 /// Who says how far an exploration goes.
@@ -118,6 +131,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
                 states: Store::new(clocks, covering),
                 calm: Vec::new(),
                 under_way: 0,
+                released: (0, 0),
             },
             crowd: Store::new(clocks, covering),
             steps: 0,
@@ -144,9 +158,12 @@ impl<'a, R: Reduced> Layers<'a, R> {
             && let Some((time, parents)) = self.graph.next_moment()
         {
             self.now = time;
+            self.layer.under_way = parents.len() * self.bytes_to_do();
+            // What there is no room for is not allocated.
+            if by.look(self) {
+                break;
+            }
             let mut states = Vec::with_capacity(parents.len());
-            let bytes = size_of::<NodeId>() + self.watching.rules.frame().state_bytes();
-            self.layer.under_way = states.capacity() * bytes;
             for (i, parent) in parents.into_iter().enumerate() {
                 if i % LOOKS == LOOKS - 1 && by.look(self) {
                     break;
@@ -168,12 +185,23 @@ impl<'a, R: Reduced> Layers<'a, R> {
             }
         }
         by.end(self);
+        self.release();
         self.limits_under_way();
         let mut diverging = self.diverging.take()?;
         if let Some(it) = self.excess_run(diverging.gauge) {
             diverging.excess = Some(it);
         }
         Some(diverging)
+    }
+
+    /// Gives the memory back that is not needed to find runs again.
+    fn release(&mut self) {
+        self.layer.released = (self.layer.states.len(), self.beside_graph());
+        self.layer.under_way = 0;
+        self.layer.calm = Vec::new();
+        self.layer.states = Store::default();
+        self.crowd = Store::default();
+        self.spare = Vec::new();
     }
 
     fn goes_on(&self) -> bool {
@@ -216,6 +244,9 @@ impl<'a, R: Reduced> Layers<'a, R> {
         let mut it = Encoded::default();
         while let Some((mut s, parent, mut held)) = stack.pop() {
             self.steps += 1;
+            if self.steps % 16 == 1 {
+                self.layer.under_way = stack.capacity() * self.bytes_to_do() + links.memory();
+            }
             if self.is_stopped() || (self.steps % 16 == 1 && by.look(self)) {
                 return;
             }
@@ -262,6 +293,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
             return;
         }
         let layer = std::mem::take(&mut self.layer.states);
+        self.layer.under_way = layer.memory();
         let mut it = Encoded::default();
         for key in 0..layer.len() as u32 {
             if key % 64 == 63 && by.look(self) {
@@ -275,13 +307,16 @@ impl<'a, R: Reduced> Layers<'a, R> {
                 self.crowd.insert(&it, 0, |_, _| 0);
             }
         }
+        self.layer.under_way = 0;
         self.layer.states = layer;
     }
 
     /// Turns the calm states of the layer that are not passed yet into nodes.
     fn keep_calm(&mut self, time: u64, links: &Links, by: &mut dyn Overseer<'a, R>) {
         let layer = std::mem::take(&mut self.layer.states);
+        self.layer.under_way = layer.memory() + links.memory();
         let redundant = self.redundant(&layer);
+        self.layer.under_way += redundant.capacity() * REDUNDANT;
         let mut it = Encoded::default();
         let mut s = State::default();
         for key in 0..layer.len() as u32 {
@@ -316,6 +351,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
                 }
             }
         }
+        self.layer.under_way = 0;
         self.layer.states = layer;
     }
 
@@ -326,13 +362,17 @@ impl<'a, R: Reduced> Layers<'a, R> {
     }
 
     /// Tags of calm states that others of the layer reach by ends that can wait. Not all of them if there are
-    /// very many: finding them must not take longer than following them.
+    /// very many: finding them must not take longer than following them. None if there is no room to look.
     fn redundant(&self, layer: &Store) -> FxHashSet<u32> {
         let Watching {
             rules, reductions, ..
         } = &self.watching;
         // Those with most codels executing reach most others.
         let mut sources: Vec<(usize, u32, &[Ticks], u32)> = Vec::new();
+        let room = self.limits.bytes.saturating_sub(self.memory());
+        if layer.count() > room / SOURCE {
+            return FxHashSet::default();
+        }
         for key in (0..layer.len() as u32).filter(|&it| self.layer.calm[it as usize]) {
             let covers = layer.covers(key).filter(|it| !self.ends_now(it.0));
             sources.extend(covers.map(|(dims, tag)| (dims.len(), key, dims, tag)));
@@ -497,7 +537,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
 
     /// States that are kept, or were come to at the moment that is looked at.
     pub(super) fn states_now(&self) -> usize {
-        self.graph.len() + self.layer.states.len()
+        self.graph.len() + self.layer.states.len() + self.layer.released.0
     }
 
     /// States kept; where the exploration was broken off also those of the moment at which that happened.
@@ -508,13 +548,28 @@ impl<'a, R: Reduced> Layers<'a, R> {
         }
     }
 
+    /// Bytes of a state that is to be followed.
+    fn bytes_to_do(&self) -> usize {
+        size_of::<(NodeId, Held)>() + self.watching.rules.frame().state_bytes()
+    }
+
     /// Bytes in use.
     pub(super) fn memory(&self) -> usize {
-        self.graph.memory()
-            + self.layer.states.memory()
+        self.graph.memory() + self.beside_graph() + self.layer.released.1
+    }
+
+    fn beside_graph(&self) -> usize {
+        self.layer.states.memory()
             + self.crowd.memory()
             + self.layer.under_way
             + self.spare.len() * self.watching.rules.frame().state_bytes()
+    }
+
+    /// Bytes that finding a run again may take.
+    fn room_for_run(&self) -> usize {
+        let used = self.graph.memory() + self.beside_graph();
+        let left = self.limits.bytes.saturating_sub(used);
+        left.max(self.limits.bytes / 8).max(LEAST_FOR_RUN)
     }
 
     /// Which reductions are used.

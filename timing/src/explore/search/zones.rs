@@ -190,6 +190,15 @@ impl<'a, R: Reduced> Zones<'a, R> {
         self.todo.push_back((number, s, zone));
     }
 
+    /// Bytes of the table that are there twice when it grows, if that is near.
+    fn growth(&self) -> usize {
+        let left = self.passed.capacity() - self.passed.len();
+        match left < 8 * LOOKS as usize {
+            true => self.passed.capacity() * KEY,
+            false => 0,
+        }
+    }
+
     fn bytes_to_do(&self, zone: &Zone) -> usize {
         zone.memory() + self.rules.frame().state_bytes()
     }
@@ -399,7 +408,7 @@ impl<'a, R: Reduced> Proving<'a, R> {
     /// Bytes in use now.
     pub(super) fn bytes(&self) -> usize {
         match self {
-            Proving::Open(Some(zones)) => zones.bytes,
+            Proving::Open(Some(zones)) => zones.bytes + zones.growth(),
             _ => 0,
         }
     }

@@ -53,8 +53,8 @@ impl<R: Reduced> Layers<'_, R> {
         }))
     }
 
-    /// A run to what was seen, without steps if it is too late for that: segments from node to node, found
-    /// backwards with the remaining times that the later part of the run needs.
+    /// A run to what was seen, without steps if there is no time or memory to find them: segments from node
+    /// to node, found backwards with the remaining times that the later part of the run needs.
     pub(in crate::explore::search) fn trace(&self, at: Sight<NodeId>, goal: &Target) -> Run {
         let left_out = || Run {
             end: at.time,
@@ -205,9 +205,13 @@ impl<R: Reduced> Layers<'_, R> {
         let mut followed = Vec::new();
         let mut it = Encoded::default();
         let mut ordered = State::default();
+        // In states: as elements of the list, and as keys of the set.
+        let room = self.room_for_run() / self.bytes_of_found();
         let mut at = 0;
         while at < found.len() {
-            if at % LOOKS == 0 && self.cancel.is_too_late() {
+            // A list that grows is there twice; a set that grows likewise.
+            let full = found.len() * 2 > room;
+            if full || at % LOOKS == 0 && self.cancel.is_too_late() {
                 return None;
             }
             let s = found[at].0.clone();
@@ -253,6 +257,13 @@ impl<R: Reduced> Layers<'_, R> {
             at += 1;
         }
         None
+    }
+
+    /// Bytes of a state that is found again, in the list and in the set.
+    fn bytes_of_found(&self) -> usize {
+        let list = size_of::<(usize, Option<Action>)>();
+        let set = size_of::<(Encoded, bool)>() + size_of::<usize>();
+        list + set + 2 * self.watching.rules.frame().state_bytes()
     }
 
     fn is_goal(
