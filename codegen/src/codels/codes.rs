@@ -134,8 +134,8 @@ pub const CODES: &[CodelCode] = &[
         why: "The code does not compile. The parameter was taken away or renamed in the specification.",
         specification: "component c {\n  ids { double speed, limit; };\n  function f() { codel c_f(inout speed); };\n};\n",
         source: "genom_event c_f(double *speed, const genom_context self)\n{\n  *speed = limit;\n  return genom_ok;\n}\n",
-        corrected: Corrected::Specification(
-            "component c {\n  ids { double speed, limit; };\n  function f() { codel c_f(inout speed, in limit); };\n};\n",
+        corrected: Corrected::Source(
+            "genom_event c_f(double *speed, const genom_context self)\n{\n  const double limit = 2.;\n  *speed = limit;\n  return genom_ok;\n}\n",
         ),
         fix: "Add the parameter to the codel and update the signature, or declare the name in the source.",
     },
@@ -145,8 +145,8 @@ pub const CODES: &[CodelCode] = &[
         why: "The code does not compile. A parameter with the direction `in` points to a constant.",
         specification: "component c {\n  struct s { double x; };\n  ids { s state; };\n  function f() { codel c_f(in state); };\n};\n",
         source: "genom_event c_f(const c_s *state, const genom_context self)\n{\n  state->x = 1.;\n  return genom_ok;\n}\n",
-        corrected: Corrected::Specification(
-            "component c {\n  struct s { double x; };\n  ids { s state; };\n  function f() { codel c_f(inout state); };\n};\n",
+        corrected: Corrected::Source(
+            "genom_event c_f(const c_s *state, const genom_context self)\n{\n  c_s next = *state;\n  next.x = 1.;\n  return genom_ok;\n}\n",
         ),
         fix: "Change the direction in the specification to `out` or `inout` and update the signature, or write to a \
               copy.",

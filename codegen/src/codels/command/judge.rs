@@ -15,7 +15,7 @@ use rustc_hash::FxHashMap;
 use super::{FileChange, project::Project};
 use crate::codels::{
     diagnostics::{Side, diagnostics},
-    drift::{Drift, Repair},
+    drift::{Drift, DriftCode, Repair},
     edit::{Edit, line_edits},
     folder::Folder,
 };
@@ -268,12 +268,16 @@ impl Findings {
 
     /// Codes of which there are more afterwards, but for findings that were there and could not be seen:
     /// where an error is gone, hints, rules that wait until a specification is accepted, and findings away
-    /// from the changed lines.
+    /// from the changed lines; where a function has got its prototype, what its body cannot use any more.
     fn added(&self, after: &Findings, touched: &Touched) -> Vec<&'static str> {
         let reveals = after.errors < self.errors;
+        let mismatch = DriftCode::SignatureMismatch.as_str();
+        let follows = after.count(mismatch) < self.count(mismatch);
+        let in_body = [DriftCode::UndeclaredName, DriftCode::ConstantWrite];
+        let is_left = |code: &str| follows && in_body.iter().any(|it| it.as_str() == code);
         let mut out = Vec::new();
         for (&code, &count) in &after.counts {
-            if count <= self.count(code) {
+            if count <= self.count(code) || is_left(code) {
                 continue;
             }
             let waits = lints::find(code).is_some_and(|it| it.absence);
