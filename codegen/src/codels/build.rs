@@ -165,7 +165,7 @@ pub fn plan(
         .map(|source| compile_step(source, place, codels, tools, packages))
         .collect();
     let is_cxx = |it: &IndexedFile| it.path.extension() != Some("c");
-    let linker = match sources().any(|it| is_cxx(it)) {
+    let linker = match sources().any(is_cxx) {
         true => &tools.cxx,
         false => &tools.c,
     };
