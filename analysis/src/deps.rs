@@ -36,6 +36,8 @@ pub struct Package {
     pub required_by: RequiredBy,
     /// Why it is not usable; `None` if it is.
     pub missing: Option<String>,
+    /// It is not installed, and definitions that come with dotgen take its place.
+    pub own: bool,
     /// What brings it.
     pub brought_by: Vec<Provider>,
 }
@@ -155,6 +157,7 @@ fn packages(db: &dyn Db, spec: &Spec) -> Vec<Package> {
         let names = packages::names(&requirement).into_iter();
         Package {
             missing: asked.flags(db).as_ref().err().cloned(),
+            own: asked.flags(db).as_ref().is_ok_and(|it| !it.own.is_empty()),
             brought_by: names.map(provider).collect(),
             requirement,
             required_by,

@@ -587,7 +587,7 @@ fn the_manual_is_part_of_the_program() {
 }
 
 const CLONE: &str = "\
-#pragma require \"openrobots2-idl >= 2.0\"
+#pragma require \"acme-idl >= 2.0\"
 #include \"or/pose/pose_estimator.gen\"
 component c {
   uses or_pose_estimator;
@@ -670,11 +670,8 @@ fn what_a_specification_needs_and_what_stands_in_for_it() {
     let document: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     let needs = &document["specifications"][0];
     let package = &needs["packages"][0];
-    assert_eq!(package["requirement"], "openrobots2-idl >= 2.0");
-    assert_eq!(
-        package["brought_by"][0]["robotpkg"],
-        "interfaces/openrobots2-idl"
-    );
+    assert_eq!(package["requirement"], "acme-idl >= 2.0");
+    assert_eq!(package["brought_by"][0]["robotpkg"], "interfaces/acme-idl");
     assert_eq!(needs["includes"][0]["found"], Value::Null);
     assert_eq!(needs["includes"][0]["searched"], json!(["."]));
     assert_eq!(needs["interfaces"][0]["name"], "or_pose_estimator");

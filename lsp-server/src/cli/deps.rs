@@ -170,6 +170,10 @@ fn print_package(package: &Package, out: &mut impl Write) -> std::io::Result<()>
     let requirement = terminal::text(&package.requirement);
     let by = terminal::text(&by);
     match &package.missing {
+        None if package.own => writeln!(
+            out,
+            "  package {requirement} ({by}): not installed; its interfaces come with dotgen"
+        ),
         None => writeln!(out, "  package {requirement} ({by}): found"),
         Some(why) => {
             let brings = package.brought_by.iter();
