@@ -200,3 +200,11 @@ fn finish(name: &str, result: Result<i32, String>, env: &mut Environment<'_>) ->
         2
     })
 }
+
+/// The confinement of templates that are part of dotgen: their hidden and executable results are known.
+fn of_dotgen(confined: crate::template::Confined) -> crate::template::Confined {
+    crate::template::Confined {
+        confirmed: crate::template::Confirmed::All,
+        ..confined
+    }
+}

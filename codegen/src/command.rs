@@ -16,7 +16,7 @@ use crate::disk::NewContent;
 use crate::frontend::Frontend;
 use crate::options::{self, Mode, OptionError, Options};
 use crate::template::discover::FindError;
-use crate::template::{Confined, Limits, OutputSink, Run};
+use crate::template::{Confined, Confirmed, Limits, OutputSink, Run, reach};
 pub use project::Project;
 
 /// Runs the generator with command line arguments (without the program's name); returns the exit
@@ -95,8 +95,12 @@ fn confined(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>
     } else {
         &env.base
     };
-    let results = vec![env.disk.absolute(here)];
-    env.confined = Some(Confined { results });
+    let allowed = options.allowed.iter();
+    let allowed = allowed.map(|path| reach::plain(&*env.disk, &here.join(path)));
+    env.confined = Some(Confined {
+        results: vec![env.disk.absolute(here)],
+        confirmed: Confirmed::Only(allowed.collect()),
+    });
     env.limits = Limits {
         cancel: env.limits.cancel.take(),
         ..Limits::preview()
@@ -278,7 +282,9 @@ General options:
   -N, --dump        read the files and print the resulting model, as JSON
   -E                preprocess the files
       --confined    as a preview in an editor: TEMPLATE starts no program, has no network, reads
-                    itself and its inputs, and writes below the current directory
+                    itself and its inputs, and writes below the current directory, except hidden
+                    files and executables
+      --allow PATH  with --confined, let TEMPLATE write this hidden file or executable
   -T, --tmpdir DIR  directory for temporary files
   -v, --verbose     say what is done
   -d, --debug       keep temporary files

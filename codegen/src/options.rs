@@ -23,6 +23,8 @@ pub(crate) struct Options {
     pub(crate) tmpdir: Option<String>,
     /// `--confined`.
     pub(crate) confined: bool,
+    /// `--allow`, as given.
+    pub(crate) allowed: Vec<String>,
     pub(crate) verbose: bool,
     pub(crate) debug: bool,
     pub(crate) mode: Mode,
@@ -64,6 +66,7 @@ pub(crate) enum OptionError {
 }
 
 const LONG: &[(&str, char)] = &[
+    ("allow", 'A'),
     ("confined", 'F'),
     ("debug", 'd'),
     ("directory", 'C'),
@@ -135,6 +138,10 @@ pub(crate) fn parse(args: &[String], here: &Path) -> Result<Options, OptionError
         }
     }
     options.rest = args.cloned().collect();
+    if !options.allowed.is_empty() && !options.confined {
+        let why = "--allow needs --confined: other templates write any file";
+        return Err(OptionError::Fatal(why.to_owned()));
+    }
     if !options.directory.is_empty() {
         let directory = absolute_text(&options.here, &options.directory);
         options.cmdline += &format!(" -C {directory}");
@@ -147,7 +154,7 @@ fn missing(word: &str) -> OptionError {
 }
 
 fn takes_value(option: char) -> bool {
-    "CIDTtsR".contains(option)
+    "ACIDTtsR".contains(option)
 }
 
 fn long_option(name: &str) -> Result<char, OptionError> {
@@ -186,6 +193,10 @@ impl Options {
             'T' => {
                 self.cmdline += &format!(" -T {}", absolute_text(&self.here, &value));
                 self.tmpdir = Some(value);
+                return Ok(());
+            }
+            'A' => {
+                self.allowed.push(value);
                 return Ok(());
             }
             'C' => {
@@ -280,5 +291,6 @@ mod tests {
         assert!(matches!(read("-q"), Err(OptionError::Usage(_))));
         assert!(matches!(read("--t=x"), Err(OptionError::Usage(_))));
         assert!(matches!(read("-t"), Err(OptionError::Usage(_))));
+        assert!(matches!(read("--allow a x"), Err(OptionError::Fatal(_))));
     }
 }

@@ -44,7 +44,7 @@ pub use host::{Limits, find_tclsh};
 pub use notice::notice;
 pub(crate) use notice::notice_of;
 pub(crate) use output::Output;
-pub use output::{Modes, OutputSink, PreviewFile};
+pub use output::{Modes, OutputSink, PreviewFile, concern};
 
 /// The digests of a component, and of its services by name.
 pub(crate) fn component_digests(spec: &Spec, component: u32) -> Vec<(Option<String>, String)> {
@@ -115,6 +115,17 @@ pub struct Run<'a> {
 pub struct Confined {
     /// Folders in which its results may be.
     pub results: Vec<PathBuf>,
+    /// The confirmation of hidden files and of executable ones.
+    pub confirmed: Confirmed,
+}
+
+/// The confirmation of results that act later: hidden files and files that are executable.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Confirmed {
+    /// Only these files, by absolute path.
+    Only(Vec<PathBuf>),
+    /// All: a person sees the marked results before they are written, or the template is part of dotgen.
+    All,
 }
 
 /// The end of a run.

@@ -97,7 +97,7 @@ fn generator() -> ExitCode {
                 })
             }
         }),
-        console: &mut StdConsole,
+        console: &mut StdConsole::default(),
         limits: Limits::default(),
         base: std::path::PathBuf::new(),
         sink: dotgen_codegen::template::OutputSink::Direct,

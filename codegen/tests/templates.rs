@@ -10,7 +10,7 @@ use dotgen_analysis::release::{Release, ReleaseChoice, ReleaseOrigin};
 use dotgen_codegen::compiler::Compiler;
 use dotgen_codegen::template::console::Captured;
 use dotgen_codegen::template::discover::SearchPath;
-use dotgen_codegen::template::{Confined, Limits, Outcome, OutputSink, Run, find_tclsh};
+use dotgen_codegen::template::{Confined, Confirmed, Limits, Outcome, OutputSink, Run, find_tclsh};
 
 const SPECIFICATION: &str = r#"/*/ A lamp.
  * Second line.
@@ -50,7 +50,10 @@ fn run(
     };
     // What is not written is confined: the results of these tests are in temporary folders.
     let results = vec![std::env::temp_dir()];
-    let confined = matches!(sink, OutputSink::Preview(_)).then_some(Confined { results });
+    let confined = matches!(sink, OutputSink::Preview(_)).then_some(Confined {
+        results,
+        confirmed: Confirmed::All,
+    });
     let run = Run {
         disk: Arc::new(crate::files::Files),
         dir: search.find(&crate::files::Files, template).unwrap(),

@@ -16,6 +16,7 @@
 
 mod board;
 pub(crate) mod children;
+mod clients;
 mod debugger;
 pub(crate) mod host;
 pub(crate) mod known;

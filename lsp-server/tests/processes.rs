@@ -366,8 +366,25 @@ fn a_confined_template_writes_below_the_current_folder() {
     let directory = project(&[
         (
             "plain/template.tcl",
-            "template parse raw \"text\\n\" file sub/a.txt\ntemplate parse perm a+x raw x file b.sh\n",
+            "template parse raw \"text\\n\" file sub/a.txt\ntemplate parse raw x file b.sh\n",
         ),
+        (
+            "hook/template.tcl",
+            "template parse perm 0755 raw x file .git/hooks/post-commit\n",
+        ),
+        (
+            "caught/template.tcl",
+            "catch {template parse perm a+x raw x file run.sh}\ntemplate parse raw x file fine.txt\n",
+        ),
+        (
+            "linked/template.tcl",
+            "template parse raw x file plain/config\n",
+        ),
+        (
+            "texts/template.toml",
+            "about = \"x\"\n[[files]]\npath = \".profile\"\nsource = \"t\"\n",
+        ),
+        ("texts/t", "x"),
         (
             "leaves/template.tcl",
             "template parse raw x file a.txt\ntemplate parse raw x file ../out.txt\n",
@@ -391,8 +408,18 @@ fn a_confined_template_writes_below_the_current_folder() {
     assert_eq!((status(&output), stderr(&output)), (0, String::new()));
     let written = std::fs::read_to_string(directory.path().join("work/sub/a.txt"));
     assert_eq!(written.expect("a file"), "text\n");
+    #[cfg(unix)]
+    std::os::unix::fs::symlink(".git", directory.path().join("work/plain")).expect("a link");
+    std::fs::create_dir(directory.path().join("work/.git")).expect("a folder");
     let work = entries(&directory.path().join("work"));
     for (template, why) in [
+        (
+            "hook",
+            ".git/hooks/post-commit is hidden and executable, and a confined template writes such a file \
+             only if you name the file: --allow .git/hooks/post-commit",
+        ),
+        ("linked", "plain/config is hidden"),
+        ("texts", ".profile is hidden"),
         ("leaves", "is outside of"),
         ("tool", "is a program"),
         ("minus", "not allowed in a preview"),
@@ -400,7 +427,7 @@ fn a_confined_template_writes_below_the_current_folder() {
         ("reads", "neither a file of a template nor an input"),
         ("parses", "neither a file of a template nor an input"),
     ] {
-        let output = generate(&directory, &["--confined", template]);
+        let output = generate(&directory, &["--confined", template, "lamp.gen"]);
         assert_eq!(status(&output), 2, "{template}");
         assert!(
             stderr(&output).contains(why),
@@ -414,6 +441,16 @@ fn a_confined_template_writes_below_the_current_folder() {
         work,
         "nor is what came before a failure"
     );
+    // What is confirmed by name, and what a template does without what it is refused.
+    let allow = ["--confined", "--allow", ".git/hooks/post-commit", "hook"];
+    let output = generate(&directory, &allow);
+    assert_eq!((status(&output), stderr(&output)), (0, String::new()));
+    let hook = directory.path().join("work/.git/hooks/post-commit");
+    assert!(hook.exists());
+    let output = generate(&directory, &["--confined", "caught"]);
+    assert_eq!((status(&output), stderr(&output)), (0, String::new()));
+    assert!(directory.path().join("work/fine.txt").exists());
+    assert!(!directory.path().join("work/run.sh").exists());
     // Without the option a template does what its user can.
     let output = generate(&directory, &["leaves"]);
     assert_eq!((status(&output), stderr(&output)), (0, String::new()));

@@ -1,7 +1,8 @@
 //! What a run tells of itself at its socket: the types of what it takes, and how far it has come.
 #![cfg(target_os = "linux")]
 
-use std::io::{BufRead as _, BufReader, Write as _};
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::net::Shutdown;
 use std::os::unix::net::UnixStream;
 
 use serde_json::{Value, json};
@@ -17,6 +18,7 @@ struct tree { sequence<tree> left, right; };
 component arm {
   version "1"; lang "c";
   ids { point at; mode m; tree t; boolean hard; };
+  port out point seen;
   task main {
     period 10 ms;
     codel<start> first(out at) yield pause::go wcet 1 ms;
@@ -124,4 +126,68 @@ fn a_run_tells_how_far_it_has_come() {
     let second = answers.next().expect("it goes on");
     assert!(second["time"].as_f64() > first["time"].as_f64());
     assert!(taken(&second, "pause::go") >= taken(&first, "pause::go"));
+}
+
+#[test]
+fn a_client_that_sends_no_more_gets_its_answers() {
+    let (directory, _run) = run();
+    let socket = directory.path().join("s");
+    let mut client = UnixStream::connect(socket).expect("it listens");
+    // As `printf … | nc -U s`: without a line end.
+    write!(client, "{}", json!({"id": 3, "call": "arm.go"})).expect("it reads");
+    client.shutdown(Shutdown::Write).expect("a half");
+    let mut said = String::new();
+    client.read_to_string(&mut said).expect("text, and an end");
+    let answer: Value = serde_json::from_str(said.trim()).expect("one line");
+    assert_eq!(
+        (&answer["id"], &answer["event"]),
+        (&json!(3), &json!("done"))
+    );
+}
+
+#[test]
+fn a_client_is_told_its_limits() {
+    let (directory, _run) = run();
+    let socket = directory.path().join("s");
+    let connect = || UnixStream::connect(&socket).expect("it listens");
+    let clients: Vec<UnixStream> = (0..64).map(|_| connect()).collect();
+    let mut refused = String::new();
+    connect().read_to_string(&mut refused).expect("text");
+    assert!(refused.contains("too many connections"), "{refused}");
+    let mut client = &clients[0];
+    let mut lines = BufReader::new(client).lines();
+    let mut next = || -> Value {
+        let line = lines.next().expect("a line").expect("text");
+        serde_json::from_str(&line).expect("JSON")
+    };
+    let message = |answer: &Value| answer["message"].as_str().unwrap_or_default().to_owned();
+    let long = vec![b'x'; 5 << 20];
+    client.write_all(&long).expect("it reads");
+    writeln!(client).expect("it reads");
+    let answer = next();
+    assert!(message(&answer).contains("too long"), "{answer}");
+    for id in 0..257 {
+        let request = json!({"id": id, "watch": "arm/seen"});
+        writeln!(client, "{request}").expect("it reads");
+    }
+    for _ in 0..256 {
+        let answer = next();
+        assert_eq!(answer["event"], "watching", "{answer}");
+    }
+    let answer = next();
+    assert_eq!(answer["id"], 256);
+    assert!(message(&answer).contains("too many requests"), "{answer}");
+    let request = json!({"id": 7, "call": "arm.go"});
+    writeln!(client, "{request}").expect("it reads");
+    let answer = next();
+    assert!(message(&answer).contains("has not ended"), "{answer}");
+    // There is room again when one has gone.
+    drop(clients);
+    crate::running::soon("a place", || {
+        let mut client = connect();
+        let request = json!({"id": 1, "describe": null});
+        writeln!(client, "{request}").ok()?;
+        let answer = BufReader::new(client).lines().next()?.ok()?;
+        answer.contains("description").then_some(())
+    });
 }

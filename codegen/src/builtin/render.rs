@@ -48,7 +48,10 @@ pub(super) fn run(
     let sink = std::mem::replace(&mut env.sink, OutputSink::Direct);
     let disk = Arc::clone(&env.disk);
     let mut output = Output::new(name.to_owned(), env.base.clone(), general.debug, disk, sink);
-    output.confined = env.confined.clone();
+    output.confined = match texts {
+        Texts::Folder(_) => env.confined.clone(),
+        _ => env.confined.clone().map(super::of_dotgen),
+    };
     let result = write(
         name,
         &manifest,

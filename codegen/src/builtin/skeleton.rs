@@ -127,7 +127,7 @@ pub(super) fn run(
     let disk = Arc::clone(&env.disk);
     let sink = std::mem::replace(&mut env.sink, OutputSink::Direct);
     let mut output = Output::new(name.to_owned(), env.base.clone(), false, disk, sink);
-    output.confined = env.confined.clone();
+    output.confined = env.confined.clone().map(super::of_dotgen);
     let set_up = set_up(&mut output, &call);
     let tmpdir = env.processes.folder(None);
     let (Ok(()), Ok(tmpdir)) = (set_up, tmpdir) else {

@@ -1,6 +1,6 @@
 //! The standard channels of a template run.
 
-use std::io::{BufRead, Read, Write};
+use std::io::{BufRead, IsTerminal as _, Read, Write};
 
 use dotgen_analysis::terminal;
 
@@ -25,14 +25,48 @@ pub trait Console {
     }
 }
 
-/// The standard channels of the process.
+/// The standard channels of the process. On a terminal, control characters are shown escaped.
+#[derive(Debug)]
+pub struct StdConsole {
+    /// The standard output, if it is a terminal.
+    shown: Option<Harmless>,
+}
+
+impl Default for StdConsole {
+    fn default() -> StdConsole {
+        let terminal = std::io::stdout().is_terminal();
+        StdConsole {
+            shown: terminal.then(Harmless::default),
+        }
+    }
+}
+
+/// Bytes as a terminal may show them. A character that is cut between two calls is kept until its rest comes.
 #[derive(Debug, Default)]
-pub struct StdConsole;
+struct Harmless {
+    kept: Vec<u8>,
+}
+
+impl Harmless {
+    fn text(&mut self, bytes: &[u8]) -> String {
+        let bytes = [&std::mem::take(&mut self.kept), bytes].concat();
+        let mut whole = bytes.len();
+        let cut = (1..=whole.min(3)).find(|count| {
+            let last = std::str::from_utf8(&bytes[whole - count..]);
+            last.is_err_and(|it| it.valid_up_to() == 0 && it.error_len().is_none())
+        });
+        whole -= cut.unwrap_or(0);
+        self.kept = bytes[whole..].to_vec();
+        terminal::text(&String::from_utf8_lossy(&bytes[..whole])).into_owned()
+    }
+}
 
 impl Console for StdConsole {
     fn out(&mut self, bytes: &[u8]) {
         // A reader that went away is no reason to stop.
         let mut out = std::io::stdout().lock();
+        let text = self.shown.as_mut().map(|shown| shown.text(bytes));
+        let bytes = text.as_deref().map_or(bytes, str::as_bytes);
         let _ = out.write_all(bytes).and_then(|()| out.flush());
     }
 
@@ -116,5 +150,23 @@ impl Console for Captured {
             line.pop();
         }
         Some(line)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_terminal_gets_no_control_characters() {
+        let mut shown = Harmless::default();
+        assert_eq!(
+            shown.text(b"a\x1b]0;x\x07\tb\r\n"),
+            "a\\u{1b}]0;x\\u{7}\tb\\u{d}\n"
+        );
+        // A character that comes in two parts.
+        assert_eq!(shown.text(b"\xe2\x82"), "");
+        assert_eq!(shown.text(b"\xac \xc2"), "\u{20ac} ");
+        assert_eq!(shown.text(b"\x9b31m \x9b"), "\\u{9b}31m \u{fffd}");
     }
 }

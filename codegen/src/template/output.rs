@@ -13,7 +13,7 @@ use dotgen_syntax::encoding;
 
 use super::console::Console;
 use super::merge::{self, Choice, Conflict};
-use super::{Confined, Failure, reach};
+use super::{Confined, Confirmed, Failure, reach};
 use crate::disk::{Disk, WriteError};
 use crate::process::{Channels, Processes, Program, Resources};
 pub(crate) use staged::Staged;
@@ -27,6 +27,27 @@ pub struct PreviewFile {
     pub after: Vec<u8>,
     /// Unix permissions, when the template gives any.
     pub mode: Option<u32>,
+}
+
+/// Bits of permissions that let a file be executed, or with the rights of others.
+const EXECUTABLE: u32 = 0o7111;
+
+/// The reason why a result needs confirmation: `hidden`, `executable`, or both. The mode is the one that the
+/// template wants.
+pub fn concern(
+    disk: &dyn Disk,
+    path: &Path,
+    mode: Option<u32>,
+    folders: &[PathBuf],
+) -> Option<&'static str> {
+    let had = || disk.status(path).map_or(0, |it| it.mode);
+    let executable = mode.is_some_and(|it| it & EXECUTABLE & !had() != 0);
+    match (reach::is_hidden(disk, path, folders), executable) {
+        (true, true) => Some("hidden and executable"),
+        (true, false) => Some("hidden"),
+        (false, true) => Some("executable"),
+        (false, false) => None,
+    }
 }
 
 /// Where the files of a template go.
@@ -202,13 +223,30 @@ impl Output {
         Ok(())
     }
 
-    /// Refuses a result that is not where the results of a confined template may be.
-    fn check(&self, shown: &str, path: &Path) -> Result<(), Failure> {
+    /// Refuses a result that is not where the results of a confined template may be, and a hidden or executable
+    /// one that nobody has confirmed.
+    fn check(&self, shown: &str, path: &Path, permissions: &str) -> Result<(), Failure> {
         let Some(confined) = &self.confined else {
             return Ok(());
         };
         if reach::is_below(&*self.disk, path, &confined.results) {
-            return Ok(());
+            let Confirmed::Only(confirmed) = &confined.confirmed else {
+                return Ok(());
+            };
+            let mode = match permissions.is_empty() {
+                true => None,
+                false => Some(self.files.mode(&*self.disk, path, permissions)?),
+            };
+            let concern = concern(&*self.disk, path, mode, &confined.results);
+            return match concern {
+                Some(what) if !confirmed.contains(&reach::plain(&*self.disk, path)) => {
+                    Err(Failure::Error(format!(
+                        "{shown} is {what}, and a confined template writes such a file only if you name \
+                         the file: --allow {shown}"
+                    )))
+                }
+                _ => Ok(()),
+            };
         }
         let folders: Vec<String> = confined
             .results
@@ -231,7 +269,7 @@ impl Output {
     ) -> Result<(), Failure> {
         let shown = self.path(name);
         let path = self.base.join(&shown);
-        self.check(&shown, &path)?;
+        self.check(&shown, &path, permissions)?;
         let silent = self.modes.is_on("silent");
         let exists = self.files.exists(&*self.disk, &path);
         let say = |env: &mut dyn Environment, line: String| {

@@ -74,6 +74,24 @@ pub(crate) fn is_below(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> boo
         .any(|it| resolve(disk, it).is_some_and(|it| path.starts_with(it)))
 }
 
+/// Whether a path has a part that begins with a dot below all of the folders around the path, whatever links
+/// there are on the way. Such files configure tools, shells and editors: `.git/hooks`, `.vscode`, `.profile`.
+pub(crate) fn is_hidden(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> bool {
+    let parts = |path: &Path, folders: &[PathBuf]| {
+        let below = folders.iter().filter_map(|it| path.strip_prefix(it).ok());
+        below
+            .map(|rest| {
+                let mut parts = rest.components();
+                parts.any(|part| part.as_os_str().as_encoded_bytes().starts_with(b"."))
+            })
+            .reduce(|one, other| one && other)
+    };
+    let named: Vec<PathBuf> = folders.iter().map(|it| plain(disk, it)).collect();
+    let real: Vec<PathBuf> = folders.iter().filter_map(|it| resolve(disk, it)).collect();
+    let by_links = resolve(disk, path).and_then(|path| parts(&path, &real));
+    by_links.unwrap_or(true) || parts(&plain(disk, path), &named).unwrap_or(false)
+}
+
 /// The path without links, of which the last parts need not exist. `None` for a link that leads nowhere:
 /// a file that is written there would come to be where it points.
 fn resolve(disk: &dyn Disk, path: &Path) -> Option<PathBuf> {
@@ -146,6 +164,26 @@ mod tests {
             &root.join("out/new/a"),
             &[root.join("out/new")]
         ));
+        let hidden = |path: &str| is_hidden(&Files, &root.join(path), std::slice::from_ref(&root));
+        std::fs::create_dir(root.join(".git")).unwrap();
+        symlink(".git", root.join("plain")).unwrap();
+        symlink("sub", root.join(".link")).unwrap();
+        for path in [
+            ".a",
+            ".git/hooks/x",
+            "sub/.b/c",
+            "plain/hooks/x",
+            "inner/.d",
+            ".link/e",
+        ] {
+            assert!(hidden(path), "{path}");
+        }
+        for path in ["a", "inner/a", ".git/../a", "sub/b.c/d"] {
+            assert!(!hidden(path), "{path}");
+        }
+        // The folder itself may be hidden.
+        let folders = [root.clone(), root.join(".git")];
+        assert!(!is_hidden(&Files, &root.join(".git/a"), &folders));
         // A folder whose name begins alike is another one.
         assert!(!is_below(&Files, &dir.path().join("root2/a"), &[root]));
     }

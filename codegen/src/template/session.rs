@@ -81,7 +81,8 @@ pub(super) fn run(
         &*run.processes,
         &run.limits,
         &run.base,
-        !console.is_terminal(),
+        // Error output of a confined template is data, which the console makes harmless.
+        !console.is_terminal() || reach.is_some(),
         reach.as_ref().map(Reach::access),
     );
     let host = match host {

@@ -111,7 +111,7 @@ fn run(
         disk: Arc::new(SystemDisk),
         loader: Arc::new(Vfs::new(packages)),
         pictures: Arc::new(crate::views::pictures::machine),
-        console: &mut StdConsole,
+        console: &mut StdConsole::default(),
         limits: Limits::default(),
         base: PathBuf::new(),
         sink: OutputSink::Direct,

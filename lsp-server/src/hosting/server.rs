@@ -1,11 +1,12 @@
 //! Services as JSON over a socket: see `docs/socket.md`.
 
+mod find;
+
 use std::collections::{BTreeMap, HashMap};
-use std::io::{self, BufRead as _, BufReader, Read as _, Write};
+use std::io::{self, BufReader, Write};
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::Path;
-use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
@@ -18,15 +19,11 @@ use rustix::process::umask;
 use serde_json::{Map, Value, json};
 
 use super::children::{Door, Outside};
+use super::clients::{Client, LONGEST, Line, MOST_CLIENTS, MOST_WAITING, read_line};
 use super::known::{CONNECT, Known, describe, detail_of};
 use super::stream::Stream;
 use crate::files::disk::Passing;
-
-/// A line is never longer.
-const LONGEST: u64 = 16 << 20;
-
-/// Lines that a client may be behind; whoever reads more slowly misses data of ports.
-const BEHIND: usize = 1024;
+use find::{component, port};
 
 /// Whoever looks at how far the run has come is told at most so often: eyes see no more, and telling takes
 /// time.
@@ -136,6 +133,8 @@ struct State {
     next: u64,
     /// How many have connected.
     clients: u64,
+    /// How many are connected: by TCP, and to the Unix socket.
+    open: [usize; 2],
     requests: HashMap<u64, PendingRequest>,
     watchers: Vec<Watcher>,
     /// Who follows the runs of codels, with their numbers of that request.
@@ -161,30 +160,6 @@ struct Watcher {
     port: u32,
     client: Client,
     id: Value,
-}
-
-/// Somebody who is connected.
-#[derive(Clone)]
-struct Client {
-    number: u64,
-    lines: SyncSender<String>,
-    stream: Arc<Stream>,
-}
-
-impl Client {
-    /// Answers. Whoever does not read is not waited for, but let go, as he would miss the answer.
-    fn say(&self, it: Value, id: &Value) {
-        if !self.offer(it, id) {
-            self.stream.hang_up();
-        }
-    }
-
-    /// Tells something that may be missed. Whether there was room for it.
-    fn offer(&self, mut it: Value, id: &Value) -> bool {
-        it["id"] = id.clone();
-        let sent = self.lines.try_send(format!("{it}\n"));
-        !matches!(sent, Err(TrySendError::Full(_)))
-    }
 }
 
 impl Shared {
@@ -243,30 +218,58 @@ pub(crate) fn listen(
 
 fn accept(shared: &Arc<Shared>, stream: Stream) {
     let mut state = shared.state();
+    let kind = usize::from(stream.is_private());
+    if state.open[kind] >= MOST_CLIENTS {
+        drop(state);
+        let why = format!("too many connections: {MOST_CLIENTS} are open; close one of them");
+        let told = json!({"event": "error", "message": why, "id": null});
+        // There is room for a line.
+        let _ = (&stream).write_all(format!("{told}\n").as_bytes());
+        return;
+    }
+    state.open[kind] += 1;
     let number = state.clients;
     state.clients += 1;
     drop(state);
     let shared = shared.clone();
-    std::thread::spawn(move || serve(&shared, stream, number));
+    std::thread::spawn(move || {
+        serve(&shared, stream, number);
+        shared.state().open[kind] -= 1;
+    });
 }
 
 fn serve(shared: &Shared, stream: Stream, number: u64) {
     let stream = Arc::new(stream);
-    let (lines, queue) = sync_channel(BEHIND);
-    let output = stream.clone();
-    std::thread::spawn(move || write(&output, &queue));
-    let client = Client {
-        number,
-        lines,
-        stream: stream.clone(),
-    };
-    let mut input = BufReader::new(&*stream);
+    let client = Client::new(number, stream.clone());
+    let stays = hear(shared, &stream, &client);
+    // From now on only its requests hold the connection.
+    drop(client);
+    if stays {
+        stream.wait_for_end();
+    }
+    let mut state = shared.state();
+    state.watchers.retain(|it| it.client.number != number);
+    state.followers.retain(|it| it.0.number != number);
+    state.lookers.retain(|it| it.0.number != number);
+    // Its requests go on, but nobody hears of them.
+    state.requests.retain(|_, it| it.client.number != number);
+    drop(state);
+    stream.wait_for_end();
+}
+
+/// Reads requests to their end. Returns whether the client may get answers after the end.
+fn hear(shared: &Shared, stream: &Stream, client: &Client) -> bool {
+    let mut input = BufReader::new(stream);
     let mut line = Vec::new();
     loop {
-        line.clear();
-        match input.by_ref().take(LONGEST).read_until(b'\n', &mut line) {
-            Ok(1..) if line.ends_with(b"\n") => {}
-            _ => break,
+        match read_line(&mut input, &mut line) {
+            Line::Whole => {}
+            Line::TooLong => {
+                let why = format!("too long: a request has at most {} MiB", LONGEST >> 20);
+                client.say(json!({"event": "error", "message": why}), &Value::Null);
+                continue;
+            }
+            Line::End => return true,
         }
         let request: Value = match serde_json::from_slice(&line) {
             Ok(it) => it,
@@ -276,30 +279,42 @@ fn serve(shared: &Shared, stream: Stream, number: u64) {
                 // A page in a browser can reach the port as well, but what it sends begins like this.
                 match stream.is_private() {
                     true => continue,
-                    false => break,
+                    false => return false,
                 }
             }
         };
         let id = request.get("id").cloned().unwrap_or(Value::Null);
-        match answer(shared, &client, &request, &id) {
+        match answer(shared, client, &request, &id) {
             Ok(Some(it)) => client.say(it, &id),
             Ok(None) => {}
             Err(why) => client.say(json!({"event": "error", "message": why}), &id),
         }
     }
-    let mut state = shared.state();
-    state.watchers.retain(|it| it.client.number != number);
-    state.followers.retain(|it| it.0.number != number);
-    state.lookers.retain(|it| it.0.number != number);
-    // Its requests go on, but nobody hears of them.
-    state.requests.retain(|_, it| it.client.number != number);
 }
 
-fn write(mut output: &Stream, queue: &Receiver<String>) {
-    for line in queue {
-        if output.write_all(line.as_bytes()).is_err() {
-            return;
+/// Refuses a request that goes on, if the connection has too many, or one with the same `id`.
+fn admit(state: &State, client: &Client, id: &Value) -> Result<(), String> {
+    let requests = state.requests.values().map(|it| (&it.client, &it.id));
+    let watchers = state.watchers.iter().map(|it| (&it.client, &it.id));
+    let others = state.followers.iter().chain(&state.lookers);
+    let all = requests
+        .chain(watchers)
+        .chain(others.map(|it| (&it.0, &it.1)));
+    let mut waiting = 0;
+    for (_, other) in all.filter(|(other, _)| other.number == client.number) {
+        // Requests without an `id` cannot be told apart, as their client wants it.
+        if other == id && !id.is_null() {
+            return Err(format!(
+                "request {id} has not ended: give each request an `id` of its own"
+            ));
         }
+        waiting += 1;
+    }
+    match waiting < MOST_WAITING {
+        true => Ok(()),
+        false => Err(format!(
+            "too many requests: {MOST_WAITING} of this connection have not ended; wait for some of them"
+        )),
     }
 }
 
@@ -320,6 +335,7 @@ fn answer(
         if let Some(why) = state.gone.get(&component) {
             return Ok(Some(lost(&shared.known[&component], why)));
         }
+        admit(&state, client, id)?;
         state.watchers.push(Watcher {
             client: client.clone(),
             id: id.clone(),
@@ -358,6 +374,7 @@ fn answer(
     }
     if request.get("profile").is_some() {
         let mut state = shared.state();
+        admit(&state, client, id)?;
         // First the answer: lines come after it.
         client.say(json!({"event": "profiling"}), id);
         state.followers.push((client.clone(), id.clone()));
@@ -365,6 +382,7 @@ fn answer(
     }
     if request.get("progress").is_some() {
         let mut state = shared.state();
+        admit(&state, client, id)?;
         client.say(json!({"event": "following"}), id);
         state.lookers.push((client.clone(), id.clone()));
         return Ok(None);
@@ -381,45 +399,6 @@ fn answer(
 fn lost(known: &Known, why: &str) -> Value {
     let name = &known.component().name;
     json!({"event": "lost", "message": format!("`{name}` {why}")})
-}
-
-fn component(shared: &Shared, name: &str) -> Result<usize, String> {
-    let mut all = shared.known.iter();
-    let found = all.find(|(_, it)| it.component().name == name);
-    found.map(|it| *it.0).ok_or_else(|| {
-        let names: Vec<&str> = shared
-            .known
-            .values()
-            .map(|it| it.component().name.as_str())
-            .collect();
-        format!(
-            "there is no component `{name}`; there are {}",
-            names.join(", ")
-        )
-    })
-}
-
-fn port(shared: &Shared, path: &str) -> Result<(usize, u32), String> {
-    let (name, port) = path.split_once('/').ok_or("write COMPONENT/PORT")?;
-    let at = component(shared, name)?;
-    let ports = &shared.known[&at].component().ports;
-    let found = (0u32..)
-        .zip(ports)
-        .find(|(_, it)| it.name == port && it.dir == PortDir::Out);
-    let names = || {
-        let outputs = ports.iter().filter(|it| it.dir == PortDir::Out);
-        outputs
-            .map(|it| it.name.as_str())
-            .collect::<Vec<_>>()
-            .join(", ")
-    };
-    match found {
-        Some((port, _)) => Ok((at, port)),
-        None => Err(format!(
-            "`{name}` has no output port `{port}`; it has {}",
-            names()
-        )),
-    }
 }
 
 fn call(
@@ -457,6 +436,7 @@ fn call(
     let inputs = Values::new(&known.spec).inputs(&services[index], given);
     let inputs = inputs.map_err(|it| format!("`{path}`: {it}"))?;
     let mut state = shared.state();
+    admit(&state, client, id)?;
     state.next += 1;
     let number = state.next;
     state.requests.insert(
@@ -476,7 +456,10 @@ fn call(
     };
     match shared.door.bring(Message::Wanted(wanted)) {
         true => Ok(()),
-        false => Err("the run has ended".to_owned()),
+        false => {
+            shared.state().requests.remove(&number);
+            Err("the run has ended".to_owned())
+        }
     }
 }
 

@@ -2,7 +2,11 @@
 
 use std::io::{self, Read, Write};
 use std::net::{Shutdown, TcpStream};
+use std::os::fd::AsFd as _;
 use std::os::unix::net::UnixStream;
+
+use rustix::event::{PollFd, PollFlags, poll};
+use rustix::io::Errno;
 
 /// See the [module](self). Read and written by two threads.
 #[derive(Debug)]
@@ -26,6 +30,19 @@ impl Stream {
             Stream::Unix(it) => it.shutdown(Shutdown::Both),
             Stream::Tcp(it) => it.shutdown(Shutdown::Both),
         };
+    }
+}
+
+impl Stream {
+    /// Waits until the connection has ended in both directions.
+    pub(super) fn wait_for_end(&self) {
+        let fd = match self {
+            Stream::Unix(it) => it.as_fd(),
+            Stream::Tcp(it) => it.as_fd(),
+        };
+        // The end is told without being asked for.
+        let mut polled = [PollFd::new(&fd, PollFlags::empty())];
+        while poll(&mut polled, None) == Err(Errno::INTR) {}
     }
 }
 

@@ -42,6 +42,8 @@ export interface FileChange {
   after: string;
   /** Unix permissions, when the template gives any. */
   mode: number | null;
+  /** `hidden`, `executable`, or both: a file that acts later. */
+  concern?: string | null;
 }
 
 /** Answer of `dotgen.generate` and `dotgen.regenerate` with `apply: false`. */

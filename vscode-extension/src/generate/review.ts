@@ -29,7 +29,10 @@ export class Review implements vscode.TextDocumentContentProvider, vscode.Dispos
     const created = plan.files.filter((it) => it.change === 'create').length;
     const changed = plan.files.length - created;
     const counts = [created > 0 ? `${created} new` : '', changed > 0 ? `${changed} changed` : ''].filter((it) => it !== '').join(', ');
-    const answer = await vscode.window.showInformationMessage(`${title}: ${counts}. Nothing is written yet.`, 'Write', 'Choose Files…', 'Discard');
+    const marked = plan.files.filter((it) => it.concern).map((it) => `${vscode.workspace.asRelativePath(vscode.Uri.parse(it.uri))} is ${it.concern}. `);
+    const question = `${title}: ${counts}. ${marked.join('')}Nothing is written yet.`;
+    const choices = [...(marked.length > 0 ? [] : ['Write']), 'Choose Files…', 'Discard'];
+    const answer = await vscode.window.showInformationMessage(question, ...choices);
     let files: FileChange[] | undefined;
     if (answer === 'Write') {
       files = plan.files;
@@ -73,8 +76,8 @@ export class Review implements vscode.TextDocumentContentProvider, vscode.Dispos
 async function choose(title: string, files: FileChange[]): Promise<FileChange[] | undefined> {
   const items = files.map((file): FileItem => ({
     label: vscode.workspace.asRelativePath(vscode.Uri.parse(file.uri)),
-    description: file.change === 'create' ? 'new' : 'changed',
-    picked: true,
+    description: (file.change === 'create' ? 'new' : 'changed') + (file.concern ? `, ${file.concern}` : ''),
+    picked: !file.concern,
     file,
   }));
   const picked = await vscode.window.showQuickPick(items, { title, placeHolder: 'Files to write', canPickMany: true });

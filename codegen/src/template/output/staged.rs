@@ -114,6 +114,17 @@ impl Staged {
         Ok(())
     }
 
+    /// The mode that a file would have with permissions in one of the forms of Tcl.
+    pub(crate) fn mode(&self, disk: &dyn Disk, path: &Path, text: &str) -> Result<u32, Failure> {
+        let known = self.files.get(&plain(disk, path)).and_then(|it| it.mode);
+        let current = known.unwrap_or_else(|| match disk.status(path).map_or(0, |it| it.mode) {
+            0 => 0o644,
+            mode => mode,
+        });
+        permissions::parse(text, current)
+            .ok_or_else(|| Failure::Error(format!("unknown permission string format \"{text}\"")))
+    }
+
     /// Gives a file permissions, in one of the forms of Tcl.
     pub(crate) fn set_permissions(
         &mut self,
@@ -123,14 +134,7 @@ impl Staged {
     ) -> Result<(), Failure> {
         let key = plain(disk, path);
         let on_disk_mode = || disk.status(path).map_or(0, |it| it.mode);
-        let known = self.files.get(&key).and_then(|it| it.mode);
-        let current = known.unwrap_or_else(|| match on_disk_mode() {
-            0 => 0o644,
-            mode => mode,
-        });
-        let mode = permissions::parse(text, current).ok_or_else(|| {
-            Failure::Error(format!("unknown permission string format \"{text}\""))
-        })?;
+        let mode = self.mode(disk, path, text)?;
         match self.files.get_mut(&key) {
             Some(file) => file.mode = Some(mode),
             // Up to date, but for its permissions.

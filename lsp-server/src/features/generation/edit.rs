@@ -5,9 +5,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use camino::Utf8Path;
-use dotgen_codegen::template::PreviewFile;
+use dotgen_codegen::template::{self, PreviewFile};
 use similar::{Algorithm, DiffOp, capture_diff_slices};
 
+use crate::files::disk::SystemDisk;
 use crate::protocol::convert::{Encoding, Lines, uri};
 use crate::protocol::types::*;
 
@@ -20,6 +21,8 @@ pub(crate) struct FileChange {
     pub(crate) after: String,
     /// Unix permissions, when the template gives any.
     pub(crate) mode: Option<u32>,
+    /// The reason to look twice: the file is hidden, or becomes executable.
+    pub(crate) concern: Option<&'static str>,
 }
 
 /// The files that a run would change.
@@ -28,6 +31,7 @@ pub(crate) struct FileChange {
 /// A file whose text is not UTF-8, so that it cannot be edited.
 pub(crate) fn changes<'a>(
     files: impl IntoIterator<Item = (&'a std::path::PathBuf, &'a PreviewFile)>,
+    folders: &[std::path::PathBuf],
 ) -> std::result::Result<Vec<FileChange>, String> {
     let mut all = Vec::new();
     for (path, file) in files {
@@ -46,6 +50,7 @@ pub(crate) fn changes<'a>(
             before: before.map_err(|_| bad(&old))?,
             after: String::from_utf8(file.after.clone()).map_err(|_| bad("the new text"))?,
             mode: file.mode,
+            concern: template::concern(&SystemDisk, path, file.mode, folders),
         });
     }
     Ok(all)

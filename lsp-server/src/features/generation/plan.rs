@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use camino::Utf8Path;
+use dotgen_analysis::terminal;
 use dotgen_codegen::disk::{Disk as _, NewContent};
 use serde_json::{Value, json};
 
@@ -42,7 +43,7 @@ pub(crate) fn plan(job: &Job, choices: Vec<Generate>, cancel: &Arc<AtomicBool>) 
         }
         files.extend(done.files);
     }
-    match edit::changes(&files) {
+    match edit::changes(&files, &job.results()) {
         Ok(changes) => plan.changes = changes,
         Err(message) => {
             plan.failed = true;
@@ -68,7 +69,10 @@ impl Plan {
     pub(crate) fn question(&self) -> String {
         let name = |it: &FileChange| {
             let path = uri::to_path(&it.uri);
-            path.file_name().unwrap_or_default().to_owned()
+            match it.concern {
+                Some(what) => format!("{} ({what})", terminal::name(path.as_str())),
+                None => terminal::name(path.file_name().unwrap_or_default()).into_owned(),
+            }
         };
         let list = |new: bool| -> Vec<String> {
             let of = self.changes.iter().filter(|it| it.before.is_none() == new);
@@ -91,6 +95,7 @@ impl Plan {
                 "before": it.before,
                 "after": it.after,
                 "mode": it.mode,
+                "concern": it.concern,
             })
         });
         json!({

@@ -14,7 +14,9 @@ use dotgen_codegen::command::{self, Environment};
 use dotgen_codegen::disk::{Disk, Entry, NewContent, Status, WriteError};
 use dotgen_codegen::template::console::Captured;
 use dotgen_codegen::template::discover::SearchPath;
-use dotgen_codegen::template::{Confined, Limits, OutputSink, PreviewFile, TemplatePlace};
+use dotgen_codegen::template::{
+    Confined, Confirmed, Limits, OutputSink, PreviewFile, TemplatePlace,
+};
 use rustc_hash::FxHashMap;
 
 use super::choices;
@@ -107,6 +109,11 @@ impl Job {
     /// The name of the file as `dotgen.toml` has it.
     pub(crate) fn name(&self) -> String {
         choices::relative(&self.file, &self.folder)
+    }
+
+    /// Folders in which results may be.
+    pub(super) fn results(&self) -> Vec<PathBuf> {
+        self.folders.iter().map(|it| it.into()).collect()
     }
 
     fn template_paths(&self) -> Option<String> {
@@ -206,7 +213,9 @@ impl Job {
             sink: OutputSink::preview(),
             processes: crate::process::system(),
             confined: Some(Confined {
-                results: self.folders.iter().map(|it| it.into()).collect(),
+                results: self.results(),
+                // The preview marks them.
+                confirmed: Confirmed::All,
             }),
             failed_at: None,
             release: self.config.release_of(&self.file),

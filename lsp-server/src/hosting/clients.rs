@@ -1,0 +1,104 @@
+//! Clients of the socket: what they send and get, and the limits of both.
+
+use std::io::{BufRead, Read as _, Write};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+
+use serde_json::Value;
+
+use super::stream::Stream;
+
+/// Bytes of a request.
+pub(super) const LONGEST: usize = 4 << 20;
+
+/// Lines that a client may be behind; a client that reads more slowly misses data of ports.
+const BEHIND: usize = 1024;
+
+/// Connections at a time: to the Unix socket, and as many to the TCP port.
+pub(super) const MOST_CLIENTS: usize = 64;
+
+/// Requests of a connection that have not ended.
+pub(super) const MOST_WAITING: usize = 256;
+
+/// A connected client. The connection ends when the last copy is dropped: a client that has closed its
+/// sending half still gets the answers to its requests.
+#[derive(Clone)]
+pub(super) struct Client {
+    pub(super) number: u64,
+    lines: SyncSender<String>,
+    stream: Arc<Stream>,
+}
+
+impl Client {
+    /// A client, with the thread that writes to the stream.
+    pub(super) fn new(number: u64, stream: Arc<Stream>) -> Client {
+        let (lines, queue) = sync_channel(BEHIND);
+        let output = stream.clone();
+        std::thread::spawn(move || write(&output, &queue));
+        Client {
+            number,
+            lines,
+            stream,
+        }
+    }
+
+    /// Answers. A client that does not read is disconnected, as the answer would be missing.
+    pub(super) fn say(&self, it: Value, id: &Value) {
+        if !self.offer(it, id) {
+            self.stream.hang_up();
+        }
+    }
+
+    /// Sends a line that may be missed. Returns whether there was room for the line.
+    pub(super) fn offer(&self, mut it: Value, id: &Value) -> bool {
+        it["id"] = id.clone();
+        let sent = self.lines.try_send(format!("{it}\n"));
+        !matches!(sent, Err(TrySendError::Full(_)))
+    }
+}
+
+fn write(mut output: &Stream, queue: &Receiver<String>) {
+    for line in queue {
+        if output.write_all(line.as_bytes()).is_err() {
+            break;
+        }
+    }
+    output.hang_up();
+}
+
+/// A line of a client.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) enum Line {
+    /// A whole line; the last one needs no line end.
+    Whole,
+    /// A line of more than [`LONGEST`] bytes, which is skipped.
+    TooLong,
+    /// The client sends no more.
+    End,
+}
+
+/// Reads a line.
+pub(super) fn read_line(input: &mut impl BufRead, line: &mut Vec<u8>) -> Line {
+    line.clear();
+    let most = LONGEST as u64 + 1;
+    match input.by_ref().take(most).read_until(b'\n', line) {
+        Ok(1..) if line.ends_with(b"\n") || line.len() <= LONGEST => return Line::Whole,
+        Ok(1..) => {}
+        _ => return Line::End,
+    }
+    loop {
+        let (used, ended) = match input.fill_buf() {
+            Ok([]) => return Line::TooLong,
+            Ok(bytes) => match bytes.iter().position(|&byte| byte == b'\n') {
+                Some(at) => (at + 1, true),
+                None => (bytes.len(), false),
+            },
+            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => continue,
+            Err(_) => return Line::End,
+        };
+        input.consume(used);
+        if ended {
+            return Line::TooLong;
+        }
+    }
+}
