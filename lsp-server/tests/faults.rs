@@ -362,11 +362,16 @@ fn a_host_that_is_stopped_does_not_keep_a_run_from_ending() {
     let mut run = Listening::start(&directory, &[SLOW, &["report"]].concat());
     let host = soon("a host", || hosts(&directory).first().copied());
     signal("-STOP", host);
-    let mut client = UnixStream::connect(directory.path().join("s")).expect("it listens");
-    // More than a pipe takes.
-    for id in 0..3000 {
-        let ask = format!("{{\"id\": {id}, \"call\": \"slow.work\", \"input\": {{\"how\": 1}}}}\n");
-        client.write_all(ask.as_bytes()).expect("it reads");
+    // More than a pipe takes, and from each client no more than it may ask at a time.
+    let mut clients = Vec::new();
+    for _ in 0..12 {
+        let mut client = UnixStream::connect(directory.path().join("s")).expect("it listens");
+        for id in 0..250 {
+            let ask =
+                format!("{{\"id\": {id}, \"call\": \"slow.work\", \"input\": {{\"how\": 1}}}}\n");
+            client.write_all(ask.as_bytes()).expect("it reads");
+        }
+        clients.push(client);
     }
     run.signal("-TERM");
     assert!(matches!(ended(&mut run.0).code(), Some(1 | 3)));
