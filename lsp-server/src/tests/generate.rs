@@ -178,7 +178,7 @@ async fn plain_clients_are_asked_before_anything_is_written() {
     let question = client.asked.last().unwrap();
     assert_eq!(
         question["params"]["message"],
-        "names would create lamp.txt."
+        "names would create lamp.txt (executable)."
     );
     // Without a template they choose from a list; nobody has to.
     client.answer("window/showMessageRequest", Value::Null);
