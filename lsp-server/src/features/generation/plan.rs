@@ -69,9 +69,14 @@ impl Plan {
     pub(crate) fn question(&self) -> String {
         let name = |it: &FileChange| {
             let path = uri::to_path(&it.uri);
+            let name = terminal::name(path.file_name().unwrap_or_default()).into_owned();
             match it.concern {
-                Some(what) => format!("{} ({what})", terminal::name(path.as_str())),
-                None => terminal::name(path.file_name().unwrap_or_default()).into_owned(),
+                // The name alone does not say that a folder is hidden.
+                Some(what) if what.starts_with("hidden") => {
+                    format!("{} ({what})", terminal::name(path.as_str()))
+                }
+                Some(what) => format!("{name} ({what})"),
+                None => name,
             }
         };
         let list = |new: bool| -> Vec<String> {
