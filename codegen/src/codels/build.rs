@@ -151,6 +151,7 @@ pub fn plan(
     }
     let mut seen = rustc_hash::FxHashSet::default();
     headers.retain(|it| seen.insert(it.path.clone()));
+    let names = folder.expected().iter().find_map(headers::flags_of_names);
     let own: Vec<&str> = {
         let components = folder.components.iter();
         components
@@ -162,7 +163,7 @@ pub fn plan(
         all.filter(|it| !is_of_another(it, &own))
     };
     let compile: Vec<Step> = sources()
-        .map(|source| compile_step(source, place, codels, tools, packages))
+        .map(|source| compile_step(source, place, codels, tools, packages, names.as_ref()))
         .collect();
     let is_cxx = |it: &IndexedFile| it.path.extension() != Some("c");
     let linker = match sources().any(is_cxx) {
@@ -189,12 +190,13 @@ pub fn plan(
     })
 }
 
-/// Whether a source includes the headers of another component (`ac….h`) and none of these.
+/// Whether a source includes the types of another component (`…_c_types.h`) and those of none of these.
 fn is_of_another(source: &IndexedFile, components: &[&str]) -> bool {
     let includes = source.index.includes.iter();
     let mut named = includes.filter_map(|it| {
         let file = it.path.rsplit('/').next()?;
-        file.strip_prefix("ac")?.strip_suffix(".h")
+        let of = |end: &str| file.strip_suffix(end);
+        of("_c_types.h").or_else(|| of("_cxx_types.h"))
     });
     let first = named.next();
     first.is_some_and(|first| {
@@ -210,6 +212,7 @@ fn compile_step(
     codels: &Utf8Path,
     tools: &Tools,
     packages: &Packages,
+    names: Option<&String>,
 ) -> Step {
     let compiler = match source.path.extension() {
         Some("c") => &tools.c,
@@ -221,7 +224,7 @@ fn compile_step(
     let output = place.join("objects").join(format!("{name}.o"));
     let mut command = compiler.clone();
     if source.path.extension() != Some("c") {
-        command.push(headers::CXX_NAMES.to_owned());
+        command.extend(names.cloned());
     }
     // Columns are counted in characters.
     command.extend(

@@ -44,7 +44,21 @@ pub const RUNTIME: [(&str, &str); 7] = [
 ];
 
 /// What compilers of C++ take so that `and`, `or` and the like may be names, as modules of GenoM3 have them.
-pub(super) const CXX_NAMES: &str = "-fno-operator-names";
+const CXX_NAMES: &str = "-fno-operator-names";
+
+/// Words that are operators in C++.
+const OPERATORS: [&str; 11] = [
+    "and", "and_eq", "bitand", "bitor", "compl", "not", "not_eq", "or", "or_eq", "xor", "xor_eq",
+];
+
+/// Flags for compilers of C++, if a type of the component has a name that is an operator there.
+pub(super) fn flags_of_names(expected: &Expected<'_>) -> Option<String> {
+    let spec = expected.spec;
+    let mut names = (0..spec.types.len() as u32).filter_map(|it| spec.full_name(TypeId(it)));
+    let is_operator = |it: &str| it.split("::").any(|it| OPERATORS.contains(&it));
+    let found = names.any(|it| is_operator(&it));
+    (found && expected.language == Language::Cxx).then(|| CXX_NAMES.to_owned())
+}
 
 /// Name of the folder with the `genom3` headers.
 const INCLUDE: &str = "include";
@@ -75,9 +89,7 @@ pub fn headers(
         text: configuration(expected),
     });
     let mut lines = include_flags(folder, codels);
-    if expected.language == Language::Cxx {
-        lines.push(CXX_NAMES.to_owned());
-    }
+    lines.extend(flags_of_names(expected));
     lines.extend(flags.iter().cloned());
     out.push(NewFile {
         path: "compile_flags.txt".into(),

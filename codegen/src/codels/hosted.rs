@@ -53,7 +53,7 @@ pub fn hosted(
         let object = place.join("objects").join(format!("{name}-glue.o"));
         let codels = &folder.sources.folder;
         let mut command = compiler.clone();
-        command.extend(is_cxx.then(|| headers::CXX_NAMES.to_owned()));
+        command.extend(headers::flags_of_names(expected));
         // What there is to say about the glue is nothing that its user could mend.
         let level = tools.optimization.flag();
         let flags = ["-c", "-fPIC", "-g", level, "-w", "-MMD", "-MF"];

@@ -149,7 +149,7 @@ pub struct Body {
     /// Every identifier.
     pub mentions: FxHashSet<SmolStr>,
     /// Names used as values that the function does not declare, each at its first use. Left out are those
-    /// under a preprocessor's condition, and arguments of what looks like a macro.
+    /// under a preprocessor's condition, and arguments of calls, which may be macros.
     pub free: Vec<(SmolStr, Span)>,
     /// Writes to what a parameter points to, where that is constant: its name, and the left side.
     pub constant_writes: Vec<(SmolStr, Span)>,
@@ -315,6 +315,9 @@ fn without_attributes(text: &str) -> Cow<'_, str> {
     out
 }
 
+/// Longer lists of attributes are left as they are.
+const LONGEST_ATTRIBUTE: usize = 1024;
+
 /// The length of the parentheses a text begins with; `None` where they do not close in the code
 /// that follows.
 fn parenthesised(text: &str) -> Option<usize> {
@@ -322,7 +325,7 @@ fn parenthesised(text: &str) -> Option<usize> {
     let mut depth = 0_usize;
     let mut in_string = false;
     let mut before = ' ';
-    for (at, letter) in text.char_indices() {
+    for (at, letter) in text.char_indices().take(LONGEST_ATTRIBUTE) {
         match letter {
             '"' if before != '\\' => in_string = !in_string,
             _ if in_string => {}

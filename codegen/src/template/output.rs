@@ -223,8 +223,8 @@ impl Output {
         Ok(())
     }
 
-    /// Refuses a result that is not where the results of a confined template may be, and a hidden or executable
-    /// one that nobody has confirmed.
+    /// Refuses a result that is not where the results of a confined template may be, and a hidden or
+    /// executable one that nobody has confirmed.
     fn check(&self, shown: &str, path: &Path, permissions: &str) -> Result<(), Failure> {
         let Some(confined) = &self.confined else {
             return Ok(());

@@ -263,7 +263,7 @@ fn names_that_a_function_does_not_declare() {
          enum { H, I = 2 }; struct { int a; } s = { .j = k }; call(l, s.m, H); goto out; out: return *d; }\n\
          int g(void) {\n#ifdef X\n  int n = o;\n#endif\n  FOR_EACH(p, list) { use(p); }\n  return n; }\n",
     );
-    assert_eq!(free(&c), ["e", "g", "k", "l"]);
+    assert_eq!(free(&c), ["e", "g", "k"]);
     let cxx = cxx(
         "int f(int a) { auto [b, c] = pair(); for (auto &d : e) { use(d, b, c); }\n\
          auto h = [g](int i) { return i + g; }; try { h(a); } catch (error &x) { log(x); }\n\

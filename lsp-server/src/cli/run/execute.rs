@@ -54,8 +54,8 @@ pub(super) struct Told {
 }
 
 /// A note for a run that ended before the verification of its response times.
-const NOT_PROVED: &str = "verification of response times cancelled: the run ended first; bounds are those of \
-     response-time analysis; `dotgen verify` may prove lower ones";
+const NOT_PROVED: &str = "verification of response times cancelled: the run ended first; bounds are those \
+     known before the run; `dotgen verify` may prove lower ones";
 
 impl Context<'_, '_> {
     /// Runs, and proves bounds meanwhile. Bounds that are not proved when the run ends are not waited for.

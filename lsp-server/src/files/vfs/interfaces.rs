@@ -90,7 +90,7 @@ fn is_whole(folder: &Utf8Path) -> bool {
     all.all(|(path, text)| std::fs::read_to_string(folder.join(path)).is_ok_and(|it| it == *text))
 }
 
-/// Writes beside the folder first: whoever finds it finds all.
+/// Writes beside the folder first, so that it is never there in part.
 fn write(folder: &Utf8Path) -> std::io::Result<()> {
     let around = folder.parent().unwrap_or(folder);
     std::fs::create_dir_all(around)?;
@@ -102,11 +102,17 @@ fn write(folder: &Utf8Path) -> std::io::Result<()> {
         std::fs::create_dir_all(file.parent().unwrap_or(fresh.path()))?;
         std::fs::write(file, text)?;
     }
-    if folder.exists() {
-        // Somebody changed a file in it.
-        std::fs::remove_dir_all(folder)?;
+    if std::fs::rename(fresh.path(), folder).is_err() {
+        if is_whole(folder) {
+            return Ok(()); // another process was faster
+        }
+        // A file in it was changed. It goes as a whole, too.
+        std::fs::rename(folder, fresh.path().join("old"))?;
+        std::fs::rename(fresh.path(), folder)?;
+        std::fs::remove_dir_all(folder.join("old"))?;
     }
-    std::fs::rename(fresh.keep(), folder)
+    _ = fresh.keep();
+    Ok(())
 }
 
 #[cfg(test)]

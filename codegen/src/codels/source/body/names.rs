@@ -28,7 +28,7 @@ struct Around {
     parent: &'static str,
     /// Compiled under a condition of the preprocessor only.
     conditional: bool,
-    /// Within arguments of what is written like a macro, or in a lambda: names may be declared there.
+    /// Within arguments of what may be a macro, or in a lambda: names may be declared there.
     declares: bool,
 }
 
@@ -45,7 +45,7 @@ impl Names {
                 around.push(Around {
                     parent: node.kind(),
                     conditional: here.conditional || node.kind().starts_with("preproc"),
-                    declares: here.declares || declares(node, text),
+                    declares: here.declares || declares(node),
                 });
                 continue;
             }
@@ -76,13 +76,22 @@ impl Names {
                 self.declared
                     .extend(node.child_by_field_name("name").map(name));
             }
-            "assignment_expression" => {
+            "assignment_expression" if !around.conditional && !around.declares => {
                 let left = node.child_by_field_name("left");
                 self.written.extend(left.and_then(|it| through(it, text)));
             }
-            "update_expression" => {
+            "update_expression" if !around.conditional && !around.declares => {
                 let of = node.child_by_field_name("argument");
                 self.written.extend(of.and_then(|it| through(it, text)));
+            }
+            // Members of local classes are names in their functions.
+            "field_identifier" => {
+                self.declared.insert(name(node));
+            }
+            "using_declaration" => {
+                let last = source(node, text).rsplit("::").next().unwrap_or_default();
+                let last = last.trim_end_matches(';').trim();
+                self.declared.insert(last.into());
             }
             "identifier" if around.declares => {
                 self.in_macros.insert(name(node));
@@ -150,14 +159,14 @@ fn is_value(parent: &str, field: Option<&str>) -> bool {
 }
 
 /// Whether names may be declared inside that nobody sees.
-fn declares(node: Node<'_>, text: &str) -> bool {
+fn declares(node: Node<'_>) -> bool {
     if node.kind() == "lambda_expression" {
         return true;
     }
     let function = node.child_by_field_name("function");
     let function =
         function.filter(|it| node.kind() == "call_expression" && it.kind() == "identifier");
-    function.is_some_and(|it| !source(it, text).contains(|it: char| it.is_lowercase()))
+    function.is_some()
 }
 
 /// How many parentheses and members of a left side are followed.
