@@ -314,6 +314,7 @@ pub fn check(all: &[Expected<'_>], sources: &Sources, options: &DriftOptions) ->
     let orphans = orphan::find(all, sources, options);
     let mut renamed = FxHashSet::default();
     for expected in all.iter().filter(|it| are_here(it, sources)) {
+        let known = names::KnownNames::new();
         for function in &expected.functions {
             if options.trust.is_faulty(expected, function) {
                 continue;
@@ -340,7 +341,7 @@ pub fn check(all: &[Expected<'_>], sources: &Sources, options: &DriftOptions) ->
             }
             signature::check(&check, &definitions, &mut out);
             flow::check(&check, &definitions, &mut out);
-            names::check(&check, &definitions, &mut out);
+            names::check(&check, &definitions, &known, &mut out);
             comment::check(&check, &definitions, &mut out);
         }
         members::check(expected, sources, options, &mut out);

@@ -4,7 +4,6 @@
 
 mod installed;
 mod interfaces;
-
 mod pkg_config;
 mod pkg_file;
 

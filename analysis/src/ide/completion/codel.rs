@@ -12,6 +12,12 @@ use crate::{
     model::{Codel, Component, ComponentKind, fsm},
 };
 
+/// The words behind the cursor that belong to the codel at the cursor.
+fn own_words(context: &Context) -> impl Iterator<Item = &Word> {
+    let behind = context.after.rest.iter();
+    behind.take_while(|word| !word.is_any(&["codel", "async", "validate"]))
+}
+
 /// After `codel`.
 pub(super) fn clause(
     names: &Names<'_, '_>,
@@ -19,9 +25,7 @@ pub(super) fn clause(
     rest: &[Word],
     out: &mut Completions,
 ) {
-    let behind = context.after.rest.iter();
-    let mut own = behind.take_while(|it| !it.is_any(&["codel", "async", "validate"]));
-    let timed = own.any(|it| it.is("wcet"));
+    let timed = own_words(context).any(|word| word.is("wcet"));
     let yields = rest.iter().position(|it| it.is_any(&["yield", "yields"]));
     if let Some(yields) = yields.filter(|it| *it > 0) {
         let after = &rest[yields + 1..];
@@ -58,9 +62,7 @@ pub(super) fn clause(
         [open, ..] if open.is("<") => {
             let done = rest.last().is_some_and(|it| it.is(")"));
             if done || rest.iter().any(|it| it.is("wcet")) {
-                let behind = context.after.rest.iter();
-                let mut own = behind.take_while(|it| !it.is_any(&["codel", "async", "validate"]));
-                if done && !own.any(|it| it.is_any(&["yield", "yields"])) {
+                if done && !own_words(context).any(|word| word.is_any(&["yield", "yields"])) {
                     match context.after.next() {
                         Some(_) => out.keywords(&["yield"], 0),
                         None => {
@@ -357,9 +359,7 @@ pub(super) fn after_simple_codel(
     rest: &[Word],
     out: &mut Completions,
 ) {
-    let behind = context.after.rest.iter();
-    let mut own = behind.take_while(|it| !it.is_any(&["codel", "async", "validate"]));
-    let timed = own.any(|it| it.is("wcet"));
+    let timed = own_words(context).any(|word| word.is("wcet"));
     if let Some(wcet) = rest.iter().rposition(|it| it.is("wcet")) {
         quantity(names, &rest[wcet + 1..], &["s", "ms", "us"], out);
     } else if rest.last().is_some_and(|it| it.is(")")) && !timed {

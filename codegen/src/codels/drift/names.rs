@@ -1,13 +1,22 @@
 //! What the body of a codel cannot use: names that nothing declares any more, and values that are read only.
 
+use std::cell::OnceCell;
+
 use dotgen_analysis::model::{Name, TypeKind};
 use rustc_hash::FxHashSet;
 
 use super::finding::Differing;
 use super::{Check, Drift, FunctionIn};
 
-pub(super) fn check(check: &Check<'_>, definitions: &[FunctionIn<'_>], out: &mut Vec<Drift>) {
-    let mut said: Option<FxHashSet<Name>> = None;
+/// Names of a component that parameters of codels have or could have, computed once.
+pub(super) type KnownNames = OnceCell<FxHashSet<Name>>;
+
+pub(super) fn check(
+    check: &Check<'_>,
+    definitions: &[FunctionIn<'_>],
+    known: &KnownNames,
+    out: &mut Vec<Drift>,
+) {
     for found in definitions {
         let body = found.function.body.as_ref();
         let Some(body) = body.filter(|it| !it.broken) else {
@@ -15,9 +24,10 @@ pub(super) fn check(check: &Check<'_>, definitions: &[FunctionIn<'_>], out: &mut
         };
         let name = || check.function.name.clone();
         for (used, span) in &body.free {
-            let said = said.get_or_insert_with(|| named(check));
-            // Any header may declare what the specification does not know.
-            if !said.contains(used.as_str()) || is_declared(check, used) {
+            // Any header may declare a name that the specification does not have.
+            if !known.get_or_init(|| named(check)).contains(used.as_str())
+                || is_declared(check, used)
+            {
                 continue;
             }
             let kind = Differing::NoName {

@@ -19,8 +19,7 @@ use crate::verification::Problem;
 /// Sources of bounds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum Source {
-    /// Response-time analysis and verification: of 1,000 states before the run, on the real clock also of
-    /// 200,000 during the run
+    /// Response-time analysis, lowered by a short verification
     Proved,
     /// Response-time analysis
     Analysed,
