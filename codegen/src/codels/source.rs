@@ -302,11 +302,16 @@ fn without_attributes(text: &str) -> Cow<'_, str> {
             && !within
         {
             let end = text.len() - list.len() + length;
-            let blank = |it: char| if it.is_ascii_whitespace() { it } else { ' ' };
+            // Lines of a macro go on behind a backslash.
+            let is_splice =
+                |at: usize| text[at..].starts_with("\\\n") || text[at..].starts_with("\\\r\n");
             // A character of more than one byte becomes as many blanks.
             let blanks: String = text[start..end]
-                .chars()
-                .flat_map(|it| std::iter::repeat_n(blank(it), it.len_utf8()))
+                .char_indices()
+                .flat_map(|(at, letter)| {
+                    let kept = letter.is_ascii_whitespace() || is_splice(start + at);
+                    std::iter::repeat_n(if kept { letter } else { ' ' }, letter.len_utf8())
+                })
                 .collect();
             out.to_mut().replace_range(start..end, &blanks);
             from = end;

@@ -17,7 +17,7 @@ use dotgen_analysis::release::ReleaseChoice;
 use dotgen_syntax::encoding;
 
 pub use dotgen_analysis::host::normalize;
-pub(crate) use interfaces::has as has_own_interfaces;
+pub(crate) use interfaces::{has as has_own_interfaces, is_own as is_own_interface};
 pub use pkg_config::query;
 pub(crate) use pkg_config::words;
 

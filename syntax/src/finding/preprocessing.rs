@@ -148,7 +148,8 @@ findings! {
                 quotes around a package with its version";
         "pp-requires-unresolved" Unresolved { why: SmolStr, install: Install } => "{why}", "{install}";
         "pp-requires-own" OwnInterfaces { package: SmolStr }
-            => "package `{package}` is not installed: the definitions that come with dotgen are used";
+            => "package `{package}` is not installed: the definitions that come with dotgen are used, whatever \
+                version is required";
         "pp-misspelt-directive" Misspelt { word: SmolStr, meant: &'static str }
             => "no directive is called `{word}`", "did you mean `{meant}`?";
         "pp-unknown-directive" UnknownDirective { word: SmolStr }

@@ -60,6 +60,9 @@ fn attributes_are_read_over() {
             assert_eq!(index.functions[0].parameters[1].ty.base, "double");
         }
     }
+    let spliced = index("#define A __attribute__((a, \\\n b)) int\nint g(void) { return 1; }\n");
+    assert_eq!(names(&spliced), ["g"]);
+    assert!(spliced.loose.is_empty(), "{spliced:#?}");
     let unfinished =
         index("int f(int a __attribute__((unused { return 1; }\nint g(void) { return 2; }");
     assert!(unfinished.loose.contains("g"), "{unfinished:#?}");

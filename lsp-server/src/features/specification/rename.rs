@@ -9,6 +9,7 @@ use dotgen_codegen::codels::rename::listed;
 use crate::features::codels::navigation;
 use crate::features::convert::edit::{Review, edit_of, workspace_edit};
 use crate::features::mentions;
+use crate::files::vfs;
 use crate::protocol::convert::uri;
 use crate::protocol::refusable::Refusable;
 use crate::protocol::types::*;
@@ -63,10 +64,12 @@ pub(crate) fn rename_at(
     let specifications = edits.clone();
     edits.extend(mentions::renames(snapshot, at, new_name)?);
     // Headers of installed packages belong to others.
-    let foreign = edits.iter().find(|it| {
-        !snapshot.folders.is_empty()
-            && !snapshot.in_workspace(&it.path)
-            && !snapshot.open.contains_key(&it.path)
+    let foreign = edits.iter().find(|edit| {
+        let path = &edit.path;
+        vfs::is_own_interface(path)
+            || !snapshot.folders.is_empty()
+                && !snapshot.in_workspace(path)
+                && !snapshot.open.contains_key(path)
     });
     if let Some(foreign) = foreign {
         return Ok(Refusable(Err(format!(

@@ -39,7 +39,10 @@ const PACKAGES: &[(&str, &[&str])] = &[
     ("vision-idl", &["vision-idl", "openrobots2-idl"]),
 ];
 
-/// Whether the interfaces of a package come with dotgen.
+/// The beginning of the name of the folder in the cache.
+const PREFIX: &str = "interfaces-";
+
+/// Returns `true` if the interfaces of a package come with dotgen.
 pub(crate) fn has(package: &str) -> bool {
     PACKAGES.iter().any(|it| it.0 == package)
 }
@@ -59,7 +62,7 @@ pub(super) fn folders_of(package: &str) -> Vec<Utf8PathBuf> {
 fn written() -> Option<&'static Utf8Path> {
     static FOLDER: OnceLock<Option<Utf8PathBuf>> = OnceLock::new();
     let folder = FOLDER.get_or_init(|| {
-        let folder = cache()?.join(format!("interfaces-{:016x}", content()));
+        let folder = cache()?.join(format!("{PREFIX}{:016x}", content()));
         let write = || write(&folder);
         match is_whole(&folder) || write().is_ok() || is_whole(&folder) {
             true => Some(folder),
@@ -77,6 +80,12 @@ fn cache() -> Option<Utf8PathBuf> {
     };
     let base = absolute("XDG_CACHE_HOME").or_else(|| Some(absolute("HOME")?.join(".cache")));
     Some(base?.join("dotgen"))
+}
+
+/// Returns `true` for a file of these definitions, of this or another version. Edits would be lost.
+pub(crate) fn is_own(path: &Utf8Path) -> bool {
+    let below = cache().and_then(|cache| path.strip_prefix(cache).ok());
+    below.is_some_and(|below| below.as_str().starts_with(PREFIX))
 }
 
 fn content() -> u64 {
@@ -134,6 +143,32 @@ mod tests {
         assert_eq!(found, known);
         let packages = |it: &&str| has(it.split('/').next().unwrap_or_default());
         assert!(known.iter().all(packages));
+    }
+
+    #[test]
+    fn a_written_folder_stays_whole_while_others_write() {
+        let folder = tempfile::tempdir().expect("a temporary directory");
+        let folder = Utf8Path::from_path(folder.path()).expect("UTF-8").join("a");
+        std::thread::scope(|scope| {
+            for _ in 0..8 {
+                scope.spawn(|| {
+                    for _ in 0..10 {
+                        write(&folder).expect("written");
+                        assert!(is_whole(&folder));
+                    }
+                });
+            }
+        });
+        let around = folder.parent().expect("a folder");
+        assert_eq!(around.read_dir_utf8().expect("read").count(), 1);
+    }
+
+    #[test]
+    fn files_in_the_cache_are_known() {
+        let cache = cache().expect("a home");
+        assert!(is_own(&cache.join("interfaces-0/p/or/a.gen")));
+        assert!(!is_own(&cache.join("other/a.gen")));
+        assert!(!is_own("/elsewhere/interfaces-0/a.gen".into()));
     }
 
     #[test]
