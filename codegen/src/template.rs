@@ -44,7 +44,7 @@ pub use host::{Limits, find_tclsh};
 pub use notice::notice;
 pub(crate) use notice::notice_of;
 pub(crate) use output::Output;
-pub use output::{Modes, OutputSink, PreviewFile, concern};
+pub use output::{Modes, OutputSink, PreviewFile};
 
 /// The digests of a component, and of its services by name.
 pub(crate) fn component_digests(spec: &Spec, component: u32) -> Vec<(Option<String>, String)> {
@@ -124,7 +124,9 @@ pub struct Confined {
 pub enum Confirmed {
     /// Only these files, by absolute path.
     Only(Vec<PathBuf>),
-    /// All: a person sees the marked results before they are written, or the template is part of dotgen.
+    /// All that a person chooses: results are shown and marked before they are written.
+    Shown,
+    /// All: the template is part of dotgen.
     All,
 }
 

@@ -27,6 +27,8 @@ pub struct PreviewFile {
     pub after: Vec<u8>,
     /// Unix permissions, when the template gives any.
     pub mode: Option<u32>,
+    /// The reason why a person has to look at the file: see [`Confirmed::Shown`].
+    pub concern: Option<&'static str>,
 }
 
 /// Bits of permissions that let a file be executed, or with the rights of others.
@@ -34,7 +36,7 @@ const EXECUTABLE: u32 = 0o7111;
 
 /// The reason why a result needs confirmation: `hidden`, `executable`, or both. The mode is the one that the
 /// template wants.
-pub fn concern(
+fn concern(
     disk: &dyn Disk,
     path: &Path,
     mode: Option<u32>,
@@ -270,8 +272,25 @@ impl Output {
         let shown = self.path(name);
         let path = self.base.join(&shown);
         self.check(&shown, &path, permissions)?;
+        self.put(&shown, &path, permissions, text, env)?;
+        if let Some(confined) = &self.confined
+            && confined.confirmed == Confirmed::Shown
+        {
+            self.files.mark(&*self.disk, &path, &confined.results);
+        }
+        Ok(())
+    }
+
+    fn put(
+        &mut self,
+        shown: &str,
+        path: &Path,
+        permissions: &str,
+        text: &str,
+        env: &mut dyn Environment,
+    ) -> Result<(), Failure> {
         let silent = self.modes.is_on("silent");
-        let exists = self.files.exists(&*self.disk, &path);
+        let exists = self.files.exists(&*self.disk, path);
         let say = |env: &mut dyn Environment, line: String| {
             if !silent {
                 env.print(&line);
@@ -283,12 +302,11 @@ impl Output {
         if exists && self.modes.is_on("move-if-change") {
             let old = self
                 .files
-                .read(&*self.disk, &path)
+                .read(&*self.disk, path)
                 .map_err(|it| opening(&it))?;
             if old.as_deref() == Some(text.as_bytes()) {
                 if !permissions.is_empty() {
-                    self.files
-                        .set_permissions(&*self.disk, &path, permissions)?;
+                    self.files.set_permissions(&*self.disk, path, permissions)?;
                 }
                 say(env, format!("{shown} is up-to-date"));
                 return Ok(());
@@ -296,14 +314,13 @@ impl Output {
         }
         if exists && self.modes.is_on("merge-if-change") {
             say(env, format!("merging {shown}"));
-            if !self.merge(&shown, &path, text, env)? {
+            if !self.merge(shown, path, text, env)? {
                 return Err(Failure::Error(format!(
                     "stop: could not merge changes in {shown}"
                 )));
             }
             if !permissions.is_empty() {
-                self.files
-                    .set_permissions(&*self.disk, &path, permissions)?;
+                self.files.set_permissions(&*self.disk, path, permissions)?;
             }
             return Ok(());
         }
@@ -316,10 +333,9 @@ impl Output {
         }
         let verb = if exists { "overwriting" } else { "creating" };
         say(env, format!("{verb} {shown}"));
-        self.write(&shown, &path, text.as_bytes())?;
+        self.write(shown, path, text.as_bytes())?;
         if !permissions.is_empty() {
-            self.files
-                .set_permissions(&*self.disk, &path, permissions)?;
+            self.files.set_permissions(&*self.disk, path, permissions)?;
         }
         Ok(())
     }

@@ -107,6 +107,7 @@ async fn files_are_offered_then_remembered_and_made_again() {
     assert_eq!(plan["files"][0]["uri"], folder.uri("lamp.txt"));
     assert_eq!(plan["files"][0]["after"], "lamp\nTrue\n");
     assert_eq!(plan["files"][0]["mode"], 0o755);
+    assert_eq!(plan["files"][0]["concern"], "executable");
     assert!(!folder.exists("lamp.txt"), "a plan writes nothing");
     // One that leaves it to the server, which asks with the names of the files.
     let mut params = params;
@@ -153,6 +154,21 @@ async fn files_are_offered_then_remembered_and_made_again() {
     assert_eq!(
         merged["files"][0]["after"],
         "lamp\n<<<<<<< user version\nmine\n=======\nFalse\n>>>>>>> template version\n"
+    );
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn templates_of_dotgen_are_no_concern() {
+    let (mut client, folder) = start(able(), true, &[]).await;
+    let params = json!({ "uri": folder.uri("lamp.gen"), "template": "skeleton", "apply": false });
+    let execute = "workspace/executeCommand";
+    let plan = client.ok(execute, command("dotgen.generate", params)).await;
+    let files = plan["files"].as_array().expect("a list");
+    assert!(files.iter().any(|file| file["mode"] == 0o755), "{files:#?}");
+    assert!(
+        files.iter().all(|file| file["concern"].is_null()),
+        "{files:#?}"
     );
     client.finish().await;
 }

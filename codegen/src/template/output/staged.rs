@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::{OutputSink, PreviewFile, permissions};
+use super::{OutputSink, PreviewFile, concern, permissions};
 use crate::disk::{Disk, NewContent, WriteError};
 use crate::template::Failure;
 use crate::template::reach::plain;
@@ -109,6 +109,7 @@ impl Staged {
             before,
             after: bytes.to_vec(),
             mode,
+            concern: None,
         };
         self.files.insert(path, file);
         Ok(())
@@ -123,6 +124,13 @@ impl Staged {
         });
         permissions::parse(text, current)
             .ok_or_else(|| Failure::Error(format!("unknown permission string format \"{text}\"")))
+    }
+
+    /// Notes the reason why a person has to look at a file. `folders`: those of the results.
+    pub(crate) fn mark(&mut self, disk: &dyn Disk, path: &Path, folders: &[PathBuf]) {
+        if let Some(file) = self.files.get_mut(&plain(disk, path)) {
+            file.concern = concern(disk, path, file.mode, folders);
+        }
     }
 
     /// Gives a file permissions, in one of the forms of Tcl.
@@ -144,6 +152,7 @@ impl Staged {
                     before: Some(bytes.clone()),
                     after: bytes,
                     mode: Some(mode),
+                    concern: None,
                 };
                 self.files.insert(key, file);
             }

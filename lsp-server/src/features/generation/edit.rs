@@ -5,10 +5,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use camino::Utf8Path;
-use dotgen_codegen::template::{self, PreviewFile};
+use dotgen_codegen::template::PreviewFile;
 use similar::{Algorithm, DiffOp, capture_diff_slices};
 
-use crate::files::disk::SystemDisk;
 use crate::protocol::convert::{Encoding, Lines, uri};
 use crate::protocol::types::*;
 
@@ -31,7 +30,6 @@ pub(crate) struct FileChange {
 /// A file whose text is not UTF-8, so that it cannot be edited.
 pub(crate) fn changes<'a>(
     files: impl IntoIterator<Item = (&'a std::path::PathBuf, &'a PreviewFile)>,
-    folders: &[std::path::PathBuf],
 ) -> std::result::Result<Vec<FileChange>, String> {
     let mut all = Vec::new();
     for (path, file) in files {
@@ -50,7 +48,7 @@ pub(crate) fn changes<'a>(
             before: before.map_err(|_| bad(&old))?,
             after: String::from_utf8(file.after.clone()).map_err(|_| bad("the new text"))?,
             mode: file.mode,
-            concern: template::concern(&SystemDisk, path, file.mode, folders),
+            concern: file.concern,
         });
     }
     Ok(all)

@@ -43,7 +43,7 @@ pub(crate) fn plan(job: &Job, choices: Vec<Generate>, cancel: &Arc<AtomicBool>) 
         }
         files.extend(done.files);
     }
-    match edit::changes(&files, &job.results()) {
+    match edit::changes(&files) {
         Ok(changes) => plan.changes = changes,
         Err(message) => {
             plan.failed = true;

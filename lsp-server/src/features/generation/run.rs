@@ -111,11 +111,6 @@ impl Job {
         choices::relative(&self.file, &self.folder)
     }
 
-    /// Folders in which results may be.
-    pub(super) fn results(&self) -> Vec<PathBuf> {
-        self.folders.iter().map(|it| it.into()).collect()
-    }
-
     fn template_paths(&self) -> Option<String> {
         let paths = self.config.template_paths.iter().map(|it| it.as_str());
         let paths: Vec<&str> = paths.collect();
@@ -213,9 +208,8 @@ impl Job {
             sink: OutputSink::preview(),
             processes: crate::process::system(),
             confined: Some(Confined {
-                results: self.results(),
-                // The preview marks them.
-                confirmed: Confirmed::All,
+                results: self.folders.iter().map(|folder| folder.into()).collect(),
+                confirmed: Confirmed::Shown,
             }),
             failed_at: None,
             release: self.config.release_of(&self.file),

@@ -137,7 +137,7 @@ export function checks(wb) {
     ['the system and the locks are one choice away', async () => {
       await frame.locator('#kind').selectOption('system');
       await node('mikrokopter').waitFor();
-      assert.equal(await frame.locator('g.node.component').count(), 5);
+      assert.equal(await frame.locator('g.node.component').count(), 6);
       assert.ok((await edges()).includes('optitrack.mocap_pose pom'));
       await wb.shot('preview-06-system.png');
       await frame.locator('#kind').selectOption('locks');
