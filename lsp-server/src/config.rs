@@ -10,7 +10,7 @@ mod settings;
 mod shown;
 pub(crate) mod style;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::LintConfig;
@@ -78,6 +78,8 @@ pub struct Project {
     pub defines: Vec<(String, String)>,
     /// The release of GenoM3, if the user says it.
     pub release: Option<ReleaseChoice>,
+    /// As [`Config::codels`].
+    pub codels: Option<FilesConfig>,
 }
 
 impl Config {
@@ -142,6 +144,24 @@ impl Config {
         }
     }
 
+    /// Which files hold codels of a specification, or of what lies in its folder; `None` if these are not
+    /// compared. A project that says nothing of it follows the workspace.
+    pub fn codels_of(&self, file: &Utf8Path) -> Option<&FilesConfig> {
+        let own = self.project(file).map(|project| &project.codels);
+        let said = own.filter(|own| **own != Some(FilesConfig::default()));
+        said.unwrap_or(&self.codels).as_ref()
+    }
+
+    /// Folders of codels, of the workspace and its projects.
+    pub fn codel_folders(&self) -> BTreeSet<Utf8PathBuf> {
+        let projects = self
+            .projects
+            .iter()
+            .filter_map(|project| project.codels.as_ref());
+        let all = self.codels.iter().chain(projects);
+        all.map(|config| config.folder.clone()).collect()
+    }
+
     /// Takes the configuration of a directory in. Files below it are read as it says; the rest holds for all,
     /// as far as nobody said it before.
     pub fn with_project(mut self, directory: &Utf8Path, mut own: Config) -> Config {
@@ -150,6 +170,7 @@ impl Config {
             include_paths: std::mem::take(&mut own.include_paths),
             defines: std::mem::take(&mut own.defines),
             release: own.release.take(),
+            codels: std::mem::replace(&mut own.codels, Some(FilesConfig::default())),
         });
         self.join(own)
     }

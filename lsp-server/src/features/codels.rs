@@ -161,11 +161,9 @@ pub(crate) fn around(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Ar
 /// The roots of the units whose codels are in the folder of a source.
 pub(crate) fn roots_around(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Utf8PathBuf>> {
     let mut roots: Vec<Utf8PathBuf> = Vec::new();
-    let Some(config) = &snapshot.config.codels else {
-        return Ok(roots);
-    };
     for root in snapshot.roots.iter() {
-        if path.starts_with(config.folder_of(root)) {
+        let config = snapshot.config.codels_of(root);
+        if config.is_some_and(|config| path.starts_with(config.folder_of(root))) {
             let root = snapshot.analysis.root_of(root)?;
             if !roots.contains(&root) {
                 roots.push(root);
@@ -181,7 +179,7 @@ fn of_unit(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<Arc<Compared>> {
         revision: snapshot.revision,
         folders: Vec::new(),
     };
-    let Some(config) = &snapshot.config.codels else {
+    let Some(config) = snapshot.config.codels_of(root) else {
         return Ok(Arc::new(nothing()));
     };
     let known = lock(&snapshot.codels.compared).get(root).cloned();
@@ -292,7 +290,7 @@ fn bring_up(snapshot: &Snapshot, folders: &mut [Folder], earlier: &Good) -> Canc
 /// allows findings. Told without asking what the specification means.
 fn is_concerned(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<bool> {
     let text = snapshot.analysis.text(path)?;
-    if snapshot.config.codels.is_some() && text.is_some_and(|it| it.contains("allow(")) {
+    if snapshot.config.codels_of(path).is_some() && text.is_some_and(|it| it.contains("allow(")) {
         return Ok(true);
     }
     may_have_sources(snapshot, &snapshot.analysis.root_of(path)?)
@@ -301,7 +299,7 @@ fn is_concerned(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<bool> {
 /// Whether there is a folder of codels for a file of the unit of a root, on the disk or in the editor. Told
 /// without asking what the specification means.
 pub(crate) fn may_have_sources(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<bool> {
-    let Some(config) = &snapshot.config.codels else {
+    let Some(config) = snapshot.config.codels_of(root) else {
         return Ok(false);
     };
     let files = snapshot.analysis.files_of_root(root)?;
@@ -425,11 +423,11 @@ fn unused_allowances(
 /// The sources of the workspace that something is to be said of.
 pub(crate) fn sources_with_findings(snapshot: &Snapshot) -> Cancellable<Vec<Utf8PathBuf>> {
     let mut out = Vec::new();
-    let Some(config) = &snapshot.config.codels else {
-        return Ok(out);
-    };
     let shown = |it: &&Utf8PathBuf| snapshot.in_workspace(it) || snapshot.open.contains_key(*it);
     for root in snapshot.roots.iter().filter(shown) {
+        let Some(config) = snapshot.config.codels_of(root) else {
+            continue;
+        };
         if snapshot.analysis.root_of(root)? != *root && !config.folder_of(root).is_dir() {
             continue;
         }

@@ -10,6 +10,7 @@ use dotgen_analysis::host::Cancellable;
 use rustc_hash::{FxHashMap, FxHasher};
 
 use crate::features::convert::diagnostic;
+use crate::features::language::Language;
 use crate::panic;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
@@ -25,12 +26,16 @@ pub(crate) struct DocumentReport {
     items: Option<Vec<Diagnostic>>,
 }
 
-/// `textDocument/diagnostic`
+/// `textDocument/diagnostic`. Editors ask other servers for those of sources.
 pub(crate) fn document(
+    language: &dyn Language,
     snapshot: &Snapshot,
     subject: &Subject,
     params: &DocumentDiagnosticParams,
 ) -> Cancellable<DocumentReport> {
+    if !language.is_own() && !snapshot.client.pull_sources {
+        return Ok(DocumentReport::default());
+    }
     let items = file_diagnostics(snapshot, &subject.path, Severity::Hint)?;
     Ok(DocumentReport::new(
         items,

@@ -12,6 +12,8 @@ pub struct ClientCaps {
     pub encoding: Encoding,
     /// The client asks for diagnostics, so none are pushed.
     pub pull_diagnostics: bool,
+    /// The client asks for diagnostics of codels' sources, too (`initializationOptions.pullSources`).
+    pub pull_sources: bool,
     /// `workspace/diagnostic/refresh`.
     pub diagnostic_refresh: bool,
     /// `workspace/semanticTokens/refresh`.
@@ -134,6 +136,7 @@ impl ClientCaps {
                 raw,
                 "/capabilities/textDocument/signatureHelp/signatureInformation/parameterInformation/labelOffsetSupport",
             ),
+            pull_sources: flag(raw, "/initializationOptions/pullSources"),
             document_text: flag(raw, "/initializationOptions/documentText"),
             hover_images: flag(raw, "/initializationOptions/hoverImages"),
             verification_status: flag(raw, "/initializationOptions/verificationStatus"),

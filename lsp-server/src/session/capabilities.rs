@@ -235,15 +235,18 @@ const TEMPLATE_LANGUAGES: [&str; 18] = [
 /// editor's server for those languages keeps the rest.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(crate) struct ForeignDocuments {
-    /// Name of the folders with sources of codels.
-    pub(crate) codels: Option<Utf8PathBuf>,
+    /// Folders with sources of codels, relative to their specifications.
+    pub(crate) codels: BTreeSet<Utf8PathBuf>,
     /// Globs of the files of templates.
     pub(crate) templates: BTreeSet<String>,
 }
 
 impl ForeignDocuments {
     fn registered(&self) -> Vec<Registered> {
-        let asked = self.codels.iter().flat_map(|_| ASKED);
+        let asked = (!self.codels.is_empty())
+            .then_some(ASKED)
+            .into_iter()
+            .flatten();
         let sent = SENT.into_iter().filter(|_| *self != Self::default());
         sent.chain(asked).collect()
     }
@@ -251,14 +254,18 @@ impl ForeignDocuments {
     /// What is to be registered.
     pub(crate) fn registrations(&self) -> Vec<Registration> {
         let selector = |language: &str, pattern: &str| json!({ "language": language, "scheme": "file", "pattern": pattern });
-        let codels = self.codels.iter().flat_map(|folder| {
+        let patterns = self.codels.iter().map(|folder| {
             // What is above the folder cannot be told by a pattern.
-            let pattern = match folder.file_name() {
+            match folder.file_name() {
                 Some(name) => format!("**/{name}/**"),
                 None => "**/*".to_owned(),
-            };
-            ["c", "cpp"].map(|it| selector(it, &pattern))
+            }
         });
+        // Folders of different projects may have one name.
+        let patterns: BTreeSet<String> = patterns.collect();
+        let codels = patterns
+            .iter()
+            .flat_map(|pattern| ["c", "cpp"].map(|language| selector(language, pattern)));
         let codels: Vec<Value> = codels.collect();
         let templates = self
             .templates

@@ -295,7 +295,7 @@ impl LanguageServer for Backend {
         params: DocumentDiagnosticParams,
     ) -> Result<DocumentDiagnosticReportResult> {
         let uri = params.text_document.uri.clone();
-        let report = self.dispatch.document(uri, params, diagnostics::document);
+        let report = self.dispatch.language(uri, params, diagnostics::document);
         Ok(report.await.map_err(retriggered)?.into_document())
     }
 

@@ -223,7 +223,7 @@ impl Snapshot {
         let is_code = match self.open.get(path) {
             Some(open) => return open.kind,
             None if codels::is_header(path) => {
-                let config = self.config.codels.as_ref();
+                let config = self.config.codels_of(path);
                 config.is_some_and(|it| codels::home(it, path).is_some())
             }
             None => codels::is_code(path, None),

@@ -61,7 +61,7 @@ impl Editor {
         };
         let folders = json!([{ "uri": editor.root, "name": "measured" }]);
         let params = json!({ "processId": null, "rootUri": editor.root, "capabilities": capabilities,
-            "workspaceFolders": folders });
+            "workspaceFolders": folders, "initializationOptions": { "pullSources": true } });
         editor.request("initialize", params)?;
         editor.notify("initialized", json!({}))?;
         Ok(editor)

@@ -47,6 +47,9 @@ impl Workspace {
                 out.set(&path, text)?;
             }
         }
+        // Answered when all files are known: findings about sources before that are incomplete.
+        out.editor
+            .answer("workspace/symbol", json!({ "query": "" }))?;
         Ok(out)
     }
 

@@ -373,7 +373,7 @@ fn sync_edit(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Option<Edited>
     roots.dedup();
     let mut host = judged::private_host(snapshot)?;
     let texts = Texts::new(snapshot);
-    let mut project = judged::project(&mut host, snapshot, &texts);
+    let mut project = judged::project(&mut host, snapshot, &texts, path);
     // A yield that the code does not use was meant by somebody: it goes only where that is asked for.
     let options = SyncOptions::default();
     let done = sync(&mut project, &roots, &options);

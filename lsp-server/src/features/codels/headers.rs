@@ -57,7 +57,7 @@ pub(crate) fn handle(
     let output = base.join(FOLDER);
     let mut host: AnalysisHost = judged::private_host(snapshot)?;
     let texts = Texts::new(snapshot);
-    let mut project = judged::project(&mut host, snapshot, &texts);
+    let mut project = judged::project(&mut host, snapshot, &texts, &subject.path);
     let files = match command::headers(&mut project, &specification, &output, &[]) {
         Ok(files) => files,
         Err(why) => return Ok(Refusable(Err(why))),

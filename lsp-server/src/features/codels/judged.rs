@@ -36,7 +36,7 @@ pub(crate) fn offers<T>(
     }
     let mut host = private_host(snapshot)?;
     let texts = Texts::new(snapshot);
-    let mut project = project(&mut host, snapshot, &texts);
+    let mut project = project(&mut host, snapshot, &texts, &roots[0]);
     let judge = Judge::new(&mut project, &roots);
     let out = offer(&mut Offers {
         snapshot,
@@ -99,13 +99,14 @@ pub(crate) fn private_host(snapshot: &Snapshot) -> Cancellable<AnalysisHost> {
     Ok(host)
 }
 
-/// A project over a database of our own.
+/// A project over a database of our own, as the configuration has it around a file.
 pub(crate) fn project<'a>(
     host: &'a mut AnalysisHost,
     snapshot: &Snapshot,
     texts: &'a Texts<'a>,
+    file: &Utf8Path,
 ) -> Project<'a> {
-    let files = snapshot.config.codels.clone().unwrap_or_default();
+    let files = snapshot.config.codels_of(file).cloned().unwrap_or_default();
     let stubs = StubOptions {
         use_parameters: true,
         ..StubOptions::default()

@@ -180,7 +180,7 @@ impl State {
         let is_code = codels::is_code(path, Some(language));
         // Codels that lie below a template remain codels.
         let is_codel = || {
-            let home = (self.config.codels.as_ref()).and_then(|it| codels::home(it, path));
+            let home = (self.config.codels_of(path)).and_then(|it| codels::home(it, path));
             home.is_some_and(|it| !vfs::specifications_in(&it).is_empty())
         };
         if templates::is_template(&self.workspace.templates, path) && !(is_code && is_codel()) {

@@ -44,10 +44,8 @@ impl State {
                 open.partition(|it| self.kind_of(it) == DocumentKind::Code);
             let mut roots: Vec<_> = self.workspace.files.iter().chain(open).cloned().collect();
             // Without a folder that is searched, a source still finds its specification.
-            let homes = self.config.codels.iter().flat_map(|config| {
-                let home = |it: &&Utf8PathBuf| codels::home(config, it);
-                code.iter().filter_map(home)
-            });
+            let home = |source: &&Utf8PathBuf| codels::home(self.config.codels_of(source)?, source);
+            let homes = code.iter().filter_map(home);
             roots.extend(homes.flat_map(|it| vfs::specifications_in(&it)));
             roots.sort();
             roots.dedup();

@@ -62,7 +62,7 @@ impl State {
             return;
         }
         let wanted = ForeignDocuments {
-            codels: self.config.codels.as_ref().map(|it| it.folder.clone()),
+            codels: self.config.codel_folders(),
             templates: self.workspace.templates.globs(),
         };
         if self.foreign == wanted {

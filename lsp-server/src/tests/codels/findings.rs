@@ -113,6 +113,46 @@ async fn an_edit_of_either_side_changes_what_is_said_of_both() {
     client.finish().await;
 }
 
+/// Each project says where its codels are; a client that wants it may ask for those of sources.
+#[tokio::test(flavor = "multi_thread")]
+async fn projects_of_a_workspace_have_folders_of_their_own() {
+    let specification = |name: &str| {
+        format!(
+            "component {name} {{\n  function f(in long n) {{ codel {name}_f(local in n); }};\n}};\n"
+        )
+    };
+    let source = |name: &str| {
+        format!(
+            "genom_event {name}_f(double n, const genom_context self)\n{{\n  return genom_ok;\n}}\n"
+        )
+    };
+    let (a, b) = (specification("a"), specification("b"));
+    let (in_a, in_b) = (source("a"), source("b"));
+    let folder = Folder::new(&[
+        ("a/a.gen", &a),
+        ("a/codels/a_codels.c", &in_a),
+        ("b/b.gen", &b),
+        ("b/dotgen.toml", "[codels]\nfolder = \"src\"\n"),
+        ("b/src/b_codels.c", &in_b),
+        ("c/dotgen.toml", "[codels]\ncheck = false\n"),
+    ]);
+    let mut params = folder.params(pulling());
+    params["initializationOptions"] = json!({ "pullSources": true });
+    let mut client = Client::start(params).await;
+    for name in ["a/codels/a_codels.c", "b/src/b_codels.c"] {
+        let uri = folder.uri(name);
+        client
+            .open_code(&uri, &on_disk(&uri).expect("it is there"))
+            .await;
+        client
+            .pushed_until(&uri, |codes| codes == ["codel/signature-mismatch"])
+            .await;
+        assert_eq!(client.pulled(&uri).await, ["codel/signature-mismatch"]);
+    }
+    client.ignore("textDocument/publishDiagnostics");
+    client.finish().await;
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn findings_follow_the_configuration_and_comments() {
     let specification = "component c {\n  // dotgen: allow(codel/missing-definition) written by hand elsewhere\n  function f() { codel c_f(); };\n  function g() { codel c_g(); };\n  function h() { codel c_h(); };\n};\n";
