@@ -248,7 +248,7 @@ impl Findings {
             }
             let all = folder.check(&folder.expected());
             let found = project.adjusted(&folder, all.clone());
-            let shown = diagnostics(&found, &*folder.unit.locations, Side::Both);
+            let shown = diagnostics(&found, &*folder.unit.locations, Side::First);
             out.all.extend(shown);
             let index = compared.len();
             out.drifts.extend(found.into_iter().map(|it| (index, it)));

@@ -6,7 +6,7 @@ use dotgen_analysis::model::{CodelRef, Owner};
 use dotgen_analysis::source_map::Locations;
 use dotgen_codegen::codels::command::{FileChange, SyncOptions, sync};
 use dotgen_codegen::codels::diagnostics::{Side, diagnostics};
-use dotgen_codegen::codels::drift::{Drift, Repair};
+use dotgen_codegen::codels::drift::{Drift, DriftCode, Repair};
 use dotgen_codegen::codels::edit::{Edit, apply, line_edits};
 use dotgen_codegen::codels::expected::owner_words;
 use dotgen_codegen::codels::files::Files as _;
@@ -140,15 +140,18 @@ impl Work<'_> {
         };
         let stubs = codels::stub_options(self.folder, self.texts);
         let repairs = codels::repairs(self.folder, expected, self.texts, &stubs);
-        let mut push = |title, edit: &Edit, written, preferred| -> Cancellable<()> {
+        let mut push = |title, edit: &Edit, written: Option<&str>, preferred| -> Cancellable<()> {
+            // A stub beside a function that looks like the codel does not explain that function.
+            let mends = drift.code != DriftCode::Orphan || written.is_none();
+            let about = shown.clone().filter(|_| mends);
             let action = CodeAction {
                 title,
                 kind: Some(CodeActionKind::QUICKFIX),
-                diagnostics: shown.clone().map(|it| vec![it]),
-                is_preferred: Some(preferred),
+                diagnostics: about.map(|finding| vec![finding]),
+                is_preferred: Some(preferred && mends),
                 ..CodeAction::default()
             };
-            let code = Some(drift.code.as_str());
+            let code = mends.then_some(drift.code.as_str());
             out.extend(self.action(action, edit, written, code, offers)?);
             Ok(())
         };
