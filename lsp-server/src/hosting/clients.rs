@@ -71,34 +71,25 @@ fn write(mut output: &Stream, queue: &Receiver<String>) {
 pub(super) enum Line {
     /// A whole line; the last one needs no line end.
     Whole,
-    /// A line of more than [`LONGEST`] bytes, which is skipped.
+    /// The beginning of a line of more than [`LONGEST`] bytes; [`skip_line`] reads the rest.
     TooLong,
     /// The client sends no more.
     End,
 }
 
-/// Reads a line.
+/// Reads a line, or its first [`LONGEST`] bytes.
 pub(super) fn read_line(input: &mut impl BufRead, line: &mut Vec<u8>) -> Line {
     line.clear();
     let most = LONGEST as u64 + 1;
     match input.by_ref().take(most).read_until(b'\n', line) {
-        Ok(1..) if line.ends_with(b"\n") || line.len() <= LONGEST => return Line::Whole,
-        Ok(1..) => {}
-        _ => return Line::End,
+        Ok(1..) if line.ends_with(b"\n") || line.len() <= LONGEST => Line::Whole,
+        Ok(1..) => Line::TooLong,
+        _ => Line::End,
     }
-    loop {
-        let (used, ended) = match input.fill_buf() {
-            Ok([]) => return Line::TooLong,
-            Ok(bytes) => match bytes.iter().position(|&byte| byte == b'\n') {
-                Some(at) => (at + 1, true),
-                None => (bytes.len(), false),
-            },
-            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => continue,
-            Err(_) => return Line::End,
-        };
-        input.consume(used);
-        if ended {
-            return Line::TooLong;
-        }
-    }
+}
+
+/// Reads to the end of the line, in constant memory.
+pub(super) fn skip_line(input: &mut impl BufRead) {
+    // An error is seen again by the next reader.
+    let _ = input.skip_until(b'\n');
 }

@@ -19,7 +19,7 @@ use rustix::process::umask;
 use serde_json::{Map, Value, json};
 
 use super::children::{Door, Outside};
-use super::clients::{Client, LONGEST, Line, MOST_CLIENTS, MOST_WAITING, read_line};
+use super::clients::{Client, LONGEST, Line, MOST_CLIENTS, MOST_WAITING, read_line, skip_line};
 use super::known::{CONNECT, Known, describe, detail_of};
 use super::stream::Stream;
 use crate::files::disk::Passing;
@@ -266,7 +266,9 @@ fn hear(shared: &Shared, stream: &Stream, client: &Client) -> bool {
             Line::Whole => {}
             Line::TooLong => {
                 let why = format!("too long: a request has at most {} MiB", LONGEST >> 20);
+                // At once: the client may wait for an answer before it ends the line.
                 client.say(json!({"event": "error", "message": why}), &Value::Null);
+                skip_line(&mut input);
                 continue;
             }
             Line::End => return true,
