@@ -170,7 +170,7 @@ impl Config {
             include_paths: std::mem::take(&mut own.include_paths),
             defines: std::mem::take(&mut own.defines),
             release: own.release.take(),
-            codels: std::mem::replace(&mut own.codels, Some(FilesConfig::default())),
+            codels: own.codels.replace(FilesConfig::default()),
         });
         self.join(own)
     }
