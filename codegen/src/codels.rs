@@ -24,6 +24,7 @@ pub mod headers;
 pub mod hosted;
 pub mod links;
 mod mapping;
+pub mod origin;
 pub mod rename;
 pub mod repair;
 pub mod schema;

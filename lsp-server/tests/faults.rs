@@ -466,7 +466,9 @@ fn a_client_that_does_not_read_or_says_too_much_is_let_go() {
         .write_all(&vec![b'x'; 17 << 20])
         .expect("it is skipped");
     let mut said = String::new();
-    BufReader::new(&client).read_line(&mut said).expect("in time");
+    BufReader::new(&client)
+        .read_line(&mut said)
+        .expect("in time");
     assert!(said.contains("too long"), "{said}");
     // Answers that nobody reads.
     let mut client = UnixStream::connect(&socket).expect("it listens");

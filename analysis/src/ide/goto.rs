@@ -3,7 +3,7 @@
 use dotgen_syntax::TextRange;
 
 use super::{
-    FileView, NavTarget, RangeInfo,
+    FileView, NavTarget, RangeInfo, call_hierarchy,
     resolve::{Target, definition_target, meanings_at, nav_target},
     view::place,
 };
@@ -16,8 +16,32 @@ use crate::{
 /// Where what is under the cursor is defined.
 pub(crate) fn definition(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Vec<NavTarget>>> {
     let (range, targets) = meanings_at(view, at)?;
+    let states = state_targets(view, at, &targets);
+    if !states.is_empty() {
+        return answer(range, states);
+    }
     let found = targets.iter().filter_map(|it| nav_target(view, it));
     answer(range, found.collect())
+}
+
+/// Where the state under the cursor is bound to a codel of the same task or service. The states of all of them
+/// have one definition, the first mention.
+fn state_targets(view: &FileView<'_>, at: usize, targets: &[Target]) -> Vec<NavTarget> {
+    let elaborated = view.elaborated();
+    let is_state = |it: &Target| matches!(it, Target::Definition(id) if elaborated.definition(*id).kind == DefKind::State);
+    if !targets.iter().any(is_state) {
+        return Vec::new();
+    }
+    let states = call_hierarchy::prepare(view, at).unwrap_or_default();
+    let states = states.into_iter().map(|it| NavTarget {
+        path: it.path,
+        full_range: it.range.clone(),
+        focus_range: it.range,
+        name: it.name.into(),
+        kind: it.kind,
+        container: Some(it.key.owner),
+    });
+    states.collect()
 }
 
 /// Where what is under the cursor is declared first: its earliest mention that declares it.
@@ -310,7 +334,8 @@ component c {
         in_component("remote in f$0", "function f");
         in_component("port out q$0", "port out s q");
         in_component("interrupts go$0", "activity go");
-        in_component("codel<step$0>", "yield step");
+        in_component("codel<step$0>", "codel<step>");
+        in_component("yield step$0", "codel<step>");
         in_component("(in v.x$0", "x, y");
     }
 

@@ -35,7 +35,8 @@ use rustc_hash::FxHasher;
 use super::language::{Language, answered_by};
 use crate::files::{history, vfs};
 use crate::protocol::types::{
-    self, CodeActionParams, CodeActionResponse, CodeLens, CodeLensParams, ReferenceParams,
+    self, CodeActionParams, CodeActionResponse, CodeLens, CodeLensParams, GotoDefinitionParams,
+    GotoDefinitionResponse, Hover, HoverParams, ReferenceParams,
 };
 use crate::workspace::codels::{Compared, Good, lock};
 use crate::workspace::snapshot::{DocumentKind, Snapshot};
@@ -53,6 +54,8 @@ impl Language for Sources {
     }
 
     answered_by! {
+        definition: GotoDefinitionParams => Option<GotoDefinitionResponse> = navigation::definition;
+        hover: HoverParams => Option<Hover> = navigation::hover;
         references: ReferenceParams => Option<Vec<types::Location>> = navigation::mentions;
         lenses: CodeLensParams => Option<Vec<CodeLens>> = lenses::handle;
         actions: CodeActionParams => Option<CodeActionResponse> = actions::handle;

@@ -176,14 +176,21 @@ impl ClientCaps {
                     .is_some_and(|it| it.iter().any(|it| it == "edit")),
             code_lens_refresh: flag(raw, "/capabilities/workspace/codeLens/refreshSupport"),
             show_document: flag(raw, "/capabilities/window/showDocument/support"),
-            documents_registration: ["synchronization", "codeAction", "codeLens", "references"]
-                .iter()
-                .all(|it| {
-                    flag(
-                        raw,
-                        &format!("/capabilities/textDocument/{it}/dynamicRegistration"),
-                    )
-                }),
+            documents_registration: [
+                "synchronization",
+                "codeAction",
+                "codeLens",
+                "definition",
+                "hover",
+                "references",
+            ]
+            .iter()
+            .all(|it| {
+                flag(
+                    raw,
+                    &format!("/capabilities/textDocument/{it}/dynamicRegistration"),
+                )
+            }),
         }
     }
 }

@@ -202,9 +202,11 @@ const SENT: [Registered; 3] = [
 ];
 
 /// What is asked about sources of codels.
-const ASKED: [Registered; 3] = [
+const ASKED: [Registered; 5] = [
     ("dotgen-codels-action", "textDocument/codeAction"),
     ("dotgen-codels-lens", "textDocument/codeLens"),
+    ("dotgen-codels-definition", "textDocument/definition"),
+    ("dotgen-codels-hover", "textDocument/hover"),
     ("dotgen-codels-references", "textDocument/references"),
 ];
 
@@ -280,7 +282,7 @@ impl ForeignDocuments {
                     options["resolveProvider"] = json!(true);
                 }
                 "textDocument/codeLens" => options["resolveProvider"] = json!(false),
-                "textDocument/references" => {}
+                "textDocument/definition" | "textDocument/hover" | "textDocument/references" => {}
                 _ => options["documentSelector"] = json!(sent),
             }
             if method == "textDocument/didChange" {

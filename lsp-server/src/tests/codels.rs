@@ -69,6 +69,10 @@ fn capable() -> Value {
 /// The place of the n-th occurrence of a word in a text.
 fn place(text: &str, what: &str, nth: usize) -> Value {
     let (offset, _) = text.match_indices(what).nth(nth).expect("it occurs");
+    place_at(text, offset)
+}
+
+fn place_at(text: &str, offset: usize) -> Value {
     let line = text[..offset].matches('\n').count();
     let start = text[..offset].rfind('\n').map_or(0, |it| it + 1);
     json!({ "line": line, "character": offset - start })

@@ -74,13 +74,22 @@ fn goto(
     let Some(at) = snapshot.cursor(subject, position)? else {
         return Ok(None);
     };
-    let Some(found) = question(&snapshot.analysis, &at)? else {
-        return Ok(None);
+    Ok(response(snapshot, links(snapshot, &at, question)?))
+}
+
+/// The answers to a question about a place of a specification.
+pub(crate) fn links(
+    snapshot: &Snapshot,
+    at: &FilePosition,
+    question: fn(&Analysis, &FilePosition) -> Targets,
+) -> Cancellable<Vec<LocationLink>> {
+    let mut links = Vec::new();
+    let Some(found) = question(&snapshot.analysis, at)? else {
+        return Ok(links);
     };
     let origin = snapshot
         .location(&at.path, &found.range)?
         .map(|it| it.range);
-    let mut links = Vec::new();
     for target in found.info {
         let whole = snapshot.location(&target.path, &target.full_range)?;
         let focus = snapshot.location(&target.path, &target.focus_range)?;
@@ -93,7 +102,18 @@ fn goto(
             });
         }
     }
-    Ok(Some(match snapshot.client.definition_link {
+    Ok(links)
+}
+
+/// Links in the form that the client supports; `None` without links.
+pub(crate) fn response(
+    snapshot: &Snapshot,
+    links: Vec<LocationLink>,
+) -> Option<GotoDefinitionResponse> {
+    if links.is_empty() {
+        return None;
+    }
+    Some(match snapshot.client.definition_link {
         true => GotoDefinitionResponse::Link(links),
         false => GotoDefinitionResponse::Array(
             links
@@ -101,5 +121,5 @@ fn goto(
                 .map(|it| Location::new(it.target_uri, it.target_selection_range))
                 .collect(),
         ),
-    }))
+    })
 }

@@ -21,10 +21,6 @@ pub(crate) fn handle(
     let Some(hover) = snapshot.analysis.hover(&at)? else {
         return Ok(None);
     };
-    let kind = match snapshot.client.markdown_hover {
-        true => MarkupKind::Markdown,
-        false => MarkupKind::PlainText,
-    };
     let mut markdown = hover.info.markdown;
     for (component, codel) in &hover.info.codels {
         if let Some(excluded) = remote_exclusions(snapshot, subject, component, codel)? {
@@ -42,13 +38,23 @@ pub(crate) fn handle(
         markdown = format!("{markdown}\n\n{image}");
     }
     let location = snapshot.location(&at.path, &hover.range)?;
-    Ok(Some(Hover {
+    let range = location.map(|it| it.range);
+    Ok(Some(response(snapshot, markdown, range)))
+}
+
+/// A hover in the form that the client supports.
+pub(crate) fn response(snapshot: &Snapshot, markdown: String, range: Option<Range>) -> Hover {
+    let kind = match snapshot.client.markdown_hover {
+        true => MarkupKind::Markdown,
+        false => MarkupKind::PlainText,
+    };
+    Hover {
         contents: HoverContents::Markup(MarkupContent {
             kind,
             value: markdown,
         }),
-        range: location.map(|it| it.range),
-    }))
+        range,
+    }
 }
 
 /// More codels of other components than are worth reading.

@@ -27,20 +27,26 @@ pub(crate) fn of(
     at: &FilePosition,
     declaration: bool,
 ) -> Cancellable<Option<Vec<Location>>> {
-    let references = snapshot.analysis.references(at, declaration)?;
-    let elsewhere = navigation::references(snapshot, &at.path, at.offset)?;
-    if references.is_none() && elsewhere.is_empty() {
-        return Ok(None);
+    let mut locations = of_specifications(snapshot, at, declaration)?;
+    for it in navigation::references(snapshot, &at.path, at.offset)? {
+        locations.extend(snapshot.location(&it.path, &it.range)?);
     }
+    Ok(Some(locations).filter(|it| !it.is_empty()))
+}
+
+/// The mentions in specifications and scenarios alone.
+pub(crate) fn of_specifications(
+    snapshot: &Snapshot,
+    at: &FilePosition,
+    declaration: bool,
+) -> Cancellable<Vec<Location>> {
     let mut locations = Vec::new();
+    let references = snapshot.analysis.references(at, declaration)?;
     for it in references.unwrap_or_default() {
         locations.extend(snapshot.location(&it.place.path, &it.place.range)?);
     }
     for (path, range) in mentions::mentions(snapshot, at)? {
         locations.extend(snapshot.location(&path, &range)?);
     }
-    for it in elsewhere {
-        locations.extend(snapshot.location(&it.path, &it.range)?);
-    }
-    Ok(Some(locations))
+    Ok(locations)
 }

@@ -87,6 +87,90 @@ async fn from_codels_to_functions_and_back() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn names_in_sources_lead_to_their_declarations() {
+    let folder = tank();
+    let (uri, source) = (
+        folder.uri("tank.gen"),
+        folder.uri("codels/tank_control_codels.c"),
+    );
+    let (text, code) = (read(path(&uri)), read(path(&source)));
+    let mut client = Client::start(folder.params(capable())).await;
+    client.open(&uri, &text).await;
+    client.open_code(&source, &code).await;
+    // The place in the source, the declaration with its distance to the name, and the line of the hover that
+    // names what it is.
+    for (name, skip, declaration, to, said) in [
+        ("last->level", 6, "double level;", 7, "double level"),
+        (".valve = valve", 1, "short valve", 6, "short valve"),
+        ("tank_CLOSED", 0, "CLOSED, MOVING", 0, "CLOSED"),
+        ("tank_reading *out", 0, "reading {", 0, "reading"),
+        ("tank_e_valve_detail", 0, "e_valve {", 0, "e_valve"),
+        ("return tank_main", 7, "main> tank_control_main", 0, "main"),
+        (
+            "return tank_pause_main",
+            7,
+            "main> tank_control_main",
+            0,
+            "main",
+        ),
+        (
+            "tank_wait;\n}\n\n/** Codel tank_fill",
+            0,
+            "wait> tank_fill_wait",
+            0,
+            "wait",
+        ),
+        ("tank_wait;\n}\n$", 0, "wait> tank_drain_wait", 0, "wait"),
+        ("target ? ", 0, "target, in reading limit", 0, "target"),
+        ("state->data", 0, "state;\n\n  task", 0, "state"),
+        (
+            "\ntank_fill_stop(",
+            1,
+            "tank_fill_stop(ids",
+            0,
+            "tank_fill_stop",
+        ),
+    ] {
+        let at = match name.strip_suffix('$') {
+            Some(last) => code.rfind(last),
+            None => code.find(name),
+        };
+        let at = at.unwrap_or_else(|| panic!("{name}")) + skip;
+        let params = json!({
+            "textDocument": { "uri": source },
+            "position": place_at(&code, at),
+        });
+        let found = client.ok("textDocument/definition", params.clone()).await;
+        let wanted = place_at(&text, text.find(declaration).expect(declaration) + to);
+        assert_eq!(found[0]["uri"], uri, "{name}: {found:#}");
+        assert_eq!(found[0]["range"]["start"], wanted, "{name}: {found:#}");
+        let hover = client.ok("textDocument/hover", params.clone()).await;
+        let markdown = hover["contents"]["value"].as_str().unwrap_or_default();
+        assert!(markdown.contains(said), "{name}: {markdown}");
+        let mut references = params;
+        references["context"] = json!({ "includeDeclaration": true });
+        let found = client.ok("textDocument/references", references).await;
+        let found = found.as_array().cloned().unwrap_or_default();
+        let starts: Vec<_> = found.iter().map(|it| &it["range"]["start"]).collect();
+        assert!(starts.contains(&&wanted), "{name}: {found:#?}");
+        assert!(
+            found.iter().all(|it| it["uri"] == uri),
+            "{name}: {found:#?}"
+        );
+    }
+    // Names of the source alone belong to the server of its language.
+    for name in ["out = state", "NULL", "data(self)", "tank_stuck(0"] {
+        let params = at(&source, &code, name, 0);
+        let found = client.ok("textDocument/definition", params.clone()).await;
+        assert_eq!(found, Value::Null, "{name}");
+        let hover = client.ok("textDocument/hover", params).await;
+        assert_eq!(hover, Value::Null, "{name}");
+    }
+    client.ignore("textDocument/publishDiagnostics");
+    drop(client);
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn a_codel_is_renamed_on_both_sides() {
     let folder = tank();
     let (uri, source) = (
@@ -138,8 +222,6 @@ async fn sources_are_left_to_the_server_of_their_language() {
         .open_code(&other, "int main(void) { return 0; }\n")
         .await;
     for method in [
-        "textDocument/hover",
-        "textDocument/definition",
         "textDocument/documentSymbol",
         "textDocument/foldingRange",
         "textDocument/completion",
@@ -167,7 +249,14 @@ async fn sources_are_asked_for_where_clients_let_choose() {
     let folder = tank();
     let dynamic = json!({ "dynamicRegistration": true });
     let mut capabilities = capable();
-    for method in ["synchronization", "codeAction", "codeLens", "references"] {
+    for method in [
+        "synchronization",
+        "codeAction",
+        "codeLens",
+        "definition",
+        "hover",
+        "references",
+    ] {
         capabilities["textDocument"][method]["dynamicRegistration"] = json!(true);
     }
     capabilities["workspace"]["didChangeWatchedFiles"] = dynamic;

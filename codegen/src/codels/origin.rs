@@ -1,0 +1,213 @@
+//! From a name in a source to the declaration in the specification that the name stands for.
+
+use std::ops::Range;
+
+use camino::Utf8Path;
+use dotgen_analysis::model::{Src, TypeId, TypeKind};
+use smol_str::SmolStr;
+use tree_sitter::Node;
+
+use super::expected::{Expected, ExpectedFunction};
+use super::files::{IndexedFile, Sources};
+use super::mapping;
+use super::source::parse;
+use super::source::place::{opened, qualifiers};
+use super::source::types::{Scope, Types, scopes};
+
+/// The structure with the data of an exception has the name of the exception, and this.
+const DETAIL: &str = "_detail";
+
+/// A name in a source, and what it stands for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Origin {
+    /// The place of the name in the source, in bytes.
+    pub range: Range<usize>,
+    /// The places of its declarations: a function may be several codels, each with its own parameters.
+    pub declared: Vec<Src>,
+}
+
+/// What the name at an offset of a source stands for: a member, type, exception, enumerator or constant, a
+/// state, a codel, or a parameter of a codel. `None` for any other name, and where the type of what a member
+/// belongs to is not known.
+pub fn origin(
+    expected: &Expected<'_>,
+    sources: &Sources,
+    path: &Utf8Path,
+    offset: usize,
+) -> Option<Origin> {
+    let file = sources.file(path)?;
+    let tree = parse(&file.text, file.index.grammar)?;
+    let root = tree.root_node();
+    let ends_before = offset.checked_sub(1).into_iter().map(|it| (it, offset));
+    let mut nodes = std::iter::once((offset, offset + 1))
+        .chain(ends_before)
+        .filter_map(|(start, end)| root.descendant_for_byte_range(start, end));
+    let node = nodes.find(|it| it.kind().ends_with("identifier"))?;
+    let name = file.text.get(node.byte_range())?;
+    let lookup = Lookup {
+        expected,
+        file,
+        node,
+        name,
+    };
+    let mut declared = match node.kind() {
+        "field_identifier" => lookup.member(sources).into_iter().collect(),
+        _ => lookup.identifier(root),
+    };
+    declared.dedup();
+    (!declared.is_empty()).then(|| Origin {
+        range: node.byte_range(),
+        declared,
+    })
+}
+
+/// The lookup of one name.
+struct Lookup<'a> {
+    expected: &'a Expected<'a>,
+    file: &'a IndexedFile,
+    node: Node<'a>,
+    name: &'a str,
+}
+
+impl<'a> Lookup<'a> {
+    /// The node of the function around the name.
+    fn function(&self) -> Option<Node<'a>> {
+        let mut at = self.node.parent();
+        while let Some(node) = at.filter(|it| it.kind() != "function_definition") {
+            at = node.parent();
+        }
+        at
+    }
+
+    /// The codels whose function is around the name.
+    fn codels(&self) -> Option<(&'a ExpectedFunction, &'a super::source::Function)> {
+        let around = self.file.index.function_at(self.node.start_byte())?;
+        Some((self.expected.function(&around.name)?, around))
+    }
+
+    fn member(&self, sources: &Sources) -> Option<Src> {
+        let mut types = Types::default();
+        let mapped = mapping::types(self.expected).ok()?;
+        types.read(&mapped, mapping::grammar(self.expected));
+        for file in sources.all() {
+            types.read(&file.text, file.index.grammar);
+        }
+        let scope = Scope::new(self.function(), &self.file.text, &types);
+        let parent = self.node.parent()?;
+        let structure = match parent.kind() {
+            "field_expression" => {
+                let of = parent.child_by_field_name("argument")?;
+                types.structure_of(&scope.type_of(of)?)
+            }
+            "field_designator" => scope.designated(parent),
+            _ => None,
+        }?;
+        let spec = self.expected.spec;
+        let declared = (0u32..).map(TypeId).zip(&spec.types);
+        let mut found = declared.filter_map(|(id, ty)| {
+            let (TypeKind::Struct { members }
+            | TypeKind::Union { members, .. }
+            | TypeKind::Exception { members }) = &ty.kind
+            else {
+                return None;
+            };
+            let mut members = members.iter().map(|it| spec.ty(*it));
+            let member = members.find(|it| it.name.as_deref() == Some(self.name))?;
+            let spelling = self.expected.spelling(id);
+            let detail = || structure.strip_suffix(DETAIL) == Some(spelling.as_str());
+            (structure == spelling || detail()).then_some(member.src)
+        });
+        found.next()
+    }
+
+    fn identifier(&self, root: Node<'a>) -> Vec<Src> {
+        let path = qualifiers(self.node, &self.file.text);
+        if path.is_empty()
+            && let Some((function, around)) = self.codels()
+        {
+            let named = |it: &super::source::Parameter| it.name.as_deref() == Some(self.name);
+            if let Some(position) = around.parameters.iter().position(named) {
+                let component = self.expected.component();
+                let uses = function.uses.iter();
+                let params = uses.filter_map(|at| component.codel(*at).params.get(position));
+                return params.map(|it| it.src).collect();
+            }
+            let local = Types::default();
+            if Scope::new(self.function(), &self.file.text, &local).has(self.name) {
+                return Vec::new();
+            }
+        }
+        for spelling in self.spellings(&path, root) {
+            let found = self.declared(&spelling);
+            if !found.is_empty() {
+                return found;
+            }
+        }
+        Vec::new()
+    }
+
+    /// What the name may be in full: as it is written, in the scopes around it, and in those that the file
+    /// opens.
+    fn spellings(&self, path: &[SmolStr], root: Node<'a>) -> Vec<SmolStr> {
+        let full = |around: &[SmolStr]| {
+            let mut all = around.to_vec();
+            all.extend_from_slice(path);
+            all.push(self.name.into());
+            all.retain(|it| !it.is_empty());
+            SmolStr::from(all.join("::"))
+        };
+        let around = scopes(self.node, &self.file.text);
+        let outwards = (0..=around.len()).rev().map(|it| full(&around[..it]));
+        let opened = opened(root, &self.file.text);
+        outwards.chain(opened.iter().map(|it| full(it))).collect()
+    }
+
+    /// The declarations of a full name.
+    fn declared(&self, spelling: &str) -> Vec<Src> {
+        let (expected, component) = (self.expected, self.expected.component());
+        if let Some(function) = expected.function(spelling) {
+            let uses = function.uses.iter();
+            return uses.map(|at| component.codel(*at).src).collect();
+        }
+        if let Some(&event) = expected.events.get(spelling) {
+            return self.state(event).into_iter().collect();
+        }
+        if let Some(name) = spelling.strip_suffix(DETAIL)
+            && let Some(&exception) = expected.exceptions.get(name)
+        {
+            return vec![expected.spec.ty(exception).src];
+        }
+        let types = (0u32..).map(TypeId).zip(&expected.spec.types);
+        let mut named = types.filter(|(id, ty)| {
+            let member = matches!(
+                ty.kind,
+                TypeKind::StructMember { .. } | TypeKind::UnionMember { .. }
+            );
+            ty.name.is_some() && !member && expected.spelling(*id) == spelling
+        });
+        named.next().map(|it| it.1.src).into_iter().collect()
+    }
+
+    /// Where the state of an event is declared: the codel that it triggers, first in the service of the function
+    /// around the name.
+    fn state(&self, event: TypeId) -> Option<Src> {
+        let component = self.expected.component();
+        let codels = || {
+            component
+                .all_codels()
+                .map(|at| (at.owner, component.codel(at)))
+        };
+        let mut states = codels().flat_map(|(_, it)| it.triggers.iter().chain(&it.yields));
+        let state = states.find(|it| it.event == event)?;
+        let here = self.codels().map(|it| it.0.uses.iter().map(|at| at.owner));
+        let here: Vec<_> = here.into_iter().flatten().collect();
+        let triggers = |near: bool| {
+            let codels = codels().filter(move |it| !near || here.contains(&it.0));
+            codels
+                .flat_map(|(_, it)| &it.triggers)
+                .find(|it| it.name == state.name)
+        };
+        let found = triggers.clone()(true).or_else(|| triggers(false));
+        Some(found.unwrap_or(state).src)
+    }
+}
