@@ -46,7 +46,7 @@ pub const CODES: &[LintCode] = &[
          bound.",
         "The reported value is exact: some run reaches it. The timeline shows that run.",
         "scenario s {\n  use \"c.gen\";\n  check response c.t <= 4 ms;\n}\n",
-        "",
+        "scenario s {\n  use \"c.gen\";\n  check response c.t <= 8 ms;\n}\n",
         "If the bound was a guess, raise it. Otherwise look in the timeline for the codels that the task \
          waits for.",
     ),
@@ -66,7 +66,7 @@ pub const CODES: &[LintCode] = &[
             "Verification stops at a limit of states, memory or time. Runs that were not explored can still \
              violate the check, and a reported value is only a lower bound.",
             "scenario s {\n  use \"large.gen\";\n  check schedulable *;\n}\n",
-            "",
+            "scenario s {\n  use \"large.gen\";\n  loop once;\n  check schedulable *;\n}\n",
             "Raise `verification.max-states` or `verification.time-limit`, or verify on the command line. Or make \
              the scenario smaller: fewer requests, `loop once`, a coarser `unit`.",
         )
@@ -122,7 +122,7 @@ pub const CODES: &[LintCode] = &[
          about the refused service. The warning is shown in the scenario and in the output of `dotgen \
          verify`.",
         "component c {\n  task t { period 5 ms; };\n  function init() { };\n  function go() { after init; };\n};\n",
-        "",
+        "scenario s {\n  use \"c.gen\";\n  client a {\n    send c.init;\n    await ended;\n    send c.go;\n  }\n}\n",
         "Let a client of the scenario request the earlier service first, or write `order off;` in the scenario.",
     ),
 ];
