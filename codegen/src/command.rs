@@ -274,24 +274,24 @@ fn usage(name: &str) -> String {
 
 General options:
   -I DIR            search DIR for included files
-  -C DIR            look for FILE.gen in DIR; given again, in DIR below the one before
+  -C DIR            look for FILE.gen in DIR; a further -C is relative to the one before
   -D MACRO[=VALUE]  define MACRO as VALUE, or as 1
   -t DIR[:DIR...]   search these directories for templates, instead of GENOM_TMPL_PATH
   -l, --list        list the templates
-  -n, --parse-only  read the files and report what is wrong
+  -n, --parse-only  read the files and report errors
   -N, --dump        read the files and print the resulting model, as JSON
   -E                preprocess the files
-      --confined    as a preview in an editor: TEMPLATE starts no program, has no network, reads
-                    itself and its inputs, and writes below the current directory, except hidden
-                    files and executables
+      --confined    restrict TEMPLATE as in an editor preview: it starts no program, has no
+                    network, reads only itself and its inputs, and writes only below the
+                    current directory, except hidden files and executables
       --allow PATH  with --confined, let TEMPLATE write this hidden file or executable
   -T, --tmpdir DIR  directory for temporary files
-  -v, --verbose     say what is done
+  -v, --verbose     print each step
   -d, --debug       keep temporary files
-      --release R       stand in for this release of GenoM3, such as 2.99.41
-      --version     print the version of GenoM3 this stands for
+      --release R       act as this release of GenoM3, such as 2.99.41
+      --version     print the version of GenoM3 that dotgen acts as
   -h, --help        print this help
 
-TEMPLATE -h tells the options of a template."
+TEMPLATE -h prints the options of a template."
     )
 }

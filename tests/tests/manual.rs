@@ -89,10 +89,10 @@ fn severity(severity: Severity) -> &'static str {
 
 /// Says how codes about the machine, not about the text, are reported.
 const ENVIRONMENT: &str = "
-`genom3` rejects the specification. `dotgen check` and editors show a warning, because nothing is wrong with the
-text: they check the rest, and say which names wait for what is missing. `dotgen check --deny missing` (or
-`DOTGEN_DENY=missing` in the environment) makes it an error. `dotgen deps` lists what is missing and how to install
-it.
+`genom3` rejects the specification. `dotgen check` and editors show a warning, because the text itself may be
+correct. They check the rest and count the names that depend on the missing file or package. `dotgen check
+--deny missing` (or `DOTGEN_DENY=missing` in the environment) reports an error instead. `dotgen deps` lists
+missing files and packages and how to install them.
 ";
 
 /// A text in a fence with the language of an example.
@@ -167,7 +167,7 @@ fn configuration(code: &Code) -> String {
         };
         let _ = write!(
             out,
-            "\nIn one place, write a comment with the reason {places}: `// dotgen: allow({id}) the reason`.\n"
+            "\nTo allow a single finding, write a comment with the reason {places}: `// dotgen: allow({id}) the reason`.\n"
         );
     }
     out

@@ -91,7 +91,7 @@ findings! {
         "param-bounds" BeyondEmpty { number: u64, ty: Name }
             => "index {number} is beyond the 0 elements of `{ty}`";
         "writes-input" WritesInput { name: Name }
-            => "this codel writes `{name}`, an `in` parameter of the service: nobody will see the value";
+            => "this codel writes `{name}`, an `in` parameter of the service: the client does not get the value";
         "param-port-member" PortMember { name: Name }
             => "port `{name}` is used as a whole", "a codel selects what it needs from it itself";
         "param-read-only-port" WritesInputPort { name: Name }

@@ -42,12 +42,12 @@ pub const CODES: &[CodelCode] = &[
         corrected: Corrected::Source(
             "genom_event c_f(const genom_context self)\n{\n  return genom_ok;\n}\ngenom_event c_g(const genom_context self)\n{\n  return genom_ok;\n}\n",
         ),
-        fix: "Let dotgen write a stub (quick fix, or `dotgen codels stub`), or take the codel out of the \
-            specification.",
+        fix: "Let dotgen write a stub (quick fix, or `dotgen codels stub`), or remove the codel from the \
+             specification.",
     },
     CodelCode {
         code: DriftCode::SignatureMismatch,
-        meaning: "The function of a codel has another prototype than the specification asks for.",
+        meaning: "The prototype of a codel's function differs from the one that the specification requires.",
         why: "Codels are compiled separately from the code that calls them. If the file does not include the generated \
               prototype, no compiler sees the difference, and the function reads its arguments from the wrong places.",
         specification: "component c {\n  function f(in long n) { codel c_f(local in n); };\n};\n",
@@ -60,8 +60,8 @@ pub const CODES: &[CodelCode] = &[
     CodelCode {
         code: DriftCode::UndeclaredYield,
         meaning: "A codel returns a state that its `yields` list does not contain.",
-        why: "The running state machine differs from the one in the specification, which pictures, checks and \
-            response times are computed from.",
+        why: "The running state machine differs from the specification. Diagrams, checks and response times \
+             are computed from the specification, so they do not describe the code.",
         specification: "component c {\n  task t {\n    period 10 ms;\n    codel<start> c_start() yield run;\n    codel<run> c_run() yield pause::run;\n  };\n};\n",
         source: "genom_event c_start(const genom_context self)\n{\n  if (ready()) return c_run;\n  return c_ether;\n}\ngenom_event c_run(const genom_context self)\n{\n  return c_pause_run;\n}\n",
         corrected: Corrected::Specification(
@@ -96,19 +96,19 @@ pub const CODES: &[CodelCode] = &[
     CodelCode {
         code: DriftCode::Orphan,
         meaning: "A function looks like a codel, but no specification names it.",
-        why: "The function is left over from a codel that was removed or renamed.",
+        why: "The function is probably left over from a codel that was removed or renamed.",
         specification: "component c {\n  function f() { codel c_f(); };\n};\n",
         source: "genom_event c_f(const genom_context self)\n{\n  return genom_ok;\n}\n\n/** Codel c_old of function old.\n *\n * Returns genom_ok.\n */\ngenom_event c_old(const genom_context self)\n{\n  return genom_ok;\n}\n",
         corrected: Corrected::Source(
             "genom_event c_f(const genom_context self)\n{\n  return genom_ok;\n}\n",
         ),
-        fix: "If a codel with a similar name has no function, rename this one. Otherwise declare a codel for it or remove \
-              it. Make helper functions `static`.",
+        fix: "If a codel with a similar name has no function, rename this one. Otherwise declare a codel for \
+             the function, or remove it. Make helper functions `static`.",
     },
     CodelCode {
         code: DriftCode::StaleComment,
         meaning: "The generated comment of a codel disagrees with the specification.",
-        why: "Whoever changes the code relies on \"Triggered by\", \"Yields to\" and \"Throws\".",
+        why: "Readers of the code rely on \"Triggered by\", \"Yields to\" and \"Throws\" in the comment.",
         specification: "component c {\n  task t {\n    period 10 ms;\n    codel<start> c_start() yield run;\n    codel<run> c_run() yield pause::run;\n  };\n};\n",
         source: "/** Codel c_start of task t.\n *\n * Triggered by c_start.\n * Yields to c_ether.\n */\ngenom_event c_start(const genom_context self)\n{\n  return c_run;\n}\ngenom_event c_run(const genom_context self)\n{\n  return c_pause_run;\n}\n",
         corrected: Corrected::Source(
@@ -125,13 +125,13 @@ pub const CODES: &[CodelCode] = &[
         corrected: Corrected::Source(
             "genom_event c_f(c_ids *ids, const genom_context self)\n{\n  ids->speed = 1.;\n  return genom_ok;\n}\n",
         ),
-        fix: "Use the name that the specification has now. If only one member can be meant, the quick fix changes the name \
-              in all sources.",
+        fix: "Use the current name from the specification. If only one member can be meant, the quick fix \
+             changes the name in all sources.",
     },
     CodelCode {
         code: DriftCode::UndeclaredName,
-        meaning: "A codel uses a name that was a parameter and is none any more.",
-        why: "The code does not compile. The parameter was taken away or renamed in the specification.",
+        meaning: "A codel uses a name that is no longer one of its parameters.",
+        why: "The code does not compile. The parameter was removed or renamed in the specification.",
         specification: "component c {\n  ids { double speed, limit; };\n  function f() { codel c_f(inout speed); };\n};\n",
         source: "genom_event c_f(double *speed, const genom_context self)\n{\n  *speed = limit;\n  return genom_ok;\n}\n",
         corrected: Corrected::Source(

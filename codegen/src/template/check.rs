@@ -54,8 +54,9 @@ pub const CODES: &[Code] = &[
         severity: Severity::Error,
         on: true,
         meaning: "A Tcl comment at the end of a marker comments out the text behind the marker.",
-        why: "A comment ends with the line of the program, not with the marker: the text behind the marker, up to the \
-             end of the line, is part of the comment and is not written, and what follows is not Tcl.",
+        why: "A Tcl comment ends with the line, not with the marker. The text behind the marker, up to the \
+             end of the line, becomes part of the comment and is not written. The lines after it are not \
+             valid Tcl.",
         example: Some("<'set n 0 ;# how many so far'> first line\n"),
         corrected: Some("<'set n 0 ;# how many so far\n'> first line\n"),
         fix: "Put `'>` on a line of its own.",

@@ -12,7 +12,8 @@ use crate::hosting::places;
 
 /// Request a service of a component that runs (`dotgen run --clock real`)
 ///
-/// Prints the outputs as JSON when the service has ended. After Ctrl-C, the activity goes on.
+/// Prints the outputs as JSON when the service has ended. Ctrl-C ends only this command; the activity goes
+/// on.
 ///
 /// Exit status: 0 if the service ended, 1 if it was refused, was interrupted or threw an exception, 2 if
 /// nothing could be requested.
@@ -39,10 +40,10 @@ pub(super) struct Call {
 
 /// Print the values of an output port, one JSON value per line
 ///
-/// Ends with the run, with its component, or with Ctrl-C.
+/// Ends when the run or the component ends, or on Ctrl-C.
 ///
-/// Exit status: 0 if the run ended or COUNT values were printed, 1 if the component ended, 2 if the port
-/// could not be watched.
+/// Exit status: 0 if the run ended or N values were printed, 1 if the component ended, 2 if the port could
+/// not be watched.
 #[derive(Debug, Args)]
 pub(super) struct Watch {
     /// Port to watch, as COMPONENT/PORT

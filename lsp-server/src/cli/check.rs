@@ -39,11 +39,11 @@ pub(super) struct Arguments {
     #[arg(long)]
     diff: bool,
 
-    /// Print the release of GenoM3 that the specifications are read as, and why
+    /// Print the release of GenoM3 that specifications are read as, and the reason for it
     #[arg(long, short)]
     verbose: bool,
 
-    /// Report as an error what is a warning otherwise; the environment variable DOTGEN_DENY does the same
+    /// Report these warnings as errors; the environment variable DOTGEN_DENY does the same
     #[arg(long, value_enum, value_name = "WHAT")]
     deny: Vec<Deny>,
 

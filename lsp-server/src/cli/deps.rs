@@ -25,7 +25,7 @@ pub(super) struct Arguments {
     #[arg(value_name = "PATH", required = true)]
     paths: Vec<Utf8PathBuf>,
 
-    /// For included files that are not found, write stand-ins to .dotgen/standins next to each specification
+    /// Write stand-ins for missing included files to .dotgen/standins next to each specification
     #[arg(long)]
     stand_ins: bool,
 

@@ -14,7 +14,7 @@ use crate::views::manual;
 /// Exit status: 0, or 2 if the code does not exist.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// The code that a diagnostic shows in brackets
+    /// Code of a diagnostic, as shown in brackets, for example fsm/busy-loop
     #[arg(value_name = "CODE")]
     code: Option<String>,
 }

@@ -112,7 +112,7 @@ fn formatted(session: &Session, file: &SourceFile) -> anyhow::Result<(String, St
 fn left(path: &Utf8Path, text: &str) -> String {
     let path = session::display(path);
     report::note(&format!(
-        "`{path}` is left as it is because of its syntax errors; `dotgen check {path}` tells them"
+        "`{path}` is left as it is because of syntax errors; `dotgen check {path}` lists them"
     ));
     text.to_owned()
 }

@@ -21,8 +21,8 @@ use super::{Outcome, Reading};
 /// Compare a recorded run step by step with the verified model
 ///
 /// FILE.mcap is a recording of `dotgen run --record`; the other FILEs are its scenario or its specifications.
-/// Each step must be possible in the model at that moment; if one is not, the rule that differs is named.
-/// Undeclared execution times and exceptions of codels are reported, and the comparison goes on.
+/// Each step must be possible in the model at that moment. If a step is not possible, the violated rule is
+/// printed. Undeclared execution times and exceptions of codels are reported, and the comparison goes on.
 ///
 /// Exit status: 0 if the recording is a run of the model, 1 if not, 2 if nothing could be compared.
 #[derive(Debug, Args)]

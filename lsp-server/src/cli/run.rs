@@ -289,12 +289,12 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     if arguments.socket.is_some() && arguments.clock == Clock::Virtual {
         anyhow::bail!(
-            "`--socket` is for `--clock real`: on the virtual clock nobody can ask in time"
+            "`--socket` needs `--clock real`: no request can come in time on the virtual clock"
         );
     }
     if arguments.listen.is_some() && arguments.clock == Clock::Virtual {
         anyhow::bail!(
-            "`--listen` is for `--clock real`: on the virtual clock nobody can ask in time"
+            "`--listen` needs `--clock real`: no request can come in time on the virtual clock"
         );
     }
     if arguments.has_network() && arguments.clock == Clock::Virtual {

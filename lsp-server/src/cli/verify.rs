@@ -93,7 +93,7 @@ pub(super) struct Arguments {
     #[arg(long)]
     sensitivity: bool,
 
-    /// List the reductions used in the exploration, and why the others were not
+    /// List the reductions that the exploration used, and the reason against each other one
     #[arg(long)]
     explain: bool,
 

@@ -37,32 +37,30 @@ pub struct Settings {
     /// Who says [`Settings::release`], if that is not the configuration file.
     #[serde(skip)]
     pub release_origin: Option<ReleaseOrigin>,
-    /// Directories with `.pc` files, searched for the packages of `#pragma requires` before those
-    /// of pkg-config. The program asked is that of the environment variable `PKG_CONFIG`, otherwise
-    /// `pkg-config`; when it is not installed dotgen reads `.pc` files itself.
+    /// Directories with `.pc` files, searched for the packages of `#pragma requires` before those of
+    /// pkg-config. The environment variable `PKG_CONFIG` sets the program; by default it is `pkg-config`. If
+    /// the program is not installed, dotgen reads `.pc` files itself.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub package_paths: Vec<String>,
-    /// The largest file that is read, in kilobytes; 4096 by default. Of a larger one only that is said.
+    /// The largest file that is read, in kilobytes; 4096 by default. A larger file gets a diagnostic instead.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 4096))]
     pub max_file_size: Option<u32>,
-    /// Severity by diagnostic code, for example `pp-redefined = "off"`. What GenoM3 rejects stays an
-    /// error.
+    /// Severity by diagnostic code, for example `pp-redefined = "off"`. Errors of GenoM3 stay errors.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub severity: BTreeMap<String, Level>,
-    /// Which output port feeds which input port, for pictures of systems: by reading component, then
-    /// by its port, the writer as `component.port`. Ports that are not named here are connected by
-    /// type and name.
+    /// Output ports that feed input ports, for diagrams of systems: by reading component, then by its port,
+    /// the writer as `component.port`. Ports that are not named here are connected by type and name.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub connections: BTreeMap<String, BTreeMap<String, Writers>>,
     /// Directories searched for templates, instead of those of the environment variable
     /// `GENOM_TMPL_PATH`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub template_paths: Vec<String>,
-    /// What was generated, to be repeated by "Regenerate"; written by "Generate…".
+    /// Generations that "Regenerate" repeats; "Generate…" writes them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub generate: Vec<Generate>,
-    /// What the rules about time need to know.
+    /// Settings of the timing rules.
     #[serde(skip_serializing_if = "Timing::is_default")]
     pub timing: Timing,
     /// Real-time verification in the editor.
@@ -71,30 +69,31 @@ pub struct Settings {
     /// The style of the formatter.
     #[serde(skip_serializing_if = "Format::is_default")]
     pub format: Format,
-    /// Where the C and C++ sources of codels are.
+    /// Location of the C and C++ sources of codels.
     #[serde(skip_serializing_if = "Codels::is_default")]
     pub codels: Codels,
-    /// Show anything above declarations; on by default. What is shown there is chosen one by one.
+    /// Show code lenses above declarations; on by default. Further settings select the lenses.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = true))]
     pub code_lens: Option<bool>,
-    /// Show above tasks and checks what verification says; on by default.
+    /// Show answers of verification above tasks and checks; on by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = true))]
     pub code_lens_verdicts: Option<bool>,
-    /// Show the way to the state machine above tasks and activities; on by default.
+    /// Show a link to the state machine above tasks and activities; on by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = true))]
     pub code_lens_state_machines: Option<bool>,
-    /// Show who reads and who writes above ports and members of the `ids`; on by default.
+    /// Show readers and writers above ports and members of the `ids`; on by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = true))]
     pub code_lens_accesses: Option<bool>,
-    /// Show what the specification says of a codel above its C or C++ function; on by default.
+    /// Show the specification of a codel above its C or C++ function; on by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = true))]
     pub code_lens_codels: Option<bool>,
-    /// Show what runs a component or a scenario above its name, in editors that can; on by default.
+    /// Show commands that run a component or a scenario above its name, in editors that support them; on by
+    /// default.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = true))]
     pub code_lens_runs: Option<bool>,
@@ -106,7 +105,7 @@ pub struct Settings {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = false))]
     pub inlay_hints_all_types: Option<bool>,
-    /// Show where a state machine ends for lack of a codel for `stop`.
+    /// Show the end of a state machine that has no codel for `stop`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = true))]
     pub inlay_hints_implicit_ether: Option<bool>,
@@ -145,31 +144,31 @@ pub struct Verification {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = true))]
     pub enable: Option<bool>,
-    /// Give a verification up after so many seconds; 10 by default.
+    /// Give up a verification after this many seconds; 10 by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 10))]
     pub time_limit: Option<f64>,
-    /// Give a verification up at this number of states; 2000000 by default.
+    /// Give up a verification at this number of states; 2000000 by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 2_000_000))]
     pub max_states: Option<u32>,
-    /// Give a verification up at so many megabytes for its states; 1024 by default.
+    /// Give up a verification if its states need more than this many megabytes; 1024 by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 1024))]
     pub max_memory: Option<u32>,
-    /// Who gets a core when no scenario says it: `priority` (the default), `fair`, `fifo`, `edf` or `any`.
-    /// The number of cores is `timing.cores`.
+    /// Order in which tasks get a core, if no scenario sets it: `priority` (the default), `fair`, `fifo`,
+    /// `edf` or `any`. The number of cores is `timing.cores`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = "priority"))]
     pub policy: Option<CorePolicy>,
-    /// What the model follows when no scenario says it: the `servers` that run on robots (the default), or
+    /// Semantics of the model, if no scenario sets them: the `servers` that run on robots (the default), or
     /// the `published` formal models.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = "servers"))]
     pub semantics: Option<VerificationSemantics>,
 }
 
-/// What the timed model follows.
+/// Semantics of the timed model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum VerificationSemantics {
@@ -262,11 +261,11 @@ impl Verification {
 #[derive(Debug, Clone, PartialEq, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case", default)]
 pub struct Timing {
-    /// Number of processor cores of the robot; without it the load is not compared with anything.
+    /// Number of processor cores of the robot. Without a number, the load is not compared with anything.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cores: Option<u32>,
-    /// Report codels without execution time even in components without any (otherwise only once
-    /// a component has some).
+    /// Report codels without an execution time in all components. By default they are reported only in
+    /// components in which another codel has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = false))]
     pub require_wcet: Option<bool>,
@@ -311,16 +310,16 @@ impl Timing {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case", default)]
 pub struct Format {
-    /// White space of one level: a number of blanks, or `"tab"`. Without it: what `.editorconfig`
-    /// says, else what the file has, else what the editor is set to.
+    /// Indentation of one level: a number of blanks, or `"tab"`. The default is taken from `.editorconfig`,
+    /// else from the file, else from the editor.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<FormatUnit>,
     /// Columns that a line should not exceed; 80 by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 80))]
     pub width: Option<u16>,
-    /// What becomes of words that stand in a column with those of the lines around: `keep` (the
-    /// default) leaves them in it, `none` leaves one blank.
+    /// Words that are aligned in a column with words of neighbouring lines: `keep` (the default) keeps the
+    /// column, `none` leaves one blank.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = "keep"))]
     pub align: Option<FormatAlign>,
@@ -330,9 +329,9 @@ pub struct Format {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum FormatUnit {
-    /// So many blanks.
+    /// A number of blanks.
     Blanks(u8),
-    /// One tabulator.
+    /// One tab.
     Word(Tabulator),
 }
 
@@ -385,8 +384,8 @@ pub struct Codels {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = ["c", "cc", "cpp", "cxx"]))]
     pub extensions: Option<Vec<String>>,
-    /// Read only the sources that the `Makefile.am` of the folder lists, if it lists any that are
-    /// there; on by default.
+    /// Read only the sources that the `Makefile.am` of the folder lists, if any of them exists; on by
+    /// default.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = true))]
     pub makefile: Option<bool>,

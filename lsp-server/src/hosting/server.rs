@@ -427,7 +427,7 @@ fn call(
         ));
     };
     let Some(wanted) = known.services[index] else {
-        return Err(format!("nobody can ask for `{path}` in this run"));
+        return Err(format!("`{path}` cannot be requested in this run"));
     };
     let none = Map::new();
     let given = match input {

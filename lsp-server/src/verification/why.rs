@@ -133,7 +133,11 @@ impl Why {
         let task = own_name(&it.task);
         let time = scale.show(it.time);
         let what = match (it.awaited, &it.through[..]) {
-            (None, _) => return format!("`{task}` waits for nobody: its own codels take so long"),
+            (None, _) => {
+                return format!(
+                    "`{task}` is never blocked: its own codels take longer than the limit"
+                );
+            }
             (Some(Awaited::Core), _) => "a core".to_owned(),
             (Some(Awaited::Lock), []) => "a lock".to_owned(),
             (Some(Awaited::Lock), all) => all.join(" and "),

@@ -58,7 +58,9 @@ impl Rule {
             Rule::Preempt | Rule::Ready => "the operating system gives cores by the policy",
             Rule::Pass => "a task begins a pass when it is runnable",
             Rule::Ticket => "a codel takes a ticket when its turn has come",
-            Rule::Locks => "a codel gets its locks when nobody has them, in the order of the queue",
+            Rule::Locks => {
+                "a codel gets its locks when no other codel has them, in the order of the queue"
+            }
             Rule::End => "a codel ends within its time, with one of its yields",
             Rule::Delay => "a delay ends within its time",
             Rule::Wake => "a task wakes the others of its component when a pass ends",
@@ -185,7 +187,7 @@ impl Step {
             Rule::Signal => format!("the control task of `{of}` handles what has ended"),
             Rule::Shut => format!("`{of}` gets on with its end"),
             Rule::Proceed => format!("client `{of}` goes on"),
-            Rule::Abort => format!("somebody outside interrupts `{of}`"),
+            Rule::Abort => format!("a request from outside interrupts `{of}`"),
         }
     }
 }

@@ -5,7 +5,7 @@ use super::{Code, error, hint, ours, warning};
 pub(super) const CODES: &[Code] = &[
     error(
         "pp-include-not-found",
-        "An included file is in none of the searched places.",
+        "An included file is not in any directory of the search path.",
         "The types and interfaces of the file are unknown, so everything that uses them is unknown \
          too.",
         "Correct the name, add the directory with `-I` or `include-paths` in `dotgen.toml`, or require \
@@ -17,15 +17,15 @@ pub(super) const CODES: &[Code] = &[
     error(
         "pp-include-bad",
         "`#include` has no file name, or something follows the name.",
-        "Only one name in `\"…\"` or `<…>`, or a macro that yields one, can be included.",
-        "Put the name in quotes, and nothing after it.",
+        "`#include` takes exactly one file name, in `\"…\"` or `<…>`, or a macro that expands to one.",
+        "Write one file name in quotes, and remove the rest of the line.",
         "#include nowhere.idl\n",
         "#include \"node.idl\"\n",
     ),
     error(
         "pp-include-depth",
-        "More than 100 files are open at the same time.",
-        "A file includes itself, directly or through others, without an end.",
+        "Includes are nested more than 100 deep.",
+        "Usually a file includes itself, directly or through other files, without an end.",
         "Put an include guard around the file: `#ifndef`, `#define`, `#endif`. `#pragma once` has no \
          effect.",
         "// in self.gen\n#include \"self.gen\"\n",
@@ -34,7 +34,7 @@ pub(super) const CODES: &[Code] = &[
     error(
         "pp-define-bad",
         "A `#define` is malformed.",
-        "Without a name and a complete parameter list, nothing can be replaced.",
+        "A macro needs a name. If it has parameters, the list of parameters has to be complete.",
         "Write `#define NAME text` or `#define NAME(a, b) text`, with the `(` directly after the name. \
          `##` cannot be first or last in the text.",
         "#define 3\n",
@@ -76,15 +76,15 @@ pub(super) const CODES: &[Code] = &[
     error(
         "pp-undef-bad",
         "`#undef` has no name.",
-        "Nothing says which macro to forget.",
-        "Write the name of the macro.",
+        "`#undef` removes the definition of one macro, so it needs the name of that macro.",
+        "Write the name of the macro, or remove the line.",
         "#undef 3\n",
         "#undef THREE\n",
     ),
     error(
         "pp-line-bad",
         "`#line` is not followed by a number.",
-        "The directive gives a line number and, if wanted, a file name in quotes.",
+        "`#line` takes a line number and, optionally, a file name in quotes.",
         "Write `#line 10 \"file.gen\"`, or remove the directive: dotgen always reports the real \
          positions.",
         "#line \"x\"\n",
@@ -93,8 +93,7 @@ pub(super) const CODES: &[Code] = &[
     error(
         "pp-macro-args",
         "A macro is called with the wrong number of arguments.",
-        "A parameter would have no text, or an argument no parameter. A comma outside parentheses \
-         separates arguments.",
+        "Each parameter needs one argument. A comma outside parentheses separates two arguments.",
         "Give as many arguments as the macro has parameters. Put an argument that contains a comma in \
          parentheses.",
         "#define F(x, y) x\nconst long a = F(1);\n",
@@ -111,9 +110,9 @@ pub(super) const CODES: &[Code] = &[
     error(
         "pp-macro-limit",
         "The expansion of a macro is too large or too deep.",
-        "Macros that use each other several times grow exponentially. The limit keeps the reader from \
-         running out of memory.",
-        "Write the text with fewer nested macros.",
+        "Macros that use each other several times grow exponentially. The limit keeps dotgen from running \
+         out of memory.",
+        "Nest fewer macros, or write the text without macros.",
         "// a macro that doubles itself, many times over\n",
         "",
     ),
@@ -129,24 +128,23 @@ pub(super) const CODES: &[Code] = &[
     error(
         "pp-pragma-bad",
         "`#pragma` has nothing after it.",
-        "A pragma is known by its first word.",
+        "The first word after `#pragma` selects the pragma.",
         "Write the pragma, such as `#pragma requires \"package\"`, or remove the line.",
         "#pragma\n",
         "#pragma requires \"demo-idl\"\n",
     ),
     error(
         "pp-pragma-operator",
-        "The argument of `_Pragma` is not one string.",
-        "The content of the string becomes a `#pragma` line.",
-        "Put the pragma in quotes, with `\\\"` for the quotes in it.",
+        "The argument of `_Pragma` is not a single string.",
+        "`_Pragma` turns the content of one string into a `#pragma` line.",
+        "Put the pragma in quotes, and write `\\\"` for each quote inside.",
         "_Pragma(requires)\n",
         "_Pragma(\"requires \\\"demo-idl\\\"\")\n",
     ),
     error(
         "pp-requires-empty",
         "`#pragma requires` names no package.",
-        "The pragma makes the files of a package available. Without a name there is nothing to look \
-         for.",
+        "The pragma makes the files of a package available, so it needs the name of a package.",
         "Write the name of the package, or remove the line.",
         "#pragma requires\n",
         "#pragma requires \"demo-idl\"\n",
@@ -170,43 +168,42 @@ pub(super) const CODES: &[Code] = &[
     ),
     hint(
         "pp-requires-own",
-        "A package is not installed, and its interfaces come with dotgen.",
-        "The specification is checked with dotgen's own definitions of these interfaces. GenoM3 itself \
-         needs the package.",
-        "Install the package to work with its files. For a file that is not found in dotgen's definitions, \
-         `dotgen deps` says what to install.",
+        "A package is not installed, so dotgen uses its own definitions of the interfaces.",
+        "The check uses dotgen's definitions, but GenoM3 itself needs the package.",
+        "Install the package to work with its files. If a file is missing from dotgen's definitions, `dotgen \
+         deps` names the package to install.",
         "#pragma requires \"openrobots2-idl\"\n",
         "",
     ),
     error(
         "pp-cond-unterminated",
         "A conditional is still open at the end of the file.",
-        "Until the group is closed, nothing says which lines belong to it. A conditional has to end in \
-         the file in which it begins.",
+        "A conditional must end in the file in which it begins. Without an `#endif`, all lines to the end of \
+         the file depend on the condition.",
         "Add the missing `#endif`.",
         "#if 1\n",
         "#if 1\n#endif\n",
     ),
     error(
         "pp-else-without-if",
-        "`#else` stands outside a conditional.",
-        "No `#if` is open that it could be the other part of. Its `#endif` may stand too early.",
+        "`#else` has no `#if` before it.",
+        "No conditional is open at this place. An `#endif` above may come too early.",
         "Add the missing `#if`, or remove the `#else`.",
         "#else\n",
         "#if 1\n#else\n#endif\n",
     ),
     error(
         "pp-elif-without-if",
-        "`#elif` stands outside a conditional.",
-        "No `#if` is open that it could continue. Its `#endif` may stand too early.",
+        "`#elif` has no `#if` before it.",
+        "No conditional is open at this place. An `#endif` above may come too early.",
         "Write `#if`, or remove the line.",
         "#elif 1\n",
         "#if 1\n#endif\n",
     ),
     error(
         "pp-endif-without-if",
-        "`#endif` stands outside a conditional.",
-        "No `#if` is open that it could close. There may be one `#endif` too many above.",
+        "`#endif` has no `#if` before it.",
+        "No conditional is open at this place. There may be one `#endif` too many above.",
         "Add the missing `#if`, or remove the `#endif`.",
         "#endif\n",
         "#if 1\n#endif\n",
@@ -214,40 +211,40 @@ pub(super) const CODES: &[Code] = &[
     error(
         "pp-else-twice",
         "A conditional has a second `#else`.",
-        "Nothing says when the lines after it count.",
-        "Use `#elif` for the first of the two, or remove one.",
+        "The lines after the second `#else` have no condition that could select them.",
+        "Write `#elif` with a condition instead of the first `#else`, or remove one of the two.",
         "#if 1\n#else\n#else\n#endif\n",
         "#if 1\n#elif 0\n#else\n#endif\n",
     ),
     error(
         "pp-extra-tokens",
-        "Something follows the name of `#ifdef`, `#ifndef` or `#undef`.",
-        "These directives test or remove one name; the rest would have no effect.",
-        "Remove the rest, or write the condition with `#if defined(A) && defined(B)`.",
+        "`#ifdef`, `#ifndef` or `#undef` has extra text after the name.",
+        "These directives test or remove one name. The extra text would have no effect.",
+        "Remove the extra text, or write the condition with `#if defined(A) && defined(B)`.",
         "#ifdef A B\n#endif\n",
         "#if defined(A) && defined(B)\n#endif\n",
     ),
     warning(
         "pp-extra-tokens-tail",
-        "Something follows `#else` or `#endif`.",
-        "The rest of the line is ignored. It may be a condition that was meant for `#elif`.",
+        "`#else` or `#endif` has extra text after it.",
+        "The extra text is ignored. It may be a condition that was meant for `#elif`.",
         "Put the name in a comment (`#endif // FOO`), or use `#elif`.",
         "#if 1\n#endif FOO\n",
         "#if 1\n#endif // FOO\n",
     ),
     warning(
         "pp-no-newline",
-        "The file ends on an `#else` or `#endif` without a line end.",
+        "The file ends with `#else` or `#endif`, without a line end.",
         "`genom3` warns about `#else` and `#endif` at the very end, and misreads other directives \
          there.",
-        "Add a line end.",
+        "Add a line end at the end of the file.",
         "#if 1\n#endif",
         "#if 1\n#endif\n",
     ),
     error(
         "pp-ifdef-bad",
         "`#ifdef` or `#ifndef` has no name.",
-        "The directive asks whether a macro is defined, so it needs the name of one.",
+        "The directive tests whether a macro is defined, so it needs the name of that macro.",
         "Write the name of a macro, or use `#if` for an expression.",
         "#ifdef 3\n#endif\n",
         "#if 3\n#endif\n",
@@ -255,7 +252,7 @@ pub(super) const CODES: &[Code] = &[
     error(
         "pp-if-syntax",
         "The condition of an `#if` or `#elif` is not an expression.",
-        "The condition has to give a number. A name that is not a macro counts as 0 and cannot be \
+        "The condition must evaluate to a number. A name that is not a macro counts as 0 and cannot be \
          called.",
         "Correct the expression. Test whether a macro exists with `defined(NAME)`.",
         "#if foo(3)\n#endif\n",
@@ -271,8 +268,8 @@ pub(super) const CODES: &[Code] = &[
     ),
     error(
         "pp-if-operator",
-        "`++` or `--` stands in a condition.",
-        "A condition has no variables that could be counted up.",
+        "A condition contains `++` or `--`.",
+        "These operators change a variable, and a condition has no variables.",
         "Write `+ 1` or `- 1`.",
         "#if ++1\n#endif\n",
         "#if 1 + 1\n#endif\n",
@@ -288,8 +285,7 @@ pub(super) const CODES: &[Code] = &[
     error(
         "pp-error-directive",
         "An `#error` directive is reached.",
-        "The author of the file wants it to fail in this configuration. The text after `#error` gives \
-         the reason.",
+        "The author of the file excludes this configuration. The text after `#error` gives the reason.",
         "Define the macros that the surrounding conditional expects (`-D NAME`, or `defines` in \
          `dotgen.toml`), or remove the directive.",
         "#error \"stop\"\n",
@@ -298,16 +294,16 @@ pub(super) const CODES: &[Code] = &[
     warning(
         "pp-warning-directive",
         "A `#warning` directive is reached.",
-        "The author of the file wants to be heard in this configuration. The text after `#warning` \
-         gives the reason.",
-        "Follow the text. Remove the directive when it no longer applies.",
+        "The author of the file warns about this configuration. The text after `#warning` gives the reason.",
+        "Follow the advice in the text. Remove the directive when it no longer applies.",
         "#warning careful\n",
         "",
     ),
     error(
         "pp-input",
         "A file cannot be read.",
-        "It does not exist, is a directory, or may not be read. Nothing in it is checked.",
+        "The file does not exist, is a directory, or dotgen has no permission to read it. Nothing in the \
+         file is checked.",
         "Correct the path or the permissions.",
         "// dotgen check nowhere.gen\n",
         "",
@@ -323,10 +319,10 @@ pub(super) const CODES: &[Code] = &[
     )),
     ours(error(
         "pp-misspelt-directive",
-        "The word of a directive or pragma is misspelt.",
+        "The name of a directive or pragma is misspelt.",
         "GenoM3 ignores a directive or pragma that it does not know, without a message: a file is not included, a \
          package not required, a macro not defined.",
-        "Correct the word. The directive is read as the one that was meant.",
+        "Correct the spelling. Until then, dotgen reads the directive as the one with the most similar name.",
         "#defnie AXES 2\nconst long axes = AXES;\n",
         "#define AXES 2\nconst long axes = AXES;\n",
     )),
@@ -340,18 +336,17 @@ pub(super) const CODES: &[Code] = &[
     )),
     ours(hint(
         "inactive-code",
-        "A conditional leaves out this text.",
-        "Nothing in it is checked, and no component gets it. Editors fade it.",
-        "Nothing, if it is intended. Otherwise define the macro that the condition tests (`-D NAME`, \
-         or `defines` in `dotgen.toml`).",
+        "A conditional excludes this text.",
+        "The excluded text is not checked and belongs to no component. Editors fade it.",
+        "If the text is excluded on purpose, nothing. Otherwise define the macro that the condition tests \
+         (`-D NAME`, or `defines` in `dotgen.toml`).",
         "#if 0\nconst long a = 1;\n#endif\n",
         "#if 1\nconst long a = 1;\n#endif\n",
     )),
     ours(warning(
         "not-utf8",
-        "A file is not UTF-8.",
-        "Accents in its comments and strings come out wrong in editors, generated code and \
-         documentation.",
+        "A file is not encoded in UTF-8.",
+        "Accents in its comments and strings are shown wrong in editors, generated code and documentation.",
         "Save the file as UTF-8.",
         "// a Latin-1 accent\n",
         "",

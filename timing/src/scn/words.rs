@@ -1,10 +1,10 @@
-//! The words of the language and what they mean: for hovers and completion. `docs/verification.md` says
+//! The words of the language and their meanings, for hovers and completion. `docs/verification.md` says
 //! the same at length.
 
-/// A word, and what it means.
+/// A word and its meaning.
 pub(super) struct Word {
     pub(super) word: &'static str,
-    /// How it is written.
+    /// The form in which the word is written.
     pub(super) form: &'static str,
     pub(super) meaning: &'static str,
 }
@@ -26,7 +26,7 @@ const WORDS: &[Word] = &[
     word(
         "scenario",
         "scenario NAME { … }",
-        "What is verified, on which platform, with which clients.",
+        "The specifications, the platform, the clients and the checks of a verification.",
     ),
     word(
         "use",
@@ -41,19 +41,20 @@ const WORDS: &[Word] = &[
     word(
         "cores",
         "cores 4;  cores free;",
-        "Number of cores; `free` (default): as many as there are tasks.",
+        "Number of cores. `free` (default): one core per task.",
     ),
     word(
         "semantics",
         "semantics servers;  semantics published;",
-        "What the model follows: the servers that run on robots (default), or the published formal models.",
+        "Rules of the model: the servers that run on robots (default), or the published formal models.",
     ),
     word(
         "policy",
         "policy priority;  fair;  fifo;  edf;  any;",
-        "Who gets a core. Preempting others: the ready tasks of highest priority (default), or any ready tasks. To the end \
-         of the cycle: the task that waits longest (default with `semantics published`), the one with the earliest \
-         deadline, or any.",
+        "Order in which tasks get a core. With preemption: the ready tasks of highest priority (`priority`, \
+         default), or any ready tasks (`fair`). Without preemption, to the end of the cycle: the task that \
+         waits longest (`fifo`, default with `semantics published`), the task with the earliest deadline \
+         (`edf`), or any (`any`).",
     ),
     word(
         "affinity",
@@ -63,13 +64,13 @@ const WORDS: &[Word] = &[
     word(
         "ticks",
         "ticks component;  ticks task;",
-        "Where ticks come from: one clock per component, from its start, or one timer per task, from the \
-            start of the task.",
+        "Source of ticks: one clock per component, from its start, or one timer per task, from the start of \
+         the task.",
     ),
     word(
         "turns",
         "turns codel;  turns pause;",
-        "How automata of one task take turns: after each codel, or when one pauses or ends.",
+        "Order of the activities of one task: the next one after each codel, or when one pauses or ends.",
     ),
     word(
         "ports",
@@ -80,71 +81,72 @@ const WORDS: &[Word] = &[
     word(
         "pause",
         "pause events;  pause turns;",
-        "What resumes a paused automaton of an aperiodic task: an internal event, or the next cycle.",
+        "Event that resumes a paused activity of an aperiodic task: an internal event, or the next cycle.",
     ),
     word(
         "exceptions",
         "exceptions on;  exceptions off component.service;",
-        "Whether codels whose service or task declares exceptions may throw one.",
+        "`on`: codels whose service or task declares exceptions may throw one. `off`: they do not.",
     ),
     word(
         "order",
         "order on;  order off;",
-        "Whether requests are refused that come against `before` and `after`.",
+        "`on`: requests that violate `before` and `after` are refused. `off`: both are ignored.",
     ),
     word(
         "durations",
         "durations interval;  fixed;  open;",
-        "How long codels take: from 0 to their `wcet` (default), always their `wcet`, or more than 0.",
+        "Execution times of codels: from 0 to their `wcet` (default), always their `wcet`, or more than 0.",
     ),
     word(
         "duration",
         "duration component.task.state [1,3] ms;",
-        "How long one codel takes; `*` for no upper bound.",
+        "Execution time of one codel; `*` for no upper bound.",
     ),
     word(
         "loop",
         "loop once component.task;",
-        "How often one turn may enter the same state: `once`, a number, or `free` (default).",
+        "Number of times that one turn may enter the same state: `once`, a number, or `free` (default).",
     ),
     word(
         "idle",
         "idle keep component.task;",
-        "What becomes of a tick with nothing to do: `drop` (default) takes it and a core with it, `keep` \
-            leaves it.",
+        "A tick with nothing to do: `drop` (default) takes the tick and a core with it, `keep` leaves it.",
     ),
     word(
         "locks",
         "locks queue;  locks free;  locks fifo;",
-        "Which of several waiting codels begins: in one queue per component whoever came first, so that everybody waits \
-         behind the head; any; or the first of those that exclude each other.",
+        "Order of waiting codels. `queue` (default): one queue per component, first come, first served; all \
+         codels wait behind the head. `free`: any codel. `fifo`: first come, first served among codels that \
+         exclude each other.",
     ),
     word(
         "async",
         "async held;  async free;",
-        "`async` codels are executed like others (default), or need no core.",
+        "`held` (default): `async` codels are executed like others. `free`: they need no core.",
     ),
     word(
         "aperiodic",
         "aperiodic core;  aperiodic free;",
-        "Aperiodic tasks need a core (default), or not.",
+        "`core` (default): aperiodic tasks need a core. `free`: they need none.",
     ),
     word(
         "connect",
         "connect INPUT to OUTPUT;  to none;  (of a client:) connect component;",
-        "What an input port reads; without it ports of equal name are connected. As a step of a client: asks the component \
-         to connect a port or a remote service, which waits at the head of its lock queue until no task executes a codel.",
+        "The output that an input port reads; otherwise ports of equal name are connected. As a step of a \
+         client: asks the component to connect a port or a remote service. The component waits at the head \
+         of its lock queue until no task executes a codel.",
     ),
     word(
         "slots",
         "slots component.task 3;  slots component.activity 3;",
-        "How many activities a task can have at the same time, its permanent one included (default 16); with \
-         `semantics published`, how many instances of an activity there may be (default 2).",
+        "Number of activities that a task can have at the same time, its permanent one included (default \
+         16). With `semantics published`: number of instances that an activity can have (default 2).",
     ),
     word(
         "client",
         "client NAME { … }",
-        "Who sends requests. Without a client nothing is requested.",
+        "A client that sends requests. Without a client nothing is requested.",
     ),
     word("check", "check [NAME:] …;", "A property to verify."),
     word(
@@ -160,14 +162,14 @@ const WORDS: &[Word] = &[
     word(
         "response",
         "check response TASK <= 5 ms;",
-        "The time from release to the end of the job, at most this long; without a bound the least one is \
-            computed.",
+        "The time from release to the end of the job is at most this long. Without a bound, the least bound \
+         is computed.",
     ),
     word(
         "within",
         "check within P => Q [then R] <= 5 ms;",
-        "Whenever P becomes true, Q is true then or later, and with `then` R is true at that moment or later: the last of \
-         them at most that much after P.",
+        "Whenever P becomes true, Q is true then or later. With `then`, R is true at that moment or later. \
+         The last of them is at most that long after P.",
     ),
     word(
         "reaction",
@@ -178,13 +180,13 @@ const WORDS: &[Word] = &[
     word(
         "age",
         "check age component.port -> component.port [via PATH, …] <= 20 ms;",
-        "The longest time since the first datum was written that the last one depends on, while that is \
-            visible.",
+        "The longest time since the write of the first datum on which the visible last datum depends.",
     ),
     word(
         "via",
         "check reaction A -> B via component.task.state, component.port;",
-        "Of a component that is named here only these codels carry the data, or only these ports.",
+        "Of each component that is named here, only these codels carry the data, or only codels that write \
+         these ports.",
     ),
     word(
         "leadsto",
@@ -211,47 +213,47 @@ const WORDS: &[Word] = &[
     word(
         "await",
         "await accepted;  await ended component.activity;  await ended ok;",
-        "Waits until the last request has been answered, or until an activity has ended (`ok`: and has succeeded; `failed`: \
-         and has not).",
+        "Waits until the last request is answered, or until an activity has ended (`ok`: and has succeeded; \
+         `failed`: and has not).",
     ),
     word(
         "ok",
         "await ended ok component.activity;",
-        "The request has succeeded: it has ended without exception, and was not cut for want of a `stop` \
-            codel.",
+        "The request has succeeded: it has ended without an exception and was not interrupted without a \
+         `stop` codel.",
     ),
     word(
         "failed",
         "await ended failed component.activity;",
-        "The request was refused, has ended by an exception, or was cut for want of a `stop` codel.",
+        "The request was refused, has ended by an exception, or was interrupted without a `stop` codel.",
     ),
     word(
         "abort",
         "abort component.activity;  abort LABEL;",
-        "Asks the component to interrupt one instance: of this activity, the last one of this client that was accepted, or \
-         the last one sent at the step with the label.",
+        "Asks the component to interrupt one instance: the last accepted one of this activity and this \
+         client, or the last one sent at the step with the label.",
     ),
     word(
         "kill",
         "kill component;",
-        "Asks the component to end: activities are interrupted task by task, then the permanent ones in reverse order, \
-         through their `stop` codels; then the tasks end.",
+        "Asks the component to end. Its activities are interrupted task by task, then its permanent ones in \
+         reverse order, through their `stop` codels. Then its tasks end.",
     ),
     word("delay", "delay [1,2] ms;", "Waits; `[0,*]`: for any time."),
     word(
         "repeat",
         "repeat 3 { … }  repeat * { … }",
-        "Does it so many times; `*`: for ever.",
+        "Executes the steps this many times; `*`: for ever.",
     ),
     word(
         "choice",
         "choice { … } or { … }",
-        "Does one of them; all are explored.",
+        "Executes one of the branches; all are explored.",
     ),
     word(
         "then",
         "check within P => Q then R <= 5 ms;",
-        "What follows next: true when the one before it is, or later.",
+        "The next predicate: it is true when the one before it is, or later.",
     ),
     word(
         "leave",

@@ -12,14 +12,14 @@ pub(super) const CODES: &[Code] = &[
     ours(warning(
         "size-too-large",
         "The size of an array, or the bound of a string or sequence, is above 2147483647.",
-        "`genom3` reads sizes as numbers of 32 bits with a sign and refuses larger ones.",
+        "`genom3` reads sizes as signed 32-bit integers and refuses larger ones.",
         "Write a smaller size. Leave the bound out for a sequence or string of any length.",
     )),
     ours(warning(
         "not-a-type",
         "A constant, enumerator, state, port or remote service is used as a type.",
-        "`genom3` accepts this without an error, because all of these names share one scope, but the \
-         name denotes no type that could be generated.",
+        "`genom3` accepts this without an error, because all of these names share one scope. But no code can \
+         be generated for such a type.",
         "Use a type. For an array of a constant size write `typedef long numbers[size];`.",
     )),
     ours(warning(
@@ -32,14 +32,14 @@ pub(super) const CODES: &[Code] = &[
     ours(warning(
         "period-zero",
         "The period of a task is zero.",
-        "Such a task is not periodic, although it looks periodic. Its load and response times cannot \
-         be computed.",
-        "Write the period. For a task that only runs on events, leave `period` out.",
+        "Such a task is not periodic, although the text suggests it. Its load and response times cannot be \
+         computed.",
+        "Write the intended period. For a task that only runs on events, leave out `period`.",
     )),
     ours(warning(
         "string-too-long",
         "A string constant is longer than the bound of its type.",
-        "`genom3` does not compare the two. A variable of the type has no room for the whole string.",
+        "A variable of the type has no room for the whole string. `genom3` does not check this.",
         "Shorten the string, or raise the bound.",
     )),
     ours(warning(
@@ -65,16 +65,15 @@ pub(super) const CODES: &[Code] = &[
     )),
     ours(hint(
         "newer-release",
-        "Only newer releases of GenoM3 accept this, and the specification claims to work with older \
-         ones.",
+        "Only newer releases of GenoM3 accept this, but the specification allows older ones.",
         "An older release that the requirements allow rejects the component.",
-        "Require the release: `requires \"genom3 >= 2.99.41\";`. Or write it in a form that older \
-         releases accept; `docs/releases.md` lists the differences.",
+        "Require the release: `requires \"genom3 >= 2.99.41\";`. Or use a form that older releases accept: \
+         `docs/releases.md` lists the differences.",
     )),
     ours(warning(
         "inout-input-port",
         "An input port is passed as `inout`.",
-        "`genom3` accepts this, but what the codel writes to an input port reaches no other component.",
+        "`genom3` accepts this, but data that the codel writes to an input port reach no other component.",
         "Write `in`, or declare the port as `port out`.",
     )),
     ours(warning(
@@ -88,14 +87,13 @@ pub(super) const CODES: &[Code] = &[
         "ether-codel",
         "A codel implements the state `ether`.",
         "`ether` ends the machine. The codel is accepted, but nothing runs after the end.",
-        "Name the state otherwise and let it yield `ether`, or remove the codel.",
+        "Rename the state and let its codel yield `ether`, or remove the codel.",
     )),
     ours(warning(
         "lists-itself",
-        "A service is `before` or `after` itself.",
+        "A service names itself in `before` or `after`.",
         "The order cannot be kept: the service would have to have run before its first run.",
-        "Remove the name, or write the service that was meant. `interrupts` may name the service \
-         itself.",
+        "Remove the name, or write the intended service. `interrupts` may name the service itself.",
     )),
     ours(warning(
         "unused-task",

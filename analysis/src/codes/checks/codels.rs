@@ -13,25 +13,25 @@ pub(super) const CODES: &[Code] = &[
     error(
         "param-special",
         "A parameter or local variable of a service has a port, a remote or a state as its type.",
-        "These names are no data types, although they are found where types are looked up.",
-        "Use the data type of the port. A codel that needs the port itself names it among its own \
-         parameters.",
+        "Ports, remotes and states are not data types, although they share a scope with types.",
+        "Use the data type of the port. If a codel needs the port itself, name the port among the parameters \
+         of the codel.",
     ),
     error(
         "param-no-ids",
         "A parameter refers to the ids of a component that has none.",
-        "Attributes, and codel parameters without another match, are members of the ids.",
+        "Parameters of attributes are members of the ids. So are codel parameters that match nothing else.",
         "Add the member to an `ids { … };` above, or name a parameter of the service with `local`.",
     ),
     error(
         "param-unknown-local",
-        "`local` names no parameter or local variable of the service.",
-        "The codel gets the argument from the request, where there is nothing of that name.",
+        "`local` does not name a parameter or local variable of the service.",
+        "With `local`, the codel gets the argument from the request. The request has nothing of that name.",
         "Correct the spelling, or declare the parameter or variable before the codel.",
     ),
     error(
         "param-unknown-port",
-        "`port` names no port of the component.",
+        "`port` does not name a port of the component.",
         "The codel would have nothing to read or write.",
         "Correct the spelling, or declare the port in the component or in an interface that it \
          provides.",
@@ -51,7 +51,7 @@ pub(super) const CODES: &[Code] = &[
     ),
     error(
         "param-unknown-remote",
-        "`remote` names no remote service.",
+        "`remote` does not name a remote service.",
         "A component can call only the services of the interfaces that it `uses`.",
         "Correct the spelling, or add `uses` with the interface that has the service.",
     ),
@@ -64,14 +64,14 @@ pub(super) const CODES: &[Code] = &[
     ),
     error(
         "param-remote-direction",
-        "A remote service is passed with another direction than `in`.",
+        "A remote service is passed with a direction other than `in`.",
         "The codel gets a handle to call the service. It cannot change the handle.",
         "Write `remote in`.",
     ),
     error(
         "param-ambiguous",
         "A parameter without `local`, `port`, `remote` or `ids` names several things in the component.",
-        "Which data the codel gets would depend on a guess. In an attribute, the parameter and the \
+        "The name alone does not select the data that the codel gets. In an attribute, the parameter and the \
          member of the ids always have the same name.",
         "Write the source in front: `local in x` is the parameter of the request, `ids in x` the \
          member of the ids.",
@@ -86,14 +86,16 @@ pub(super) const CODES: &[Code] = &[
     ),
     error(
         "param-unnamed",
-        "`::name` is used with another source than the ids.",
-        "`::name` passes the whole ids under a name. Locals, ports and remotes have no whole.",
+        "`::name` is used with a source other than the ids.",
+        "`::name` passes all ids together under one name. Locals, ports and remotes cannot be passed \
+         together.",
         "Write the name of the parameter, port or remote without `::`.",
     ),
     error(
         "param-member",
         "A parameter names a member that does not exist.",
-        "The path has to lead through members of the types, from the ids or the parameter on.",
+        "Each part of the path must be a member of the type before it. The path starts at the ids or at the \
+         parameter.",
         "Correct the spelling, or add the member to the type.",
     ),
     error(
@@ -105,7 +107,7 @@ pub(super) const CODES: &[Code] = &[
     error(
         "param-bounds",
         "An index is not less than the length of the array or bounded sequence.",
-        "The codel would read or write memory behind the data. Indexes begin at 0.",
+        "The codel would read or write memory outside the data. Indexes begin at 0.",
         "Correct the index, or make the array or the bound larger.",
     ),
     error(
@@ -119,14 +121,13 @@ pub(super) const CODES: &[Code] = &[
         "codel-conflict",
         "A codel is used elsewhere in the specification with other parameters.",
         "A codel is one function. It cannot have two signatures, even in two components.",
-        "Give one of the two another name, or pass both the same types in the same order and \
-         directions.",
+        "Rename one of the two, or pass both the same types in the same order and directions.",
     ),
     error(
         "fsm/paused-trigger",
         "A codel implements a paused state.",
-        "`pause::x` says how to go to the state `x`, namely after a pause. The state that runs then is \
-         `x`.",
+        "`pause::x` is a transition: the machine pauses and then enters the state `x`. A codel implements \
+         the state, not the transition.",
         "Write `<x>` here, and `pause::x` in the `yields` list that leads to it.",
     ),
     error(
@@ -137,9 +138,9 @@ pub(super) const CODES: &[Code] = &[
     ),
     error(
         "fsm/duplicate-yield",
-        "The same state stands twice in one list.",
-        "The repetition has no effect. Another state was probably meant.",
-        "Remove the repetition. `x` and `pause::x` are different in a `yields` list.",
+        "A list contains the same state twice.",
+        "The second name has no effect. Another state was probably meant.",
+        "Remove the repetition. In a `yields` list, `x` and `pause::x` are different.",
     ),
     error(
         "fsm/paused-ether",
@@ -166,7 +167,7 @@ pub(super) const CODES: &[Code] = &[
         "A codel yields an exception that its task or service does not throw.",
         "A `yields` list names states. An exception in it would be taken as a state that no codel \
          implements, and clients would not expect it.",
-        "Remove it from the `yields` list, and add it to the `throws` of the task or service.",
+        "Remove the exception from the `yields` list, and add it to the `throws` of the task or service.",
     ),
     error(
         "fsm/unreachable-state",
@@ -186,8 +187,8 @@ pub(super) const CODES: &[Code] = &[
         "An `async` codel shares data with a codel that may run at the same time.",
         "An `async` codel runs outside the locks of its task, so both can access the data at once and \
          read half-written values.",
-        "Let the `async` codel work on `local` variables and copy them in a codel before and after, or \
-         share only what both read.",
+        "Let the `async` codel work on `local` variables and copy them in a codel before and after, or share \
+         only data that both codels read.",
     ),
     error(
         "async/shared-attribute",

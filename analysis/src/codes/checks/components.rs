@@ -5,44 +5,43 @@ use super::{Code, error, warning};
 pub(super) const CODES: &[Code] = &[
     error(
         "prop-not-in-component",
-        "A property stands in a component or interface that cannot have it.",
+        "A component or interface has a property that is not allowed there.",
         "Periods and priorities belong to tasks; `interrupts`, `before`, `after` and codels belong to \
          services or tasks.",
-        "Move the property into the task or service that it is about. The rate of a component is its \
-         `clock-rate`.",
+        "Move the property to its task or service. The rate of a component is its `clock-rate`.",
     ),
     error(
         "prop-not-in-task",
-        "A property stands in a task or port that cannot have it.",
+        "A task or port has a property that is not allowed there.",
         "A task takes `period`, `delay`, `priority`, `scheduling`, `stack`, `doc`, `throws` and \
          codels. A port takes only `doc`.",
-        "Move the property to the component or service that it is about.",
+        "Move the property to its component or service.",
     ),
     error(
         "prop-not-in-service",
-        "A property stands in a service that cannot have it.",
+        "A service has a property that is not allowed there.",
         "Periods, priorities and stacks belong to the task that runs the service; versions, languages \
          and interfaces belong to the component.",
         "Move the property to the task or the component.",
     ),
     error(
         "prop-duplicate",
-        "A property that does not merge is given twice.",
-        "`doc`, `requires`, `throws` and similar lists add up. Of the other properties each component, \
-         task or service has one. The second one can come from an interface or from a component that \
-         is reopened.",
+        "A property that may occur only once is given twice.",
+        "Lists such as `doc`, `requires` and `throws` are merged. Any other property may occur once in a \
+         component, task or service. The second one can come from an interface or from a component that is \
+         reopened.",
         "Keep one of the two. A codel and a `validate` codel of one service need different names.",
     ),
     warning(
         "list-duplicate-string",
-        "The same string stands twice in one list.",
-        "The repetition has no effect. Another package was probably meant.",
+        "A list contains the same string twice.",
+        "The second string has no effect. Another package was probably meant.",
         "Remove the repetition.",
     ),
     error(
         "clock-rate-value",
         "A period, delay or clock-rate is negative.",
-        "Time does not run backwards: nothing can be scheduled from such a value.",
+        "Nothing can be scheduled with a negative time.",
         "Write a positive time.",
     ),
     error(
@@ -74,42 +73,43 @@ pub(super) const CODES: &[Code] = &[
     ),
     error(
         "throw-duplicate",
-        "The same exception stands twice in one `throws` list.",
-        "The repetition has no effect. Another exception was probably meant.",
+        "A `throws` list contains the same exception twice.",
+        "The second name has no effect. Another exception was probably meant.",
         "Remove the repetition.",
     ),
     error(
         "port-anonymous",
         "The type of a port has no name.",
-        "Other components read and write the port, so its type must be one that both sides can name.",
+        "Other components read and write the port, so both sides must be able to name its type.",
         "Declare the type with `typedef`, `struct` or `enum`, and use its name.",
     ),
     error(
         "port-native",
         "The type of a port is or contains a native type.",
-        "Only the codels know what is in a native type. The middleware cannot send it to another \
+        "Only the codels know the content of a native type, so the middleware cannot send it to another \
          component.",
         "Publish a struct with plain members, and keep the native type in the ids.",
     ),
     error(
         "redefinition",
-        "A service, remote or port takes the name of another one of the component.",
-        "Parameters name ports, remotes and services without saying which, and clients find them by \
-         name.",
+        "A service, remote or port has the name of another one in the same component.",
+        "Codel parameters and clients refer to services, remotes and ports by name alone, so names must be \
+         unique.",
         "Rename one of the two. For a name that comes with an interface, rename the one in the \
          component.",
     ),
     error(
         "local-outside-service",
-        "Local variables are declared where there can be none.",
+        "Local variables are declared outside a function or activity.",
         "`local` variables live as long as one request of a function or activity. Components, tasks \
          and attributes have no such requests.",
         "Move the variable into the function or activity that uses it, or into the ids.",
     ),
     error(
         "iface-unknown",
-        "`provides`, `uses` or `extends` names an interface that is not declared before.",
-        "The interface is imported as it is at that point of the text.",
+        "`provides`, `uses` or `extends` names an interface that is not declared before it.",
+        "An interface is imported as declared up to that point of the text, so the declaration must come \
+         first.",
         "Correct the spelling, include the file that declares the interface, or move the declaration \
          up.",
     ),
@@ -122,8 +122,8 @@ pub(super) const CODES: &[Code] = &[
     ),
     error(
         "iface-repeated",
-        "The same interface stands twice in one list.",
-        "An interface is imported once. Another one was probably meant.",
+        "A list contains the same interface twice.",
+        "The second name has no effect. Another interface was probably meant.",
         "Remove the repetition.",
     ),
     error(

@@ -6,15 +6,14 @@ pub(super) const CODES: &[Code] = &[
     error(
         "name-clash",
         "The same name is declared twice in one scope.",
-        "A name must denote one thing: with two declarations nothing says which of them a use means.",
+        "A name must denote one thing. With two declarations, every use of the name is ambiguous.",
         "Rename one of the declarations, remove the duplicate, or move one into a module of its own. \
          If a file is included twice, give it an include guard: `#pragma once` has no effect.",
     ),
     error(
         "name-clash-module",
-        "A declaration takes the name of a module or component of the same scope.",
-        "Modules and components are scopes: `arm::x` could not tell the module `arm` from the type \
-         `arm`.",
+        "A declaration has the name of a module or component in the same scope.",
+        "Modules and components are scopes. In `arm::x`, `arm` could be either the module or the type.",
         "Rename the declaration or the module.",
     ),
     error(
@@ -74,15 +73,16 @@ pub(super) const CODES: &[Code] = &[
     ),
     error(
         "union-switch-type",
-        "A union switches on a type that has no labels.",
+        "A union switches on a type whose values cannot be labels.",
         "Each label of a `case` is a constant of the switch type. Only `boolean`, `char`, enums and \
          integers other than `octet` have such constants.",
         "Switch on an enum or an integer type.",
     ),
     error(
         "union-duplicate-label",
-        "Two members of a union have an equal label.",
-        "The label says which member the union holds; the same label on two members leaves that open.",
+        "Two members of a union have the same label.",
+        "The label selects the member that the union holds. If two members share a label, the choice is \
+         ambiguous.",
         "Give each label to one member. Only one member may be the `default`.",
     ),
     warning(

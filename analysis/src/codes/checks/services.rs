@@ -12,7 +12,8 @@ pub(super) const CODES: &[Code] = &[
     error(
         "service-kind-conflict",
         "A service is declared again with another kind.",
-        "A second declaration adds to the first. A service is one of attribute, function and activity.",
+        "A second declaration adds to the first. A service is either an attribute, a function or an \
+         activity.",
         "Use the kind of the first declaration, which can come from an interface, or give the second \
          one another name.",
     ),
@@ -34,8 +35,8 @@ pub(super) const CODES: &[Code] = &[
     error(
         "service-param-extra",
         "A service is declared again with more parameters than before.",
-        "A second declaration adds to the first and repeats its parameters. Clients of the first would \
-         not send the others.",
+        "A second declaration adds to the first and repeats its parameters. Clients that use the first \
+         declaration would not send the extra ones.",
         "Remove the parameter, or add it to the first declaration. Data that only codels need can be \
          `local`.",
     ),
@@ -48,7 +49,7 @@ pub(super) const CODES: &[Code] = &[
     ),
     error(
         "service-task",
-        "An attribute or function is given a task.",
+        "An attribute or function has a `task`.",
         "The control task executes attributes and functions. Only activities run in a task of the \
          component.",
         "Remove the `task` property. If the service takes long, make it an activity.",
@@ -83,8 +84,8 @@ pub(super) const CODES: &[Code] = &[
     error(
         "activity-task",
         "An activity of a component has no task.",
-        "A task executes the activity's codels and gives them their period and priority. In an \
-         interface the task may still be open.",
+        "A task executes the activity's codels and gives them their period and priority. Only an activity of \
+         an interface may leave the task open.",
         "Add `task NAME;` to the activity.",
     ),
     error(
@@ -97,13 +98,14 @@ pub(super) const CODES: &[Code] = &[
     error(
         "service-unknown",
         "`interrupts`, `before` or `after` names a service that the component does not have.",
-        "The relation would never apply, so the service that was meant would go on.",
+        "The relation would never apply. With `interrupts`, for example, the intended service would keep \
+         running.",
         "Correct the spelling, declare the service, or write `all`.",
     ),
     error(
         "identifier-duplicate",
-        "The same service stands twice in one list.",
-        "The repetition has no effect. Another service was probably meant.",
+        "A list contains the same service twice.",
+        "The second name has no effect. Another service was probably meant.",
         "Remove the repetition.",
     ),
 ];

@@ -7,7 +7,7 @@ pub(super) const CODES: &[Code] = &[
         "const-positive",
         "A size, bound, index, priority or stack is not a non-negative whole number.",
         "These values count something: elements, bytes or levels.",
-        "Write a non-negative integer. An expression is fine if its value is whole, such as `4.0 / 2`.",
+        "Write a non-negative integer. An expression is allowed if its value is whole, such as `4.0 / 2`.",
     ),
     error(
         "const-binary",
@@ -25,7 +25,7 @@ pub(super) const CODES: &[Code] = &[
     error(
         "const-operand",
         "A name in an expression has no value: it is neither a constant nor an enumerator.",
-        "The value of the expression has to be known when the specification is read.",
+        "The value of an expression must be known when the specification is read.",
         "Use a `const` or an enumerator, or write the value itself.",
     ),
     error(
@@ -46,14 +46,15 @@ pub(super) const CODES: &[Code] = &[
     error(
         "const-numeric",
         "A time or size is not a number.",
-        "`period`, `delay`, `clock-rate` and the like multiply the value by their unit.",
+        "The values of `period`, `delay`, `clock-rate` and similar properties are multiplied by a unit, so \
+         they must be numbers.",
         "Write a number, without quotes: `period 5 ms;`.",
     ),
     error(
         "const-div-zero",
         "An integer is divided by zero, or the remainder of a division by zero is taken.",
         "The expression has no value. The reference compiler crashes here.",
-        "Correct the divisor. It can be a constant that is zero in this configuration.",
+        "Correct the divisor. It can be a constant that is zero only in this configuration.",
     ),
     ours(error(
         "const-range",
@@ -64,21 +65,21 @@ pub(super) const CODES: &[Code] = &[
     )),
     error(
         "init-compound-scalar",
-        "A list in braces is the default of something that has no parts.",
+        "A list in braces is the default value of a type without members or elements.",
         "`{ … }` gives values to the elements of an array or sequence or to the members of a struct or \
-         union. A number or a string has none.",
+         union. A number or a string has neither.",
         "Write the value without braces.",
     ),
     error(
         "init-scalar-compound",
-        "A single value is the default of something that has parts.",
-        "An array, sequence, struct or union takes a value for each part.",
+        "A single value is the default value of a type with members or elements.",
+        "An array, sequence, struct or union takes one value for each element or member.",
         "Put the value in braces: `= { 1 }`.",
     ),
     error(
         "init-member",
         "A default value names a member that the type does not have.",
-        "The value would have no place.",
+        "No member can receive the value.",
         "Correct the name after the dot, or remove the entry.",
     ),
     error(
@@ -89,9 +90,9 @@ pub(super) const CODES: &[Code] = &[
     ),
     error(
         "init-bounds",
-        "A default value is given to an element beyond the length.",
-        "Indexes begin at 0, and a value without an index goes to the element after the last one: \
-         after `[1] = 1` comes element 2.",
+        "A default value is for an element beyond the length of the array or sequence.",
+        "Indexes begin at 0. A value without an index is for the next element: after `[1] = 1` comes element \
+         2.",
         "Remove the value, correct the index, or make the array longer.",
     ),
     error(
@@ -103,7 +104,7 @@ pub(super) const CODES: &[Code] = &[
     error(
         "init-too-many",
         "More default values are given than the type has members.",
-        "A value without a name goes to the member after the last one, and there is none left.",
+        "A value without a name is for the next member. After the last member there is none.",
         "Remove the extra values, or name the member that each value is for.",
     ),
 ];

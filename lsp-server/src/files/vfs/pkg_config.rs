@@ -94,7 +94,7 @@ pub(crate) fn words(
         }),
         Err(Failure::Said(message)) => Err(message),
         Err(Failure::NotInstalled) => Err(format!(
-            "`{program}` is not installed; without it nobody knows the flags of {}",
+            "`{program}` is not installed, so the compiler flags are unknown for {}",
             arguments.join(", ")
         )),
     }

@@ -39,7 +39,7 @@ pub(super) const CODES: &[Code] = &[
         "typedef long data;\ncomponent control {\n  port in data scan;\n  port out data speed;\n  task move { period 5 ms;\n    codel<start> step(out speed) yields pause::start wcet 1 ms;\n  };\n};\n",
         error(
             "scn-no-way",
-            "No data go from the beginning of a chain to its end.",
+            "Data from the beginning of a chain never reach its end.",
             "No codel that is executed reads data that depend on the one port and writes the other.",
             "Request the activities that pass the data on, `connect` the ports between, or name other \
              ports. With `via`, name all codels on the way.",

@@ -6,8 +6,8 @@ pub(super) const CODES: &[Code] = &[
     error(
         "scn-unknown-name",
         "A name in a path does not exist in the specifications.",
-        "The item or check would be about nothing.",
-        "Correct the spelling: the message lists what there is. A path begins with the name of a \
+        "The item or check would refer to nothing.",
+        "Correct the spelling: the message lists the existing names. A path begins with the name of a \
          component.",
         "scenario s {\n  use \"robot.gen\";\n  check response sensor.aquire;\n}\n",
         "scenario s {\n  use \"robot.gen\";\n  check response sensor.acquire;\n}\n",
@@ -15,17 +15,17 @@ pub(super) const CODES: &[Code] = &[
     error(
         "scn-path",
         "A path is incomplete.",
-        "It ends before it reaches something that the item can be about.",
+        "The path ends before it names the kind of thing that the item needs.",
         "Add the missing names: `component.task.state` or `component.service.state`.",
         "// a path that ends too early\n",
         "",
     ),
     error(
         "scn-wrong-kind",
-        "A path names something of another kind than the item needs.",
-        "Only tasks have periods and deadlines, only activities can be aborted, only ports can be \
+        "A path names the wrong kind of thing.",
+        "Only tasks have periods and deadlines, only activities can be aborted, and only ports can be \
          connected.",
-        "Name something of the kind in the message.",
+        "Name a thing of the kind in the message.",
         "scenario s {\n  use \"robot.gen\";\n  check schedulable sensor.record;\n}\n",
         "scenario s {\n  use \"robot.gen\";\n  check schedulable sensor.acquire;\n}\n",
     ),
@@ -58,7 +58,7 @@ pub(super) const CODES: &[Code] = &[
     ),
     error(
         "scn-abort",
-        "`abort` names no activity and no labelled request of the client.",
+        "`abort` names neither an activity nor a labelled request of the client.",
         "The client would have nothing to interrupt.",
         "Write `abort COMPONENT.ACTIVITY;`, or label the request: `first: send …;`.",
         "scenario s {\n  use \"robot.gen\";\n  client c { send sensor.record; abort first; }\n  check schedulable *;\n}\n",
@@ -91,7 +91,7 @@ pub(super) const CODES: &[Code] = &[
     error(
         "scn-use-not-found",
         "A specification that the scenario uses cannot be read.",
-        "Without it nothing is verified.",
+        "Nothing is verified without the specification.",
         "Correct the path. It starts at the directory of the scenario.",
         "scenario s {\n  use \"robto.gen\";\n  check schedulable *;\n}\n",
         "scenario s {\n  use \"robot.gen\";\n  check schedulable *;\n}\n",

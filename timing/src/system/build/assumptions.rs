@@ -50,7 +50,7 @@ impl Builder<'_> {
             }),
         }
         let locks = match settings.semantics().locks {
-            LockRule::Queue => "in one queue per component; everybody waits behind its head",
+            LockRule::Queue => "in one queue per component; all codels wait behind its head",
             LockRule::Fifo => "in order of arrival among codels that exclude each other",
             LockRule::Free => "any waiting codel may win, also repeatedly",
         };
