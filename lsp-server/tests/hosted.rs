@@ -84,29 +84,45 @@ fn codels_in_c_and_in_cxx_run_on_the_virtual_clock() {
     }
 }
 
+/// Runs a script of `tests/hosted` with the Python client. The run listens at `s` in the directory.
+fn talk(directory: &Directory, script: &str) {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut command = Command::new("python3");
+    command.arg(here.join("tests/hosted").join(script)).arg("s");
+    command.current_dir(directory.path());
+    command.env("PYTHONPATH", here.join("../clients/python"));
+    command.env("PYTHONDONTWRITEBYTECODE", "1");
+    let output = command.output().expect("it runs");
+    assert!(output.status.success(), "{script}: {}", stderr(&output));
+}
+
+#[test]
+fn values_of_missing_packages_are_passed_on_by_the_client_in_python() {
+    if Command::new("python3").arg("--version").output().is_err() {
+        return;
+    }
+    let directory = Directory::new(&[("unknown.gen", include_str!("hosted/unknown.gen"))]);
+    let options = "run unknown.gen --clock real --simulate all --bounds none --socket s";
+    let arguments: Vec<&str> = options.split(' ').collect();
+    let run = Listening::start(&directory, &arguments);
+    talk(&directory, "unknown.py");
+    drop(run);
+}
+
 #[test]
 fn values_cross_between_codels_ports_and_a_client_in_python() {
     let python = Command::new("python3").arg("--version").output().is_ok();
     if !python || !compilers() {
         return;
     }
-    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     for language in ["c", "c++"] {
         let directory = components(language);
         let options =
             "run echo/echo.gen reader/reader.gen --clock real --bounds none --until 60s --socket s";
         let arguments: Vec<&str> = options.split(' ').collect();
         let run = Listening::start(&directory, &arguments);
-        for script in ["talk.py", "clients.py"] {
-            let mut talk = Command::new("python3");
-            talk.arg(here.join("tests/hosted").join(script)).arg("s");
-            talk.current_dir(directory.path());
-            talk.env("PYTHONPATH", here.join("../clients/python"));
-            talk.env("PYTHONDONTWRITEBYTECODE", "1");
-            let output = talk.output().expect("it runs");
-            let said = stderr(&output);
-            assert!(output.status.success(), "{language}: {script}: {said}");
-        }
+        talk(&directory, "talk.py");
+        talk(&directory, "clients.py");
 
         let call = |service: &str, input: &str| {
             directory.run(&["call", "--socket", "s", "echo", service, input])

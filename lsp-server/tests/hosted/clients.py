@@ -139,6 +139,7 @@ def of_genomix(path):
     assert request.status == genomix.Status.done == "done" and str(request.status) == "done"
     assert echo.set_gain(4, oneway=True) is None
     until(lambda: echo.get_gain() == {"gain": 4})
+    assert echo.set_gain() == {} and echo.get_gain() == {"gain": 3}
     error = raises(genomix.event.GenoMError, lambda: echo.fail(5), "::echo::e_bad")
     assert error.exception == "::echo::e_bad"
     request = echo.fail(5, send=True)
