@@ -199,7 +199,7 @@ class Service:
         self._signature = signature
         self.__name__ = signature.name
         self.__qualname__ = signature.path
-        self.__doc__ = signature.doc
+        self.__doc__ = signature.text()
         python = signature.python()
         if python is not None:
             self.__signature__ = python

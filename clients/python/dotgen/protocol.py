@@ -252,6 +252,14 @@ class Signature:
         inputs = {name: value for name, value in named.items() if name not in chosen}
         return inputs, {**options, **chosen}
 
+    def text(self) -> str:
+        """Returns the documentation of the specification, for `help()`."""
+        lines = [f"{self}: {self.kind}", *([self.doc] if self.doc else [])]
+        for each in self.inputs:
+            if "description" in each.schema:
+                lines.append(f"{each.name}: {each.schema['description']}")
+        return "\n".join([*lines, f"Outputs: {', '.join(self.outputs) or 'none'}"])
+
     def python(self) -> inspect.Signature | None:
         """Returns the signature for `help()` and completion, if Python can write all names."""
         names = [each.name for each in self.inputs]

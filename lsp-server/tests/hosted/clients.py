@@ -78,6 +78,7 @@ def synchronous(path):
     assert repr(echo).startswith("<Component echo: services mirror, fail, "), echo
     assert repr(echo).endswith("; ports trail, each>"), echo
     assert repr(echo.count) == "<Service echo.count(n=2)>", echo.count
+    assert echo.count.__doc__ == "echo.count(n=2): activity\nOutputs: seen", echo.count.__doc__
     assert str(inspect.signature(echo.count)) == "(n=2, *, ack=False)"
     assert repr(echo.each) == "<Port echo/each>"
     raises(AttributeError, lambda: echo.nothing, "`echo` has no `nothing`")
