@@ -17,7 +17,7 @@ import asyncio
 import functools
 import os
 from collections.abc import AsyncIterator, Callable, Generator
-from typing import Any, Generic, Optional, TypeVar, Union
+from typing import Any, Generic, TypeVar, Union
 
 from .protocol import (
     Answer,
@@ -71,7 +71,7 @@ class _Exchange:
         self.answers.put(answer)
         self._changed.set()
 
-    async def wait(self, poll: Callable[[], Optional[_T]]) -> _T:
+    async def wait(self, poll: Callable[[], _T | None]) -> _T:
         """Waits until a function of the answers returns something."""
         while True:
             found = poll()

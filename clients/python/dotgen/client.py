@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import queue
 import socket
@@ -10,7 +11,7 @@ import threading
 import time
 import traceback
 from collections.abc import Callable, Iterator
-from typing import Any, Generic, Optional, TypeVar, Union
+from typing import Any, Generic, TypeVar, Union
 
 from .protocol import (
     Answer,
@@ -66,7 +67,7 @@ class _Exchange:
         if self._notify is not None:
             self._notify()
 
-    def wait(self, poll: Callable[[], Optional[_T]], timeout: float | None = None) -> _T:
+    def wait(self, poll: Callable[[], _T | None], timeout: float | None = None) -> _T:
         """Waits until a function of the answers returns something."""
         end = None if timeout is None else time.monotonic() + timeout
         with self._changed:
@@ -93,7 +94,9 @@ class Activity(Generic[_T]):
         self._connection = connection
         self._signature = signature
         self._callback = callback
+        # The status that was passed on last, and the one that a callback hears now.
         self._told = "sent"
+        self._shown: str | None = None
         self._exchange = _Exchange(self._notify if callback is not None else None)
         self._number = 0
 
@@ -117,8 +120,14 @@ class Activity(Generic[_T]):
         status = self._exchange.status()
         if self._callback is not None and status != self._told:
             self._told = status
-            callback = self._callback
-            self._connection._later(lambda: callback(self))
+            self._connection._later(functools.partial(self._tell, self._callback, status))
+
+    def _tell(self, callback: _Callback, status: str) -> None:
+        self._shown = status
+        try:
+            callback(self)
+        finally:
+            self._shown = None
 
     def _value(self, end: dict[str, Any]) -> Any:
         return outputs(end)
@@ -143,7 +152,9 @@ class Activity(Generic[_T]):
 
     @property
     def status(self) -> str:
-        """`sent`, `running`, `done` or `failed`."""
+        """`sent`, `running`, `done` or `failed`. In a callback, the status that the callback is called for."""
+        if self._shown is not None and self._connection._is_caller():
+            return self._shown
         return self._exchange.status()
 
     @property
@@ -331,10 +342,12 @@ class Connection:
             except Exception:
                 traceback.print_exc()
 
+    def _is_caller(self) -> bool:
+        return self._caller is threading.current_thread()
+
     def _settle(self, timeout: float) -> None:
         """Waits for the callbacks of all answers that have come."""
-        caller = self._caller
-        if caller is None or caller is threading.current_thread():
+        if self._caller is None or self._is_caller():
             return
         done = threading.Event()
         self._callbacks.put(done.set)

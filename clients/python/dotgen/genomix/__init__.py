@@ -134,7 +134,10 @@ class Connection:
         """Does nothing: the run knows its components."""
 
     def load(self, name: str, *options: str, **_: Any) -> Component:
-        """Returns a component of the run, by its name or by the path of a plugin. `'-i', NAME` is an instance."""
+        """Returns a component of the run, by its name, by the path of a plugin, or by its instance.
+
+        After `'-i'` comes the name of the instance.
+        """
         loaded = pathlib.PurePath(name).stem
         if "-i" in options[:-1]:
             loaded = options[options.index("-i") + 1]
