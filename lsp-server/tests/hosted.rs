@@ -84,26 +84,45 @@ fn codels_in_c_and_in_cxx_run_on_the_virtual_clock() {
     }
 }
 
+/// Runs a script of `tests/hosted` with the Python client. The run listens at `s` in the directory.
+fn talk(directory: &Directory, script: &str) {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut command = Command::new("python3");
+    command.arg(here.join("tests/hosted").join(script)).arg("s");
+    command.current_dir(directory.path());
+    command.env("PYTHONPATH", here.join("../clients/python"));
+    command.env("PYTHONDONTWRITEBYTECODE", "1");
+    let output = command.output().expect("it runs");
+    assert!(output.status.success(), "{script}: {}", stderr(&output));
+}
+
+#[test]
+fn values_of_missing_packages_are_passed_on_by_the_client_in_python() {
+    if Command::new("python3").arg("--version").output().is_err() {
+        return;
+    }
+    let directory = Directory::new(&[("unknown.gen", include_str!("hosted/unknown.gen"))]);
+    let options = "run unknown.gen --clock real --simulate all --bounds none --socket s";
+    let arguments: Vec<&str> = options.split(' ').collect();
+    let run = Listening::start(&directory, &arguments);
+    talk(&directory, "unknown.py");
+    drop(run);
+}
+
 #[test]
 fn values_cross_between_codels_ports_and_a_client_in_python() {
     let python = Command::new("python3").arg("--version").output().is_ok();
     if !python || !compilers() {
         return;
     }
-    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     for language in ["c", "c++"] {
         let directory = components(language);
         let options =
             "run echo/echo.gen reader/reader.gen --clock real --bounds none --until 60s --socket s";
         let arguments: Vec<&str> = options.split(' ').collect();
         let run = Listening::start(&directory, &arguments);
-        let mut talk = Command::new("python3");
-        talk.arg(here.join("tests/hosted/talk.py")).arg("s");
-        talk.current_dir(directory.path());
-        talk.env("PYTHONPATH", here.join("../clients/python"));
-        talk.env("PYTHONDONTWRITEBYTECODE", "1");
-        let output = talk.output().expect("it runs");
-        assert!(output.status.success(), "{language}: {}", stderr(&output));
+        talk(&directory, "talk.py");
+        talk(&directory, "clients.py");
 
         let call = |service: &str, input: &str| {
             directory.run(&["call", "--socket", "s", "echo", service, input])
@@ -477,14 +496,15 @@ def start():
   following = gives.follow({'rounds': 4}, ack=True)
   assert following.wait() == {'seen': 4}
   endless = gives.follow(1000000, ack=True)
-  assert endless.status == 'running'
+  assert endless.status == genomix.Status.sent
   endless.abort()
+  while endless.status == genomix.Status.sent: genomix.update()
 
 def failed(inputs, exception):
   try:
     takes.connect_port(inputs)
-  except genomix.Failed as it:
-    assert it.exception == exception, it
+  except genomix.event.GenoMError as it:
+    assert it.exception == exception and exception in str(it), it
   else:
     raise AssertionError(inputs)
 
@@ -570,8 +590,9 @@ genom_event takes_go(int32_t *last, double *left, const takes_heard *heard, cons
 }
 ",
         ),
+        ("script.py", SCRIPT),
         // Changed in nothing else.
-        ("script.py", &SCRIPT.replace("import genomix", "import dotgen.genomix as genomix")),
+        ("changed.py", &SCRIPT.replace("import genomix", "import dotgen.genomix as genomix")),
     ]);
     std::fs::create_dir(directory.path().join("own")).expect("a directory");
     let mut command = directory.command(&["run", "gives/gives.gen", "takes/takes.gen"]);
@@ -580,20 +601,22 @@ genom_event takes_go(int32_t *last, double *left, const takes_heard *heard, cons
     command.env("XDG_RUNTIME_DIR", &runtime);
     let mut run = Listening::begin(&mut command);
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let mut script = Command::new("python3");
-    script.arg("script.py").current_dir(directory.path());
-    script.env("PYTHONPATH", here.join("../clients/python"));
-    script.env("PYTHONDONTWRITEBYTECODE", "1");
-    script.env("XDG_RUNTIME_DIR", &runtime);
-    let mut script = script
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .expect("it runs");
-    let status = ended(&mut script);
-    let mut said = String::new();
-    let mut errors = script.stderr.take().expect("a pipe");
-    std::io::Read::read_to_string(&mut errors, &mut said).expect("text");
-    assert!(status.success(), "{said}");
+    for arguments in [&["changed.py"][..], &["-m", "dotgen.genomix", "script.py"]] {
+        let mut script = Command::new("python3");
+        script.args(arguments).current_dir(directory.path());
+        script.env("PYTHONPATH", here.join("../clients/python"));
+        script.env("PYTHONDONTWRITEBYTECODE", "1");
+        script.env("XDG_RUNTIME_DIR", &runtime);
+        let mut script = script
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .expect("it runs");
+        let status = ended(&mut script);
+        let mut said = String::new();
+        let mut errors = script.stderr.take().expect("a pipe");
+        std::io::Read::read_to_string(&mut errors, &mut said).expect("text");
+        assert!(status.success(), "{arguments:?}: {said}");
+    }
     run.signal("-TERM");
     ended(&mut run.0);
 }

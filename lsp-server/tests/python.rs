@@ -37,7 +37,7 @@ fn python(packages: &[&str], import: &str) -> Option<Command> {
 
 const USE: &str = "from __future__ import annotations
 import dotgen
-from typing import TYPE_CHECKING
+from typing import Optional, TYPE_CHECKING
 if TYPE_CHECKING:
     from echo import Echo
 
@@ -45,6 +45,8 @@ echo: Echo = dotgen.connect().load(\"echo\")
 seen: int = echo.count(n=2)
 counting: dotgen.Activity[int] = echo.count(3, ack=True)
 seen = counting.wait(timeout=1)
+partial: Optional[int] = counting.result
+echo.count(3, ack=True, callback=lambda activity: print(activity.status), timeout=1)
 echo.set_gain()
 echo.fail(1)
 value = echo.mirror(echo.mirror())
@@ -74,6 +76,8 @@ fn stubs_are_strict_and_find_what_is_wrong() {
         "value['nobody']",
         "value['c'] = 'MAUVE'",
         "echo.each()['b']",
+        "echo.count(callback=1)",
+        "words: str = counting.result",
     ];
     directory.write(
         "bad.py",

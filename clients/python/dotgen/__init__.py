@@ -1,18 +1,30 @@
-"""Talks to components that `dotgen run --clock real` runs.
+"""Sends requests to components that `dotgen run --clock real` runs, and reads their ports.
 
     import dotgen
     robot = dotgen.connect()
     pump = robot.load("pump")
-    pump.fill(height=2)                  # waits for its end, and returns the outputs
-    filling = pump.fill(height=5, ack=True)  # waits until it is accepted
+    pump.fill(height=2)                  # waits for the end, returns the outputs
+    filling = pump.fill(height=5, ack=True)  # waits until the service is accepted
     filling.abort()
     filling.wait()                       # raises dotgen.Failed: it was interrupted
     pump.level()                         # the newest data of an output port
 
-Needs nothing beside the standard library. The protocol is described in docs/socket.md.
+`dotgen.aio` is the same for asyncio, `dotgen.genomix` runs scripts of genomix. Only the standard library is
+needed. docs/socket.md describes the protocol.
 """
 
-from .client import Activity, Component, Connection, Error, Failed, Lost, Port, Wrong, connect
+from .client import (
+    Activity,
+    Component,
+    Connection,
+    Error,
+    Failed,
+    Lost,
+    Port,
+    Service,
+    Wrong,
+    connect,
+)
 
 __all__ = [
     "Activity",
@@ -22,6 +34,7 @@ __all__ = [
     "Failed",
     "Lost",
     "Port",
+    "Service",
     "Wrong",
     "connect",
 ]

@@ -1,301 +1,368 @@
-"""The client. Many threads may use one connection."""
+"""The synchronous client. Many threads may use one connection."""
 
 from __future__ import annotations
 
-import collections
-import json
+import functools
 import os
-import pathlib
+import queue
 import socket
-import stat
-import tempfile
+import sys
 import threading
+import time
+import traceback
 from collections.abc import Callable, Iterator
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar, Union
+
+from .protocol import (
+    Answer,
+    Answers,
+    Error,
+    Failed,
+    Lost,
+    Receive,
+    Requests,
+    Signature,
+    Wrong,
+    known,
+    missing,
+    only,
+    outputs,
+    ports,
+    sockets,
+    summary,
+    tcp_port,
+)
+
+__all__ = [
+    "Activity",
+    "Component",
+    "Connection",
+    "Error",
+    "Failed",
+    "Lost",
+    "Port",
+    "Service",
+    "Wrong",
+    "connect",
+]
 
 _T = TypeVar("_T")
-
-# Data of ports that a reader may be behind; then the oldest is dropped.
-_BEHIND = 10_000
-
-
-class Error(Exception):
-    """Something went wrong."""
-
-
-class Wrong(Error):
-    """A request that cannot be made: there is no such service, or its inputs do not fit."""
-
-
-class Lost(Error):
-    """The run has ended."""
-
-
-class Failed(Error):
-    """A service was refused, interrupted, or has thrown an exception."""
-
-    def __init__(self, exception: str, detail: Any = None) -> None:
-        super().__init__(exception if detail is None else f"{exception} {json.dumps(detail)}")
-        #: Full name of the exception: `::pump::e_valve`.
-        self.exception = exception
-        #: Its members by name, or None.
-        self.detail = detail
+_Path = Union[str, "os.PathLike[str]"]
+_Callback = Callable[[Any], object]
 
 
 class _Exchange:
-    """A request and what came back. Many threads may look at it."""
+    """The answers to a request. Many threads may wait for them."""
 
-    def __init__(self) -> None:
+    def __init__(self, notify: Callable[[], None] | None = None) -> None:
         self._changed = threading.Condition()
-        self._answers: collections.deque[dict[str, Any]] = collections.deque()
-        self._over = False
+        self._notify = notify
+        self.answers = Answers()
 
-    def put(self, answer: dict[str, Any] | None) -> None:
-        """Something came; None: nothing comes any more."""
+    def put(self, answer: Answer) -> None:
+        """Adds an answer and wakes all threads that wait."""
         with self._changed:
-            if answer is None:
-                self._over = True
-            else:
-                if answer["event"] == "data" and len(self._answers) > _BEHIND:
-                    self._answers.popleft()
-                self._answers.append(answer)
+            self.answers.put(answer)
             self._changed.notify_all()
+        if self._notify is not None:
+            self._notify()
 
-    def next(self, timeout: float | None = None) -> dict[str, Any]:
-        """Takes what came first."""
+    def wait(self, poll: Callable[[], _T | None], timeout: float | None = None) -> _T:
+        """Waits until a function of the answers returns something."""
+        end = None if timeout is None else time.monotonic() + timeout
         with self._changed:
-            self._await(lambda: self._answers, timeout)
-            answer = self._answers.popleft()
-        if answer["event"] == "error":
-            raise Wrong(answer["message"])
-        return answer
+            while True:
+                found = poll()
+                if found is not None:
+                    return found
+                rest = None if end is None else end - time.monotonic()
+                if rest is not None and rest <= 0 or not self._changed.wait(rest):
+                    raise TimeoutError(f"no answer within {timeout} s")
 
-    def find(self, events: tuple[str, ...], timeout: float | None = None) -> dict[str, Any]:
-        """The first answer of some kinds; it stays for whoever asks again."""
+    def status(self) -> str:
+        """Returns the status of a service."""
         with self._changed:
-            self._await(lambda: self.seen(*events, "error") is not None, timeout)
-            answer = self.seen(*events, "error")
-        assert answer is not None
-        if answer["event"] == "error":
-            raise Wrong(answer["message"])
-        return answer
-
-    def seen(self, *events: str) -> dict[str, Any] | None:
-        """Likewise, if it has come already."""
-        with self._changed:
-            return next((it for it in self._answers if it["event"] in events), None)
-
-    def _await(self, there: Callable[[], object], timeout: float | None) -> None:
-        if not self._changed.wait_for(lambda: there() or self._over, timeout):
-            raise TimeoutError("nothing came in time")
-        if not there():
-            raise Lost("the run has ended")
+            return self.answers.status()
 
 
 class Activity(Generic[_T]):
-    """A service that was requested."""
+    """A request of a service."""
 
     def __init__(
-        self, connection: Connection, number: int, exchange: _Exchange, named: bool = False
+        self, connection: Connection, signature: Signature, callback: _Callback | None = None
     ) -> None:
         self._connection = connection
-        self._number = number
-        self._exchange = exchange
-        # Outputs are a dictionary, also where there is one.
-        self._named = named
+        self._signature = signature
+        self._callback = callback
+        # The status that was passed on last, and the one that a callback hears now.
+        self._told = "sent"
+        self._shown: str | None = None
+        self._exchange = _Exchange(self._notify if callback is not None else None)
+        self._number = 0
+
+    def __repr__(self) -> str:
+        status, rest = self.status, ""
+        if status == "done":
+            rest = f" {self.result!r}"
+        elif status == "failed":
+            rest = f" {self.exception}"
+        return f"<Activity {self._signature.path}: {status}{rest}>"
+
+    def _send(self, request: dict[str, Any]) -> None:
+        connection = self._connection
+        # The number is known before the first callback.
+        with connection._lock:
+            self._number, line = connection._requests.open(request, self._exchange.put)
+            connection._write(line)
+
+    def _notify(self) -> None:
+        # Called for each answer. A status is passed on once.
+        status = self._exchange.status()
+        if self._callback is not None and status != self._told:
+            self._told = status
+            self._connection._later(functools.partial(self._tell, self._callback, status))
+
+    def _tell(self, callback: _Callback, status: str) -> None:
+        self._shown = status
+        try:
+            callback(self)
+        finally:
+            self._shown = None
+
+    def _value(self, end: dict[str, Any]) -> Any:
+        return outputs(end)
 
     def wait(self, timeout: float | None = None) -> _T:
-        """Waits for the end and returns the outputs: a value if there is one, else a dictionary."""
-        end = self._exchange.find(("done", "failed"), timeout)
-        self._connection._forget(self._number)
-        if end["event"] == "failed":
-            raise Failed(end["exception"], end.get("detail"))
-        outputs: _T = end["output"] if self._named else _outputs(end["output"])
-        return outputs
+        """Waits for the end and returns the outputs: one as a value, several as a dictionary.
+
+        Raises `Failed` if the service failed, and `TimeoutError` after the timeout in seconds.
+        """
+        value: _T = self._value(self._exchange.wait(self._exchange.answers.ended, timeout))
+        return value
 
     def accepted(self, timeout: float | None = None) -> Activity[_T]:
-        """Waits until it is accepted; raises Failed if it is not."""
-        first = self._exchange.find(("accepted", "done", "failed"), timeout)
-        if first["event"] == "failed":
-            raise Failed(first["exception"], first.get("detail"))
+        """Waits until the service is accepted. Raises `Failed` if it is refused."""
+        self._exchange.wait(self._exchange.answers.begun, timeout)
         return self
 
     def abort(self) -> None:
-        """Interrupts it. What then comes of it tells wait()."""
-        if self.status in ("sent", "running"):
+        """Interrupts the service. `wait()` returns or raises the result of the interruption."""
+        if self._exchange.status() in ("sent", "running"):
             self._connection._ask({"abort": self._number})
 
     @property
     def status(self) -> str:
-        """sent, running, done or failed."""
-        end = self._exchange.seen("done", "failed")
-        if end is not None:
-            return str(end["event"])
-        return "running" if self._exchange.seen("accepted") else "sent"
+        """`sent`, `running`, `done` or `failed`. In a callback, the status that the callback is called for."""
+        if self._shown is not None and self._connection._is_caller():
+            return self._shown
+        return self._exchange.status()
 
+    @property
+    def result(self) -> _T | None:
+        """The outputs, or None before the end. Raises `Failed` if the service failed."""
+        return self.wait() if self._exchange.status() in ("done", "failed") else None
 
-def _outputs(it: Any) -> Any:
-    if isinstance(it, dict) and len(it) == 1:
-        return next(iter(it.values()))
-    return it or None
+    @property
+    def exception(self) -> Error | None:
+        """The error of a service that failed, or None."""
+        try:
+            self.result
+        except Error as error:
+            return error
+        return None
 
 
 class Port(Generic[_T]):
-    """An output port: call it for its newest data, iterate over it for what comes."""
+    """An output port. A call returns its newest data. Iteration yields each value that is written."""
 
     def __init__(self, connection: Connection, path: str) -> None:
         self._connection = connection
         self._path = path
 
+    def __repr__(self) -> str:
+        return f"<Port {self._path}>"
+
     def __call__(self, instance: str = "") -> _T | None:
+        """Returns the newest data, of an instance if the port is `multiple`. None: no data yet."""
         answer = self._connection._ask({"read": self._path})
         value: _T | None = answer["instances"].get(instance)
         return value
 
     def __iter__(self) -> Iterator[_T]:
-        number, exchange = self._connection._send({"watch": self._path})
+        exchange = _Exchange()
+        self._connection._watch(self._path, exchange.put)
         try:
             while True:
-                answer = exchange.next()
+                answer = exchange.wait(exchange.answers.take)
                 if answer["event"] == "data":
                     yield answer["value"]
                 elif answer["event"] == "lost":
                     raise Lost(answer["message"])
         finally:
-            self._connection._forget(number)
+            self._connection._unwatch(self._path, exchange.put)
+
+
+class Service:
+    """A service. A call sends a request, with inputs in order, by name, or in one dictionary."""
+
+    def __init__(self, connection: Connection, signature: Signature) -> None:
+        self._connection = connection
+        self._signature = signature
+        self.__name__ = signature.name
+        self.__qualname__ = signature.path
+        self.__doc__ = signature.text()
+        python = signature.python()
+        if python is not None:
+            self.__signature__ = python
+
+    def __repr__(self) -> str:
+        return f"<Service {self._signature}>"
+
+    def __call__(self, *args: Any, ack: bool = False, **inputs: Any) -> Any:
+        """Waits for the end and returns the outputs.
+
+        With `ack=True`, waits until the service is accepted and returns an `Activity`. `callback=` is called
+        with the `Activity` at each change of its status, in a thread of its own. `timeout=` limits the wait,
+        in seconds: the service goes on.
+        """
+        options: dict[str, Any] = {"callback": None, "timeout": None}
+        inputs, options = self._signature.options(args, inputs, options)
+        activity = Activity[Any](self._connection, self._signature, options["callback"])
+        activity._send(self._signature.request(args, inputs))
+        timeout = options["timeout"]
+        return activity.accepted(timeout) if ack else activity.wait(timeout)
 
 
 class Component:
-    """A component: its services are functions, its output ports are Ports."""
+    """A component: its services are functions, its output ports are `Port`s."""
 
     def __init__(self, connection: Connection, description: dict[str, Any]) -> None:
         self._connection = connection
         self._description = description
         self.__doc__ = description.get("doc")
         name = description["name"]
-        for port in description["ports"]:
-            if port["direction"] == "out":
-                setattr(self, port["name"], Port[Any](connection, f"{name}/{port['name']}"))
+        for port in ports(description, "out"):
+            setattr(self, port, Port[Any](connection, f"{name}/{port}"))
         for service in description["services"]:
-            setattr(self, service["name"], self._function(service))
+            setattr(self, service["name"], Service(connection, Signature(name, service)))
 
-    def _function(self, service: dict[str, Any], named: bool = False) -> Callable[..., Any]:
-        path = f"{self._description['name']}.{service['name']}"
-        names = [it["name"] for it in service["inputs"]]
-
-        def request(*args: Any, ack: bool = False, **inputs: Any) -> Any:
-            by_name = len(args) == 1 and isinstance(args[0], dict) and not inputs
-            if by_name and set(args[0]) <= set(names):
-                inputs = dict(args[0])
-            elif len(args) > len(names):
-                raise Wrong(f"{path} has {len(names)} inputs: {', '.join(names)}")
-            else:
-                for name, value in zip(names, args):
-                    if name in inputs:
-                        raise Wrong(f"{path} was given `{name}` twice")
-                    inputs[name] = value
-            number, exchange = self._connection._send({"call": path, "input": inputs})
-            activity = Activity[Any](self._connection, number, exchange, named)
-            return activity.accepted() if ack else activity.wait()
-
-        request.__name__ = service["name"]
-        request.__qualname__ = path
-        request.__doc__ = service.get("doc")
-        return request
+    def __repr__(self) -> str:
+        return summary(self._description)
 
     def __dir__(self) -> list[str]:
-        return sorted(it for it in self.__dict__ if not it.startswith("_"))
+        return sorted(name for name in self.__dict__ if not name.startswith("_"))
 
     def __getattr__(self, name: str) -> Any:
-        known = ", ".join(self.__dir__())
-        raise AttributeError(f"`{self._description['name']}` has no `{name}`; it has {known}")
+        if name.startswith("__"):
+            raise AttributeError(name)
+        raise AttributeError(missing(self._description, name, self.__dir__()))
 
 
 class Connection:
-    """A connection with a run."""
+    """A connection to a run."""
 
-    def __init__(self, path: str | os.PathLike[str]) -> None:
-        host, _, port = os.fspath(path).rpartition(":")
-        loopback = host in ("localhost", "127.0.0.1") and port.isdecimal()
-        self._socket = socket.socket(socket.AF_INET if loopback else socket.AF_UNIX, socket.SOCK_STREAM)
+    def __init__(self, path: _Path) -> None:
+        self._path = os.fspath(path)
+        port = tcp_port(path)
+        family = socket.AF_UNIX if port is None else socket.AF_INET
+        self._socket = socket.socket(family, socket.SOCK_STREAM)
         try:
-            self._socket.connect(("127.0.0.1", int(port)) if loopback else os.fspath(path))
+            self._socket.connect(self._path if port is None else ("127.0.0.1", port))
         except OSError as error:
             self._socket.close()
-            raise Lost(f"no run listens at `{os.fspath(path)}`: {error.strerror}") from None
+            raise Lost(f"no run listens at `{self._path}`: {error.strerror}") from None
         self._lock = threading.Lock()
-        self._next = 0
-        self._exchanges: dict[int, _Exchange] = collections.OrderedDict()
-        self._ended = False
-        self._reader = threading.Thread(target=self._read, daemon=True)
-        self._reader.start()
+        self._requests = Requests()
+        self._callbacks: queue.SimpleQueue[Callable[[], object]] = queue.SimpleQueue()
+        self._caller: threading.Thread | None = None
+        threading.Thread(target=self._read, daemon=True).start()
         self._components: list[dict[str, Any]] = self._ask({"describe": None})["components"]
+
+    def __repr__(self) -> str:
+        return f"<Connection {self._path}: {', '.join(self.components())}>"
 
     def _read(self) -> None:
         try:
             with self._socket.makefile("rb") as lines:
                 for line in lines:
-                    answer = json.loads(line)
                     with self._lock:
-                        if answer.get("id") is None:
-                            # What was not understood may be any request.
-                            asked = list(self._exchanges.values())
-                        else:
-                            asked = [self._exchanges[it] for it in (answer["id"],) if it in self._exchanges]
-                    for exchange in asked:
-                        exchange.put(answer)
+                        receivers = self._requests.receive(line)
+                    self._pass(receivers)
         except (OSError, ValueError):
             pass
         with self._lock:
-            self._ended = True
-            exchanges = list(self._exchanges.values())
-        for exchange in exchanges:
-            exchange.put(None)
+            receivers = self._requests.end()
+        self._pass(receivers)
+        # Ends the thread for callbacks after the last one.
+        self._callbacks.put(sys.exit)
 
-    def _send(self, request: dict[str, Any]) -> tuple[int, _Exchange]:
-        exchange = _Exchange()
+    def _pass(self, receivers: list[tuple[Receive, Answer]]) -> None:
+        for receive, answer in receivers:
+            receive(answer)
+
+    def _write(self, line: bytes) -> None:
         try:
-            # NaN and infinity are no JSON.
-            words = json.dumps(request, allow_nan=False)
-        except (TypeError, ValueError) as error:
-            raise Wrong(f"this cannot be sent: {error}") from None
-        with self._lock:
-            if self._ended:
-                raise Lost("the run has ended")
-            self._next += 1
-            number = self._next
-            self._exchanges[number] = exchange
-            try:
-                self._socket.sendall(f'{{"id": {number}, {words[1:]}\n'.encode())
-            except OSError:
-                raise Lost("the run has ended") from None
-        return number, exchange
+            self._socket.sendall(line)
+        except OSError:
+            raise Lost("the run has ended") from None
 
     def _ask(self, request: dict[str, Any]) -> dict[str, Any]:
-        number, exchange = self._send(request)
-        try:
-            return exchange.next()
-        finally:
-            self._forget(number)
-
-    def _forget(self, number: int) -> None:
+        exchange = _Exchange()
         with self._lock:
-            self._exchanges.pop(number, None)
+            number, line = self._requests.open(request, exchange.put)
+            self._write(line)
+        try:
+            return exchange.wait(exchange.answers.take)
+        finally:
+            with self._lock:
+                self._requests.close(number)
+
+    def _watch(self, path: str, receive: Receive) -> None:
+        with self._lock:
+            line = self._requests.watch(path, receive)
+            if line is not None:
+                self._write(line)
+
+    def _unwatch(self, path: str, receive: Receive) -> None:
+        with self._lock:
+            self._requests.unwatch(path, receive)
+
+    def _later(self, call: Callable[[], object]) -> None:
+        """Calls a function in the thread for callbacks. There it may request services and wait."""
+        with self._lock:
+            if self._caller is None:
+                self._caller = threading.Thread(target=self._call, daemon=True)
+                self._caller.start()
+        self._callbacks.put(call)
+
+    def _call(self) -> None:
+        while True:
+            try:
+                self._callbacks.get()()
+            except Exception:
+                traceback.print_exc()
+
+    def _is_caller(self) -> bool:
+        return self._caller is threading.current_thread()
+
+    def _settle(self, timeout: float) -> None:
+        """Waits for the callbacks of all answers that have come."""
+        if self._caller is None or self._is_caller():
+            return
+        done = threading.Event()
+        self._callbacks.put(done.set)
+        done.wait(timeout)
 
     def rpath(self, *_: str) -> None:
-        """Does nothing: components are where the run has them. Kept for scripts of genomix."""
+        """Does nothing: the run knows its components. Kept for scripts of genomix."""
 
     def load(self, name: str, **_: Any) -> Any:
-        """A Component of the run. Its type is what `dotgen generate python` writes."""
-        for it in self._components:
-            if it["name"] == name:
-                return Component(self, it)
-        known = ", ".join(it["name"] for it in self._components)
-        raise Wrong(f"there is no component `{name}` in this run; there are {known}")
+        """Returns a `Component` of the run. `dotgen generate python` writes its type."""
+        return Component(self, known(self._components, name))
 
     def components(self) -> list[str]:
-        """Their names."""
-        return [it["name"] for it in self._components]
+        """Returns the names of the components."""
+        return [each["name"] for each in self._components]
 
     def close(self) -> None:
         """Ends the connection. Activities go on."""
@@ -312,36 +379,20 @@ class Connection:
         self.close()
 
 
-def _folder() -> pathlib.Path:
-    runtime = os.environ.get("XDG_RUNTIME_DIR")
-    if runtime:
-        return pathlib.Path(runtime) / "dotgen"
-    return pathlib.Path(tempfile.gettempdir()) / f"dotgen-{os.getuid()}"
-
-
-def connect(path: str | os.PathLike[str] | None = None) -> Connection:
-    """Connects to a run: the one whose socket is at a path, or that listens at `localhost:PORT`; else the only one there
-    is."""
+def connect(path: _Path | None = None) -> Connection:
+    """Connects to a run: at the path of its socket, at `localhost:PORT`, or to the only run."""
     if path is not None:
         return Connection(path)
-    folder = _folder()
-    found = []
-    try:
-        info = folder.lstat()
-        private = stat.S_ISDIR(info.st_mode) and info.st_uid == os.getuid()
-        sockets = sorted(folder.glob("*.sock")) if private else []
-    except OSError:
-        sockets = []
-    for it in sockets:
+    found: list[Connection] = []
+    for each in sockets():
         try:
-            found.append(Connection(it))
+            found.append(Connection(each))
         except Lost:
             continue
-    if not found:
-        raise Lost("nothing runs; start it with `dotgen run --clock real FILE`")
-    if len(found) > 1:
+    try:
+        only([connection._path for connection in found])
+    except Wrong:
         for connection in found:
             connection.close()
-        names = ", ".join(str(it) for it in sockets)
-        raise Wrong(f"there are several runs; choose one: {names}")
+        raise
     return found[0]

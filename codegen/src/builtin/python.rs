@@ -19,6 +19,7 @@ const KEYWORDS: &[&str] = &[
 const TAKEN: &[&str] = &[
     "Activity",
     "Any",
+    "Callable",
     "Dict",
     "List",
     "Literal",
@@ -59,7 +60,7 @@ pub(super) fn stub(spec: &Spec, component: &Component) -> String {
     }
     format!(
         "# What `load(\"{}\")` returns. Written by `dotgen generate python`.\n\
-         from typing import Any, Dict, List, Literal, Optional, TypedDict, overload\n\n\
+         from typing import Any, Callable, Dict, List, Literal, Optional, TypedDict, overload\n\n\
          from dotgen import Activity, Port\n\n\
          {}class {class}:\n{members}",
         component.name, types.text
@@ -134,12 +135,21 @@ impl Types<'_> {
             true => "",
             false => ", **inputs: Any",
         };
+        // An option with the name of an input is that input.
+        let is_free = |option: &str| !inputs.iter().any(|input| input.name == option);
+        let mut options = String::new();
+        if is_free("callback") {
+            options += &format!(", callback: Callable[[Activity[{result}]], object] = ...");
+        }
+        if is_free("timeout") {
+            options += ", timeout: float = ...";
+        }
         for (ack, result) in [
             ("ack: Literal[False] = ...", result.clone()),
             ("ack: Literal[True]", format!("Activity[{result}]")),
         ] {
             *out += &format!(
-                "    @overload\n    def {name}(self, {parameters}{ack}{rest}) -> {result}:"
+                "    @overload\n    def {name}(self, {parameters}{ack}{options}{rest}) -> {result}:"
             );
             match service.doc.as_deref().filter(|it| !it.is_empty()) {
                 None => *out += " ...\n",
