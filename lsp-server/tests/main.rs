@@ -31,5 +31,6 @@ mod server;
 mod socket;
 mod stdio;
 mod trace;
+mod tutorial;
 mod verify;
 mod writing;

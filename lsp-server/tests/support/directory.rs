@@ -5,6 +5,17 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
+/// Variables of the environment that change what the program does.
+pub(crate) const UNSET: [&str; 7] = [
+    "PKG_CONFIG",
+    "PKG_CONFIG_PATH",
+    "PKG_CONFIG_LIBDIR",
+    "DOTGEN_GENOM_RELEASE",
+    "DOTGEN_BUILTIN_TEMPLATES",
+    "GENOM_TMPL_PATH",
+    "NO_COLOR",
+];
+
 /// A directory with files, in which the program runs.
 pub(crate) struct Directory(tempfile::TempDir);
 
@@ -47,15 +58,7 @@ impl Directory {
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_dotgen"));
         command.args(arguments).current_dir(self.0.path());
-        for variable in [
-            "PKG_CONFIG",
-            "PKG_CONFIG_PATH",
-            "PKG_CONFIG_LIBDIR",
-            "DOTGEN_GENOM_RELEASE",
-            "DOTGEN_BUILTIN_TEMPLATES",
-            "GENOM_TMPL_PATH",
-            "NO_COLOR",
-        ] {
+        for variable in UNSET {
             command.env_remove(variable);
         }
         command
