@@ -202,5 +202,5 @@ fn dots_stand_for_any_text_and_any_lines() {
     let page = "text\n```console\n$ cat <<'EOF'\n$ x\nEOF\n$ x\n```\n```\n$ y\n```\n";
     let steps = steps(page);
     let commands: Vec<&str> = steps.iter().map(|step| step.command.as_str()).collect();
-    assert_eq!(commands, ["cat <<'EOF'\n$ x\nEOF", "$ x"]);
+    assert_eq!(commands, ["cat <<'EOF'\n$ x\nEOF", "x"]);
 }

@@ -160,7 +160,7 @@ pub fn plan(
     };
     let sources = || {
         let all = folder.sources.sources.iter();
-        all.filter(|it| !is_of_another(it, &own))
+        all.filter(|it| !it.is_of_another(&own))
     };
     let compile: Vec<Step> = sources()
         .map(|source| compile_step(source, place, codels, tools, packages, names.as_ref()))
@@ -187,22 +187,6 @@ pub fn plan(
         headers,
         compile,
         missing,
-    })
-}
-
-/// Whether a source includes the types of another component (`…_c_types.h`) and those of none of these.
-fn is_of_another(source: &IndexedFile, components: &[&str]) -> bool {
-    let includes = source.index.includes.iter();
-    let mut named = includes.filter_map(|it| {
-        let file = it.path.rsplit('/').next()?;
-        let of = |end: &str| file.strip_suffix(end);
-        of("_c_types.h").or_else(|| of("_cxx_types.h"))
-    });
-    let first = named.next();
-    first.is_some_and(|first| {
-        !std::iter::once(first)
-            .chain(named)
-            .any(|it| components.contains(&it))
     })
 }
 

@@ -150,6 +150,22 @@ pub struct IndexedFile {
 }
 
 impl IndexedFile {
+    /// Whether the file includes the types of another component (`…_c_types.h`) and those of none of these.
+    pub(super) fn is_of_another(&self, components: &[&str]) -> bool {
+        let mut named = self.index.includes.iter().filter_map(|it| {
+            let file = it.path.rsplit('/').next()?;
+            let of = |end: &str| file.strip_suffix(end);
+            of("_c_types.h").or_else(|| of("_cxx_types.h"))
+        });
+        let first = named.next();
+        first.is_some_and(|first| {
+            let mut all = std::iter::once(first).chain(named);
+            !all.any(|it| components.contains(&it))
+        })
+    }
+}
+
+impl IndexedFile {
     /// Reads a text; `cxx` reads headers as C++ too.
     pub fn new(path: Utf8PathBuf, text: Arc<str>, cxx: bool) -> IndexedFile {
         let grammar = match Grammar::of_path(path.as_str()) {

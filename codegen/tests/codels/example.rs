@@ -103,3 +103,15 @@ fn a_text_that_breaks_off_makes_no_orphans() {
         );
     }
 }
+
+#[test]
+fn sources_of_another_component_in_the_folder_are_not_judged() {
+    let mut host = host(Vec::new());
+    let mut project = Project::new(&mut host, &Disk, FilesConfig::default(), stubs());
+    for component in ["maneuver", "nhfc", "pom", "simulator"] {
+        let root = workspace().join(format!("examples/quadcopter/{component}.gen"));
+        let report = check(&mut project, &[root]);
+        let counts = report.counts();
+        assert!(!counts.contains_key("codel/orphan"), "{component}: {counts:?}");
+    }
+}

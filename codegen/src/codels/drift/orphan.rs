@@ -8,7 +8,7 @@ use super::finding::Differing;
 use super::{Drift, DriftCode, DriftOptions, FunctionIn, Repair};
 use crate::codels::{
     expected::{Expected, ExpectedFunction, cut_tag, owner_words},
-    files::Sources,
+    files::{IndexedFile, Sources},
     source::{Function, Layer},
 };
 use crate::lang::Language;
@@ -27,8 +27,10 @@ pub(super) fn find<'a>(
                 components.any(|it| it.all_codels().any(|at| it.codel(at).name == name))
             })
     };
+    let components: Vec<&str> = all.iter().map(|it| it.component().name.as_str()).collect();
+    let own = |file: &&IndexedFile| !file.is_of_another(&components);
     let mut out = Vec::new();
-    for file in &sources.sources {
+    for file in sources.sources.iter().filter(own) {
         for function in &file.index.functions {
             let found = FunctionIn { file, function };
             if function.body.is_some()
