@@ -8,6 +8,7 @@
 //! Where nothing is periodic and something lasts long, zones are tried beside (see `search::zones`).
 
 mod about;
+mod absent;
 mod findings;
 mod liveness;
 mod measure;
@@ -24,6 +25,7 @@ mod token;
 mod watch;
 
 pub use about::{About, Blocker, Executing};
+pub use absent::{Absent, NoJob};
 pub use findings::{Bound, Findings, Found, Measured};
 pub use liveness::{Liveness, LivenessQuery, liveness};
 pub use reductions::{Activity, Kind, Kinds, Reason};

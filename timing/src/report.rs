@@ -161,6 +161,9 @@ pub struct CheckReport {
     /// [`Soundness::UpperBound`] an upper one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<Value>,
+    /// It holds because what it is about never happens: `note` says what.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub vacuous: bool,
     /// Why, in words.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,

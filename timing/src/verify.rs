@@ -9,6 +9,7 @@ mod groups;
 mod nothing;
 mod prepared;
 mod reason;
+mod released;
 mod rounding;
 mod soon;
 mod units;

@@ -191,7 +191,7 @@ export interface VerificationCheck {
   check: string;
   of: string;
   /** `open`: not answered yet. */
-  verdict: 'proved' | 'bounded' | 'exceeds' | 'refuted' | 'refuted?' | 'gave up' | 'nothing' | 'open';
+  verdict: 'proved' | 'vacuous' | 'bounded' | 'exceeds' | 'refuted' | 'refuted?' | 'gave up' | 'nothing' | 'open';
   worth: string | null;
   value: string | null;
   limit: string | null;

@@ -58,6 +58,16 @@ pub const CODES: &[LintCode] = &[
         "",
         "Read the run in the timeline. Change the specification, or the check if it asks for the wrong thing.",
     ),
+    code(
+        "timing/vacuous-proof",
+        "A check holds only because what it is about never happens.",
+        "A task that is never released misses no deadline, and a predicate that never becomes true needs no answer. \
+         Such a proof says nothing about the robot.",
+        "scenario s {\n  use \"c.gen\";\n  cores 1;\n  policy fifo;\n  check schedulable *;\n}\n",
+        "",
+        "Read the reason. A start-up that never completes waits for a core, a lock or a codel that goes round \
+         without `pause::`.",
+    ),
     LintCode {
         severity: Severity::Information,
         ..code(

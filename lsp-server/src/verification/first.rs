@@ -66,6 +66,7 @@ fn answer(assuming: String, problem: &Problem, options: &Options, report: &Repor
         Outcome::Exceeds,
         Outcome::GaveUp,
         Outcome::Open,
+        Outcome::Vacuous,
         Outcome::Nothing,
     ];
     let has = |outcome: &Outcome| view.checks.iter().any(|it| it.outcome == *outcome);

@@ -18,6 +18,8 @@ use super::why::Why;
 pub(crate) enum Outcome {
     /// It holds.
     Proved,
+    /// It holds because what it is about never happens.
+    Vacuous,
     /// It has a bound that is greater than the period of the task, and may be less in fact.
     Bounded,
     /// It has a bound beyond the period of the task, and the scenario states no limit.
@@ -39,6 +41,7 @@ impl Outcome {
     pub(crate) fn word(self) -> &'static str {
         match self {
             Outcome::Proved => "proved",
+            Outcome::Vacuous => "vacuous",
             Outcome::Bounded => "bounded",
             Outcome::Exceeds => "exceeds",
             Outcome::Refuted => "refuted",
@@ -60,8 +63,9 @@ impl Outcome {
     }
 
     /// In the order in which they are counted.
-    pub(crate) const ALL: [Outcome; 8] = [
+    pub(crate) const ALL: [Outcome; 9] = [
         Outcome::Proved,
+        Outcome::Vacuous,
         Outcome::Bounded,
         Outcome::Exceeds,
         Outcome::Refuted,
@@ -73,6 +77,7 @@ impl Outcome {
 
     fn of(report: &CheckReport) -> Outcome {
         match report.verdict {
+            Verdict::Proved if report.vacuous => Outcome::Vacuous,
             Verdict::Proved if report.exceeds() => Outcome::Exceeds,
             // An upper bound beyond the period says neither that it is kept nor that it is not.
             Verdict::Proved if report.slack().is_some_and(|it| it < 0.0) => Outcome::Bounded,

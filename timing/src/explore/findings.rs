@@ -1,5 +1,6 @@
 //! What an exploration found.
 
+use super::absent::Absent;
 use super::reductions::Activity;
 use super::run::Run;
 use super::watch::Stop;
@@ -48,6 +49,8 @@ pub struct Findings {
     pub within: Vec<Option<Measured>>,
     /// Whether each predicate is known to be never reached, even if the exploration was stopped.
     pub never: Vec<bool>,
+    /// What no state has that was looked at.
+    pub absent: Absent,
     /// A run to a deadlock.
     pub deadlock: Option<Found>,
     /// It is known that there is no deadlock, even if the exploration was stopped.

@@ -29,6 +29,8 @@ pub struct Liveness {
     /// A run that never answers. `Run::cycle` tells where it begins to repeat; if `None` time passes
     /// for ever after the end of the run.
     pub counterexample: Option<Run>,
+    /// The obligation was open at some time, or met at once.
+    pub triggered: bool,
     /// States visited.
     pub states: usize,
     /// Bytes used for states.
@@ -110,6 +112,8 @@ impl<R: Rules> Graph<'_, R> {
         let mut successors: Vec<Vec<u32>> = Vec::new();
         let mut initial = self.rules.initial();
         observe::observe(&self.rules, &self.observers, None, &mut initial);
+        let trigger = &self.observers[0].trigger;
+        let mut triggered = observe::predicate(&self.rules, None, &initial, trigger);
         let mut first = Encoded::default();
         encode(self.rules.frame(), &initial, &mut first);
         let mut bytes = weight(&first);
@@ -143,6 +147,7 @@ impl<R: Rules> Graph<'_, R> {
             let mut next_ids = Vec::new();
             if self.open(&s) || !self.once {
                 for (edge, next, forever) in self.successors(&s, &mut enabled) {
+                    triggered |= observe::predicate(&self.rules, Some(&s), &next, trigger);
                     if forever {
                         // Time passes and nothing ever happens: a cycle of its own.
                         next_ids.push(at as u32);
@@ -189,6 +194,7 @@ impl<R: Rules> Graph<'_, R> {
         self.cancel.ended(visits.len());
         Liveness {
             counterexample,
+            triggered,
             states: visits.len(),
             bytes,
             stopped,

@@ -218,6 +218,10 @@ pub(crate) trait Rules: Sized {
     /// What the job of a task does.
     fn job(&self, s: &State, task: usize) -> TaskStatus;
 
+    /// The task whose start-up a task waits for before its first job: one before it in its component, or
+    /// itself. `None`: the start-up is over.
+    fn awaits_start_up(&self, s: &State, task: usize) -> Option<usize>;
+
     /// Whether a tick of a task has come before its job has ended.
     fn missed(&self, s: &State, task: usize) -> bool;
 

@@ -470,6 +470,10 @@ impl<R: Rules> Rules for Tracked<'_, R> {
         self.rules.job(s, task)
     }
 
+    fn awaits_start_up(&self, s: &State, task: usize) -> Option<usize> {
+        self.rules.awaits_start_up(s, task)
+    }
+
     fn missed(&self, s: &State, task: usize) -> bool {
         self.rules.missed(s, task)
     }

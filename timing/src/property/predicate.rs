@@ -99,6 +99,39 @@ impl Predicate {
         }
     }
 
+    /// Whether it holds, as atoms that are `absent` never do: it says nothing about a run. That one atom never
+    /// holds, or each of several, is a claim of its own.
+    pub(crate) fn is_vacuous(&self, absent: &dyn Fn(&Atom) -> bool) -> bool {
+        match self {
+            Predicate::And(one, other) => one.is_vacuous(absent) && other.is_vacuous(absent),
+            Predicate::Not(it) => match &**it {
+                Predicate::Atom(_) | Predicate::Leave(_) => false,
+                Predicate::Or(one, other) => {
+                    let not = |it: &Predicate| Predicate::Not(Box::new(it.clone()));
+                    not(one).is_vacuous(absent) && not(other).is_vacuous(absent)
+                }
+                it => it.is_settled(absent, false),
+            },
+            it => it.is_settled(absent, true),
+        }
+    }
+
+    /// Whether the atoms that are `absent` settle that it always has this value.
+    fn is_settled(&self, absent: &dyn Fn(&Atom) -> bool, value: bool) -> bool {
+        match self {
+            Predicate::Atom(it) | Predicate::Leave(it) => !value && absent(it),
+            Predicate::Not(it) => it.is_settled(absent, !value),
+            Predicate::And(one, other) | Predicate::Or(one, other) => {
+                let [one, other] = [one, other].map(|it| it.is_settled(absent, value));
+                // All parts have to make a conjunction true, one of them a disjunction.
+                match matches!(self, Predicate::And(..)) == value {
+                    true => one && other,
+                    false => one || other,
+                }
+            }
+        }
+    }
+
     /// The value in a state that was entered from another. `atom` evaluates an atom in the state
     /// now (`true`) or before (`false`).
     pub(crate) fn eval(&self, atom: &impl Fn(&Atom, bool) -> bool) -> bool {

@@ -400,6 +400,17 @@ pub enum Pred {
 }
 
 impl Pred {
+    /// The atoms, and what is left of them.
+    pub(crate) fn parts(&self) -> Box<dyn Iterator<Item = &Pred> + '_> {
+        match self {
+            Pred::Atom(_) | Pred::Leave(_) => Box::new(std::iter::once(self)),
+            Pred::Not(it) => it.parts(),
+            Pred::And(one, other) | Pred::Or(one, other) => {
+                Box::new(one.parts().chain(other.parts()))
+            }
+        }
+    }
+
     /// Normalised text.
     pub fn text(&self) -> String {
         match self {

@@ -3,8 +3,11 @@
 //! They are never below the exact values, so a task with a bound below its period meets its deadlines. That
 //! needs no exploration, and stands when one has to be given up.
 
+use std::cell::OnceCell;
+
 use super::Group;
 use super::checks::{Single, What};
+use super::released::seen_released;
 use crate::abstraction::{Budget, Refusal, abstract_bounds};
 use crate::analytic::{meets_deadlines, response_bounds};
 use crate::cancel::Cancel;
@@ -20,6 +23,8 @@ pub(super) struct Analysed<'b> {
     layers: Vec<Layer>,
     /// Whether the middle tier has treated the system.
     abstracted: bool,
+    /// By task, whether a run is known that has a job of it.
+    released: OnceCell<Vec<bool>>,
 }
 
 impl<'b> Analysed<'b> {
@@ -29,6 +34,7 @@ impl<'b> Analysed<'b> {
             bounds: response_bounds(&built.system),
             layers: vec![Layer::ResponseTimeAnalysis; built.system.tasks.len()],
             abstracted: false,
+            released: OnceCell::new(),
         }
     }
 
@@ -67,7 +73,7 @@ impl<'b> Analysed<'b> {
 
     /// The bound that proves that a check of deadlines holds: on a response time, or on the time a job waits
     /// for a core.
-    pub(super) fn deadline(&self, check: &Single) -> Option<Ticks> {
+    fn deadline_bound(&self, check: &Single) -> Option<Ticks> {
         let system = &self.built.system;
         match check.what {
             What::Schedulable(it) => {
@@ -85,6 +91,20 @@ impl<'b> Analysed<'b> {
             }
             _ => None,
         }
+    }
+
+    /// Likewise, of a task that has jobs for certain: else only an exploration tells whether there is anything
+    /// to prove.
+    pub(super) fn deadline(&self, check: &Single) -> Option<Ticks> {
+        let bound = self.deadline_bound(check)?;
+        let task = self.built.tasks[&check.what.task()?];
+        self.is_released(task).then_some(bound)
+    }
+
+    /// Whether a task has jobs for certain.
+    fn is_released(&self, task: usize) -> bool {
+        self.released
+            .get_or_init(|| seen_released(&self.built.system))[task]
     }
 
     /// A bound on the response time of the task whose deadline or response time a check asks for.
@@ -112,7 +132,11 @@ impl<'b> Analysed<'b> {
         let system = &self.built.system.tasks[task];
         // A task that the middle tier has no time for may have no job at all.
         let exists = self.layers[task] == Layer::ResponseTimeAnalysis;
-        exists && self.bounds[task] == Some(0) && system.period.is_some() && !system.keep_idle_tick
+        exists
+            && self.bounds[task] == Some(0)
+            && system.period.is_some()
+            && !system.keep_idle_tick
+            && self.is_released(task)
     }
 }
 
@@ -192,6 +216,15 @@ impl Group<'_> {
 
     /// Where the exploration was given up, a bound from analysis may still be an answer.
     pub(super) fn bound_unknown(&self, check: &Single, analysed: &Analysed, out: &mut CheckReport) {
+        if out.verdict == Verdict::Unknown
+            && let Some(bound) = analysed.deadline_bound(check)
+        {
+            *out = self.meets_deadlines(check, bound, analysed);
+            if let Some(note) = &mut out.note {
+                note.push_str("; no run that has a job was found");
+            }
+            return;
+        }
         let (Verdict::Unknown, Some(bound)) = (out.verdict, analysed.of_task(check)) else {
             return;
         };

@@ -6,12 +6,15 @@ use super::Group;
 use super::checks::{Single, What};
 use super::units::{limit_text, seconds, to_f64};
 use crate::explore::{Bound, Findings, Found, LivenessQuery, Measured, Stop, liveness};
-use crate::property::resolve;
+use crate::property::{Atom, Predicate, resolve};
 use crate::report::{
-    CheckId, CheckReport, Event, GaveUp, Limit, Report, Soundness, Value, Verdict,
+    CheckId, CheckReport, Event, GaveUp, Limit, Report, Soundness, TaskId, Value, Verdict,
 };
 use crate::scn::ast::{Durations, Pred};
 use crate::system::loops::{can_be_limited, pauseless_cycles};
+
+/// Of what is to follow a predicate.
+const NEVER_TRUE: &str = "the first predicate never becomes true";
 
 impl Group<'_> {
     pub(super) fn blank(&self, check: &Single) -> CheckReport {
@@ -72,6 +75,7 @@ impl Group<'_> {
                 (Durations::Fixed, true) => Soundness::Neither,
             },
             value: None,
+            vacuous: false,
             note: None,
             gave_up: None,
             by: None,
@@ -118,8 +122,9 @@ impl Group<'_> {
                 None => self.unless_stopped(stopped, size, Verdict::Refuted, &mut out),
             },
             What::Response(task, bound) => {
-                let never = "it is never released";
-                self.bounded(&found.response[place], never, found, &mut out);
+                let never = self.never_released(task, found);
+                let never = never.unwrap_or_else(|| "it is never released".to_owned());
+                self.bounded(&found.response[place], &never, found, &mut out);
                 if out.value == Some(Value::Unbounded) && out.note.is_none() {
                     out.note = self.loop_of(task);
                 }
@@ -135,8 +140,7 @@ impl Group<'_> {
                 }
             }
             What::Within(_, list, bound) => {
-                let never = "the first predicate never becomes true";
-                self.bounded(&found.within[place], never, found, &mut out);
+                self.bounded(&found.within[place], NEVER_TRUE, found, &mut out);
                 if let (Some(end), Some(it)) = (exceeded(&found.within[place]), bound) {
                     let what = format!(
                         "`{}` has not followed within {}",
@@ -153,6 +157,7 @@ impl Group<'_> {
             }
             What::Chain(_) | What::LeadsTo(..) | What::Eventually(_) => {}
         }
+        self.mark_vacuous(self.never(check, found), &mut out);
         // A run that was found exists, whatever others there may be.
         let has_run = match out.verdict {
             Verdict::Refuted => !out.counterexample.is_empty(),
@@ -207,6 +212,7 @@ impl Group<'_> {
                 Verdict::Proved,
                 out,
             );
+            out.vacuous = out.verdict == Verdict::Proved;
             return;
         };
         let base = self.built.system.unit;
@@ -263,14 +269,63 @@ impl Group<'_> {
                     out.note = Some("after the end of the run nothing ever happens".to_owned());
                 }
             }
-            None => self.unless_stopped(
-                found.stopped,
-                (found.states, found.bytes),
-                Verdict::Proved,
-                &mut out,
-            ),
+            None => {
+                let size = (found.states, found.bytes);
+                self.unless_stopped(found.stopped, size, Verdict::Proved, &mut out);
+                let never = (!found.triggered).then(|| NEVER_TRUE.to_owned());
+                self.mark_vacuous(never, &mut out);
+            }
         }
         out
+    }
+
+    /// What is proved because something never happens is marked, with the reason.
+    fn mark_vacuous(&self, never: Option<String>, out: &mut CheckReport) {
+        if out.verdict == Verdict::Proved
+            && let Some(never) = never
+        {
+            out.vacuous = true;
+            out.note = Some(never);
+        }
+    }
+
+    /// What never happens, although a check is about it.
+    fn never(&self, check: &Single, found: &Findings) -> Option<String> {
+        match check.what {
+            What::Schedulable(task) | What::NoOverdue(task) => self.never_released(task, found),
+            What::Always(pred) => self.never_true(pred, found),
+            _ => None,
+        }
+    }
+
+    /// Why no job of a task is ever released, if none was seen.
+    fn never_released(&self, task: TaskId, found: &Findings) -> Option<String> {
+        let (system, task) = (&self.built.system, self.built.tasks[&task]);
+        let start_up = found.absent.job(task)?.start_up;
+        let why = start_up.map(|it| {
+            let starting = system.task_path(it);
+            format!(": the start-up of `{starting}` never completes")
+        });
+        let path = system.task_path(task);
+        Some(format!(
+            "`{path}` is never released{}",
+            why.unwrap_or_default()
+        ))
+    }
+
+    /// Which part of a predicate was never seen to be true, if the predicate always holds because of that.
+    fn never_true(&self, pred: &Pred, found: &Findings) -> Option<String> {
+        let predicate = |pred: &Pred| resolve::resolve(self.names, self.built, pred).ok();
+        let absent = |it: &Atom| found.absent.has(it);
+        if !predicate(pred)?.is_vacuous(&absent) {
+            return None;
+        }
+        let mut parts = pred.parts();
+        let never = parts.find(|it| match predicate(it) {
+            Some(Predicate::Atom(it) | Predicate::Leave(it)) => absent(&it),
+            _ => false,
+        })?;
+        Some(format!("`{}` never becomes true", never.text()))
     }
 
     fn unless_stopped(

@@ -451,6 +451,35 @@ fn a_request_may_come_before_a_wake_up_is_consumed() {
     );
 }
 
+/// A core is held until its thread has made the wake-ups that follow the last pass: `w`, which `a` wakes as it
+/// ends, asks for the core before it is free, and may be given it before `x`, which has waited for longer.
+#[test]
+fn a_task_that_is_woken_asks_for_a_core_before_it_is_free() {
+    let specification = "component c {
+           version \"1\"; lang \"c\";
+           task w { codel<start> w() yield pause::start wcet 2 ms; };
+           task a { period 10 ms; codel<start> a() yield ether wcet 3 ms; };
+         };
+         component d {
+           version \"1\"; lang \"c\";
+           task x { period 10 ms; delay 1 ms; codel<start> x() yield pause::start wcet 1 ms; };
+         };";
+    for (policy, value) in [("fifo", 3), ("edf", 3), ("any", 5)] {
+        let longest = format!("cores 1; policy {policy}; durations fixed; check response *;");
+        agree_on(specification, &longest);
+        let unit = unit(specification).expect("it has no errors");
+        let parsed = parse(&format!("scenario s {{ semantics servers; {longest} }}"));
+        let input = SystemInput {
+            specs: vec![&unit.spec],
+        };
+        let (options, cancel) = (Options::default(), Cancel::default());
+        let report = verify(&input, &parsed.scenario, &options, &cancel);
+        let of_x = report.checks.iter().find(|it| it.of == "d.x");
+        let found = of_x.and_then(|it| it.value);
+        assert_eq!(found, Some(Value::Time(f64::from(value))), "{policy}");
+    }
+}
+
 /// The slot of a permanent activity that has ended is free when the control task has handled its end.
 #[test]
 fn a_request_may_come_before_the_end_of_the_permanent_activity_is_handled() {

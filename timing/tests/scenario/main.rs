@@ -10,6 +10,7 @@ mod language;
 mod quick;
 mod requests;
 mod told;
+mod vacuous;
 
 use std::time::Duration;
 

@@ -22,6 +22,7 @@ const STATES: Record<VerificationAnswer['status'], string> = {
 
 const CLASSES: Record<VerificationAnswer['checks'][number]['verdict'], string> = {
   proved: 'proved',
+  vacuous: 'gave-up',
   bounded: 'proved',
   exceeds: 'refuted',
   refuted: 'refuted',

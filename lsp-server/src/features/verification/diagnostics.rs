@@ -27,6 +27,7 @@ use crate::workspace::snapshot::Snapshot;
 const MISS: &str = "timing/deadline-miss";
 const EXCEEDED: &str = "timing/response-exceeded";
 const FAILED: &str = "timing/check-failed";
+const VACUOUS: &str = "timing/vacuous-proof";
 pub(super) const GAVE_UP: &str = "timing/gave-up";
 
 /// Places of a run that a diagnostic leads to; the last ones say most.
@@ -110,7 +111,9 @@ fn specification(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Abo
                 && !out
                     .iter()
                     .any(|it: &AboutCheck| it.diagnostic.code == GAVE_UP);
-            if given_up || (asked && it.report.verdict == Verdict::Refuted) {
+            let vacuous =
+                it.outcome == Outcome::Vacuous && it.report.kind == PropertyKind::Schedulable;
+            if given_up || vacuous || (asked && it.report.verdict == Verdict::Refuted) {
                 let found = diagnostic(snapshot, entry, answer, it, path, &task.range);
                 out.extend(found.map(|diagnostic| AboutCheck {
                     changes: changes(answer, it),
@@ -208,6 +211,10 @@ fn diagnostic(
         (Outcome::Proved | Outcome::Bounded | Outcome::Exceeds | Outcome::Open, _) => return None,
         // What is missing is said where it is missing.
         (Outcome::Nothing, _) => return None,
+        (Outcome::Vacuous, kind) => {
+            let why = check.note.as_deref().unwrap_or_default();
+            (VACUOUS, format!("`{kind} {of}` says nothing: {why}"))
+        }
         (Outcome::GaveUp, kind) => (GAVE_UP, {
             let reason = check.gave_up.map(|it| it.reason);
             let advice = advice::of(reason, &answer.problem, Names::Settings);

@@ -189,16 +189,19 @@ fn whole(entry: &Entry) -> String {
     }
 }
 
-/// Of a whole without failures: where something has no limit and exceeds the period of its task, that is no
-/// proof.
+/// Of a whole without failures: where something has no limit and exceeds the period of its task, or never
+/// happens, that is no proof.
 fn proved(entry: &Entry) -> &'static str {
-    let exceeds = |it: &CheckView| it.outcome == Outcome::Exceeds;
+    let weak = |it: &CheckView| matches!(it.outcome, Outcome::Exceeds | Outcome::Vacuous);
     let answer = entry.known();
-    match answer.is_some_and(|it| it.view().checks.iter().any(exceeds)) {
+    match answer.is_some_and(|it| it.view().checks.iter().any(weak)) {
         true => "answered",
         false => "proved",
     }
 }
+
+/// Said of a task without jobs.
+const NEVER: &str = "never released";
 
 /// How a verdict begins, the worst first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -266,6 +269,9 @@ fn verdict(entry: &Entry, task: TaskId) -> Option<(Mark, String)> {
     }
     if first(Outcome::Open).is_some() {
         return say(Mark::Open, "verifying");
+    }
+    if first(Outcome::Vacuous).is_some() {
+        return say(Mark::Unsettled, NEVER);
     }
     if first(Outcome::Bounded).is_some() {
         return say(Mark::Unsettled, &and_measured("perhaps late"));
@@ -394,6 +400,8 @@ fn of_task(entry: &Entry, task: TaskId) -> Option<String> {
         outcome(it)
     } else if has(Outcome::Exceeds) {
         "later than its period".to_owned()
+    } else if has(Outcome::Vacuous) {
+        NEVER.to_owned()
     } else {
         "proved".to_owned()
     };

@@ -4,8 +4,8 @@
 //! one moment it is enough to follow all actions of one *group* of components that has to act before time
 //! passes: nothing that others do first can prevent, enable or delay them (a persistent set). Components are
 //! of one group if a client that is not done addresses both, or if what is asked is about both. On cores that
-//! are given without preemption actions that end a cycle, or begin one, are followed in every order, as the
-//! order of the queue depends on it; so are those of a group of which a task waits for a core.
+//! are given without preemption actions that free a core, or let a task ask for one, are followed in every
+//! order, as the order of the queue depends on it; so are those of a group of which a task waits for a core.
 //!
 //! *Ends that can wait.* As for the published rules (see [`super::lazy`]): with durations from 0 on, an end
 //! that nobody sees gains nothing before the next tick or end of a window, as everything that follows it can

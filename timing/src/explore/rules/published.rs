@@ -145,6 +145,20 @@ impl Rules for Published<'_> {
         self.layout.status(s, task)
     }
 
+    fn awaits_start_up(&self, s: &State, task: usize) -> Option<usize> {
+        let l = &self.layout;
+        let it = &self.system.tasks[task];
+        if !l.started(s, task) {
+            let tasks = &self.system.components[it.component].tasks;
+            return tasks.get(l.starting(s, it.component) as usize).copied();
+        }
+        let first_run = |a: usize| {
+            let mode = l.mode(s, a);
+            mode == layout::mode::FIRST_CODEL || mode == layout::mode::FIRST_RUN
+        };
+        it.permanent.filter(|&a| first_run(a)).map(|_| task)
+    }
+
     #[inline]
     fn missed(&self, s: &State, task: usize) -> bool {
         self.layout.pending(s, task) && self.layout.status(s, task) != TaskStatus::Idle

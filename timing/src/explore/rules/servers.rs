@@ -236,6 +236,15 @@ impl Rules for Servers<'_> {
         }
     }
 
+    fn awaits_start_up(&self, s: &State, task: usize) -> Option<usize> {
+        let l = &self.layout;
+        let component = self.system.tasks[task].component;
+        let tasks = &self.system.components[component].tasks;
+        let before = tasks.get(l.starting(s, component) as usize);
+        let first = l.has(s, task, flag::FIRST).then_some(task);
+        before.copied().filter(|&it| it < task).or(first)
+    }
+
     fn missed(&self, s: &State, task: usize) -> bool {
         let l = &self.layout;
         let in_cycle = self.in_cycle(s, task) && l.has(s, task, flag::TICK);

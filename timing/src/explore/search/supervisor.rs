@@ -249,6 +249,8 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
             reached,
             within,
             never: self.never(watch),
+            absent: (self.proving.absent())
+                .map_or_else(|| layers.watching.seen.absent.clone(), Clone::clone),
             no_deadlock: self.proving.never_deadlocked(),
             deadlock: deadlock.map(|at| Found {
                 run: layers.trace(at, &Target::Deadlock),

@@ -2,6 +2,7 @@
 //! what each step shows.
 
 use super::goals::{GoalId, Goals, PerGoal};
+use crate::explore::absent::Absent;
 use crate::explore::measure::{Gauge, How, Timing};
 use crate::explore::observe::{self, Observer};
 use crate::explore::reductions::{Held, Kinds, Label, Reduced, Reductions, Watched};
@@ -34,6 +35,8 @@ pub(super) struct Seen<P> {
     pub(super) longest: Vec<Option<Longest<P>>>,
     /// Where each gauge exceeds its limit first.
     pub(super) excess: Vec<Option<Sight<P>>>,
+    /// What no state has so far.
+    pub(super) absent: Absent,
     /// Nothing more is wanted.
     pub(super) enough: bool,
 }
@@ -115,6 +118,7 @@ impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
                 goals: goals.each(|_| None),
                 longest: vec![None; gauges.len()],
                 excess: vec![None; gauges.len()],
+                absent: Absent::of(watch),
                 enough: false,
             },
             goals,
@@ -216,6 +220,8 @@ impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
 
     /// Looks at a state that was just entered.
     pub(super) fn check(&mut self, before: Option<&State>, s: &State, at: Sight<P>) {
+        let orbits = self.reductions.orbits();
+        self.seen.absent.look(&self.rules, s, orbits);
         for (goal, task) in self.goals.missed() {
             if self.seen.goals[goal].is_none() && self.rules.missed(s, task) {
                 self.sight(goal, at);

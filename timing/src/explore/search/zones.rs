@@ -16,6 +16,7 @@ use smallvec::SmallVec;
 
 use self::zone::{GREATEST, Zone};
 use super::layers::Layers;
+use crate::explore::absent::Absent;
 use crate::explore::observe;
 use crate::explore::reductions::{Kind, Kinds, Reason, Reduced, Reductions, Watched};
 use crate::explore::rules::{Action, Enabled, with_rules};
@@ -50,6 +51,8 @@ pub(super) struct Zones<'a, R: Reduced> {
     goals: &'a [Predicate],
     /// Which of the goals were reached.
     reached: Vec<bool>,
+    /// What no state has so far.
+    absent: Absent,
     deadlock: bool,
     /// By what goes on, zones that were come to, with their numbers.
     passed: FxHashMap<Box<[u16]>, Vec<(u32, Zone)>>,
@@ -70,6 +73,7 @@ impl<'a, R: Reduced> Zones<'a, R> {
             rules,
             goals,
             reached: vec![false; goals.len()],
+            absent: Absent::of_predicates(goals),
             deadlock: false,
             passed: FxHashMap::default(),
             covered: Vec::new(),
@@ -130,6 +134,8 @@ impl<'a, R: Reduced> Zones<'a, R> {
         for (goal, reached) in self.goals.iter().zip(&mut self.reached) {
             *reached = *reached || observe::predicate(&self.rules, before, s, goal);
         }
+        let orbits = self.reductions.orbits();
+        self.absent.look(&self.rules, s, orbits);
     }
 
     /// Brings the zone of a state, and its windows, up to what is being executed.
@@ -257,6 +263,7 @@ pub struct InZones {
 #[derive(Debug, Clone)]
 pub(super) struct Proof {
     seen: InZones,
+    absent: Absent,
     states: usize,
     steps: u64,
     /// Bytes used in the end, with those of the search it was beside.
@@ -273,6 +280,7 @@ impl<R: Reduced> Zones<'_, R> {
                 deadlock: self.deadlock,
                 refused: services.filter(|&it| self.refused(it)).collect(),
             },
+            absent: self.absent.clone(),
             states: self.covered.len(),
             steps: self.steps,
             bytes: self.bytes,
@@ -374,6 +382,11 @@ impl<'a, R: Reduced> Proving<'a, R> {
     /// Whether a predicate can never be reached.
     pub(super) fn never_reached(&self, predicate: usize) -> bool {
         self.proof().is_some_and(|it| !it.seen.reached[predicate])
+    }
+
+    /// What no state has.
+    pub(super) fn absent(&self) -> Option<&Absent> {
+        self.proof().map(|it| &it.absent)
     }
 
     /// Whether something can always happen.

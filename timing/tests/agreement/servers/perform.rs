@@ -44,6 +44,7 @@ impl Interpreter<'_> {
             }
             Step::Grant(c, t) => {
                 s.queue.retain(|it| *it != (c, t));
+                s.components[c].tasks[t].on_core = true;
                 self.begin(&mut s, c, t, out);
             }
             Step::Begin(c, t) => {
@@ -73,7 +74,10 @@ impl Interpreter<'_> {
             Step::End(c, t, outcome) => self.end(&mut s, c, t, outcome, out),
             Step::Handled(c, goes_on) => self.handled(&mut s, c, goes_on),
             Step::Wake(c, t) => {
-                s.components[c].tasks[t].wake = false;
+                let task = &mut s.components[c].tasks[t];
+                task.wake = false;
+                // After its last pass the thread had this left to do.
+                task.on_core &= task.phase != Phase::Idle;
                 self.wake(&mut s, c, Some(t));
             }
             Step::Rest(c) => self.rest(&mut s, c),
@@ -258,6 +262,7 @@ impl Interpreter<'_> {
     fn end_cycle(&self, s: &mut State, c: usize, t: usize, out: &mut Results) {
         let task = &mut s.components[c].tasks[t];
         task.phase = Phase::Idle;
+        task.on_core &= task.wake;
         let job = task.job.take();
         if task.first == First::InCycle {
             task.first = First::Over;

@@ -224,13 +224,8 @@ impl Interpreter<'_> {
 
     fn grants(&self, s: &State, out: &mut Vec<Step>) {
         let Some(cores) = self.cores else { return };
-        let mut busy = 0;
-        for (c, it) in s.components.iter().enumerate() {
-            for (t, task) in it.tasks.iter().enumerate() {
-                let on_core = !matches!(task.phase, Phase::Idle | Phase::WaitingForCore);
-                busy += usize::from(on_core && self.asks_for_core(s, c, t));
-            }
-        }
+        let tasks = s.components.iter().flat_map(|it| &it.tasks);
+        let busy = tasks.filter(|it| it.on_core).count();
         if busy >= cores || s.queue.is_empty() {
             return;
         }

@@ -89,6 +89,8 @@ pub(super) struct Task {
     pub(super) failed: bool,
     /// The other tasks have to be woken.
     pub(super) wake: bool,
+    /// It was granted a core, and its last pass and the wake-ups after it are not over.
+    pub(super) on_core: bool,
     /// It has ended with its component.
     pub(super) gone: bool,
 }
@@ -224,6 +226,7 @@ impl State {
                 ended: false,
                 failed: false,
                 wake: false,
+                on_core: false,
                 gone: false,
             };
             let tasks: Vec<Task> = it.tasks.iter().map(task).collect();

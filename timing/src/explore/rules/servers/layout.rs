@@ -45,6 +45,8 @@ pub(super) mod flag {
     /// A tick has come while another one waited for a core: its deadline is missed, although no cycle has
     /// begun.
     pub(in super::super) const LATE: u16 = 128;
+    /// The task holds a core: from the grant until its thread has made the wake-ups after its last pass.
+    pub(in super::super) const CORE: u16 = 256;
     /// What a pass leaves behind.
     pub(in super::super) const OF_PASS: u16 = GOES_ON | ENDED | EVENT;
 }

@@ -168,6 +168,7 @@ impl Servers<'_> {
         l.set_thread(s, task, thread::IDLE);
         let first = l.has(s, task, flag::FIRST);
         l.lower(s, task, flag::FIRST);
+        self.free_core(s, task);
         if let (Some(clock), Some(kept)) = (l.response[task], l.kept(task)) {
             // A tick kept begins the next job; one kept from the first cycle counts from now.
             s.t[clock] = if first { 0 } else { s.t[kept] };

@@ -18,6 +18,7 @@ impl Servers<'_> {
                 if let Some(base) = l.ages {
                     s.t[base + task] = 0;
                 }
+                l.raise(s, task, flag::CORE);
                 self.begin_pass(s, task, true);
             }
             Action::Begin { task } => {
@@ -42,6 +43,7 @@ impl Servers<'_> {
             }
             Action::Wake { task } => {
                 l.lower(s, task, flag::WAKE);
+                self.free_core(s, task);
                 let component = self.system.tasks[task].component;
                 for &other in &self.system.components[component].tasks {
                     if other != task {
@@ -91,6 +93,14 @@ impl Servers<'_> {
         // In which order tasks wait means nothing where any of them may be next.
         let sorted = self.system.platform.policy == crate::system::Policy::Any;
         l.core_queue_push(s, task, sorted);
+    }
+
+    /// A thread that has nothing left to do in its cycle frees its core: no pass, and no wake-up.
+    pub(super) fn free_core(&self, s: &mut State, task: usize) {
+        let l = &self.layout;
+        if l.thread_of(s, task) == thread::IDLE && !l.has(s, task, flag::WAKE) {
+            l.lower(s, task, flag::CORE);
+        }
     }
 
     /// Paused automata of an aperiodic task are to be resumed. (To those of a periodic one only ticks do

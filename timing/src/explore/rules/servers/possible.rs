@@ -190,15 +190,9 @@ impl Servers<'_> {
         let Some(cores) = self.system.platform.cores else {
             return true;
         };
-        let busy = |&task: &usize| {
-            let holds = thread::AGAIN..=thread::EXECUTING;
-            let start_up =
-                self.semantics.ticks == TickRule::Task && self.layout.has(s, task, flag::FIRST);
-            holds.contains(&self.layout.thread_of(s, task))
-                && self.system.needs_core(task)
-                && !start_up
-        };
-        (0..self.layout.tasks).filter(busy).count() < cores as usize
+        let l = &self.layout;
+        let busy = (0..l.tasks).filter(|&it| l.has(s, it, flag::CORE));
+        busy.count() < cores as usize
     }
 
     fn ordinary(&self, s: &State, out: &mut Enabled) {

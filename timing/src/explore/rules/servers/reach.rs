@@ -79,7 +79,7 @@ impl Servers<'_> {
         let at_cores = |s: &State| -> Vec<(bool, bool)> {
             let of = |&task: &usize| {
                 let asks = self.begins(s, task) && self.asks_for_core(s, task);
-                (self.in_cycle(s, task), asks)
+                (self.layout.has(s, task, flag::CORE), asks)
             };
             tasks.iter().map(of).collect()
         };

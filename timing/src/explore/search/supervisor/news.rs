@@ -52,6 +52,7 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
                 overdue,
                 reached,
                 never: self.never(watch),
+                absent: self.proving.absent().cloned().unwrap_or_default(),
                 no_deadlock: self.proving.never_deadlocked(),
                 response: vec![None; watch.response.len()],
                 within: vec![None; watch.within.len()],

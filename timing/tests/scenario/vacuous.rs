@@ -1,0 +1,109 @@
+//! What is proved because nothing happens is said to be.
+
+use dotgen_timing::report::{CheckReport, Verdict};
+use dotgen_timing::scn::parse;
+use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
+
+use crate::load;
+
+/// `poll` never gives its core back.
+const BUSY: &str = "component c {
+  version \"1\"; lang \"c\";
+  task poll { codel<start> p() yield start, wait wcet 1 ms; codel<wait> w() yield start wcet 1 ms; };
+  task t { period 10 ms; codel<start> a() yield b wcet 1 ms; codel<b> b() yield pause::b wcet 1 ms; };
+  task u { period 20 ms; codel<start> d() yield pause::start wcet 1 ms; };
+};";
+
+fn checks(items: &str) -> Vec<CheckReport> {
+    let unit = load(BUSY);
+    let parsed = parse(&format!(
+        "scenario s {{ unit 1 ms; durations fixed; {items} }}"
+    ));
+    assert_eq!(parsed.errors, []);
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let (options, cancel) = (Options::default(), Cancel::default());
+    let report = verify(&input, &parsed.scenario, &options, &cancel);
+    assert!(!report.has_errors(), "{:?}", report.diagnostics);
+    report.checks
+}
+
+/// On one core neither `t` nor `u` ever has a cycle; two are enough.
+#[test]
+fn what_holds_of_tasks_that_are_never_released_is_vacuous() {
+    let asked =
+        "check schedulable c.t; check no-overdue c.t; check response c.t; check schedulable c.u;
+        check always not (c.t.b.exec and c.u.start.exec); check within c.t.b.exec => c.u.running;
+        check leadsto c.t.b.exec => c.u.running;";
+    let of_t = "`c.t` is never released: the start-up of `c.t` never completes";
+    let first = "the first predicate never becomes true";
+    let reasons = [
+        of_t,
+        of_t,
+        of_t,
+        "`c.u` is never released: the start-up of `c.t` never completes",
+        "`c.t.b.exec` never becomes true",
+        first,
+        first,
+    ];
+    for policy in ["fifo", "any"] {
+        let found = checks(&format!("cores 1; policy {policy}; {asked}"));
+        for (it, reason) in found.iter().zip(reasons) {
+            assert_eq!(it.verdict, Verdict::Proved, "{policy}: {it:?}");
+            assert_eq!(
+                (it.vacuous, it.note.as_deref()),
+                (true, Some(reason)),
+                "{policy}"
+            );
+        }
+    }
+    let found = checks(&format!("cores 2; policy fifo; {asked}"));
+    assert!(found.iter().all(|it| !it.vacuous), "{found:?}");
+}
+
+/// That something never happens is a claim of its own; so is what holds for another reason.
+#[test]
+fn what_claims_that_something_never_happens_is_not_vacuous() {
+    let found = checks(
+        "cores 1; policy fifo; check always not c.t.b.exec; check always (c.u.idle or c.u.running);
+         check always not (c.t.b.exec or c.u.running); check always not (c.poll.wait.exec and c.poll.start.exec);",
+    );
+    assert!(
+        found
+            .iter()
+            .all(|it| it.verdict == Verdict::Proved && !it.vacuous)
+    );
+}
+
+/// Also where analysis alone has a bound: `t` would go first, but is started only after `low`, which `high`
+/// keeps from the core for ever.
+#[test]
+fn a_bound_of_analysis_proves_nothing_of_a_task_without_jobs() {
+    let unit = load(
+        "component c { version \"1\"; lang \"c\";
+           task low { period 10 ms; priority 9; codel<start> l() yield pause::start wcet 1 ms; };
+           task t { period 10 ms; priority 1; codel<start> a() yield pause::start wcet 1 ms; };
+         };
+         component d { version \"1\"; lang \"c\";
+           task high { priority 2; codel<start> p() yield wait wcet 1 ms; codel<wait> w() yield start wcet 1 ms; };
+         };",
+    );
+    let text = "scenario s { unit 1 ms; durations fixed; cores 1; policy priority; check schedulable c.t; }";
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let parsed = parse(text);
+    let report = verify(
+        &input,
+        &parsed.scenario,
+        &Options::default(),
+        &Cancel::default(),
+    );
+    let it = &report.checks[0];
+    assert_eq!((it.verdict, it.vacuous), (Verdict::Proved, true), "{it:?}");
+    let json = serde_json::to_value(it).expect("it has a JSON form");
+    assert_eq!(json["vacuous"], true);
+    let reason = "`c.t` is never released: the start-up of `c.low` never completes";
+    assert_eq!(json["note"], reason);
+}
