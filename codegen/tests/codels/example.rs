@@ -112,6 +112,9 @@ fn sources_of_another_component_in_the_folder_are_not_judged() {
         let root = workspace().join(format!("examples/quadcopter/{component}.gen"));
         let report = check(&mut project, &[root]);
         let counts = report.counts();
-        assert!(!counts.contains_key("codel/orphan"), "{component}: {counts:?}");
+        assert!(
+            !counts.contains_key("codel/orphan"),
+            "{component}: {counts:?}"
+        );
     }
 }

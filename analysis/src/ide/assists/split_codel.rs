@@ -1,43 +1,46 @@
-//! One state in two: the second part of a codel gets a state of its own.
+//! One state in two: a new codel comes first, and leads to the one that was there, in a state of its own.
 
 use dotgen_syntax::ast::{self, AstNode};
 
 use super::{Assist, AssistKind, Cx};
 
-/// `codel<a> f() yield b;` → `codel<a> f() yield a_next; codel<a_next> f_next() yield b;`
+/// `codel<a> f() yield b;` → `codel<a> f_first() yield a_next; codel<a_next> f() yield b;`
+///
+/// The function that was there keeps its name and what it returns, so that sources only need a function for
+/// the new codel.
 pub(super) fn split_codel(cx: &Cx<'_, '_>) -> Option<Assist> {
     let codel: ast::Codel = cx.ancestor()?;
     let property = ast::CodelProperty::cast(codel.syntax().parent()?)?;
     let (triggers, yields) = (codel.triggers()?, codel.yields()?);
-    let (name, params) = (codel.name()?, codel.param_list()?);
+    let name = codel.name()?;
     if !cx.is_plain(property.syntax()) {
         return None;
     }
     let map = cx.view.map();
     let first = triggers.states().next()?.name_ref()?.text(map);
     let state = cx.unused_name(&format!("{first}_next"));
-    let function = cx.unused_name(&format!("{}_next", name.text(map)));
-    let states: Vec<_> = yields.states().collect();
+    let function = cx.unused_name(&format!("{}_first", name.text(map)));
+    let states: Vec<_> = triggers.states().collect();
     let (from, to) = (states.first()?, states.last()?);
+    let bound = cx.node_range(from.syntax()).start..cx.node_range(to.syntax()).end;
+    let targets: Vec<_> = yields.states().collect();
+    let (from, to) = (targets.first()?, targets.last()?);
     let targets = cx.node_range(from.syntax()).start..cx.node_range(to.syntax()).end;
     let whole = cx.node_range(property.syntax());
-    let params_range = cx.node_range(params.syntax());
-    // Everything from the parameters on is as it was: line ends, targets, execution time.
-    let rest = cx.slice(params_range.start..whole.end);
-    let word = if property.is_async() {
-        "async codel"
-    } else {
-        "codel"
-    };
+    let name = cx.node_range(name.syntax());
+    // Everything else is as it was: line ends, parameters, execution time.
+    let head = cx.slice(whole.start..name.start);
+    let middle = cx.slice(name.end..targets.start);
+    let tail = cx.slice(targets.end..whole.end);
     let indent = cx.indent(whole.start).to_owned();
-    let second = format!("\n{indent}{word}<{state}> {function}{rest}");
+    let new = format!("{head}{function}{middle}{state}{tail}\n{indent}");
     Some(Assist {
         id: "split-codel",
         title: format!("Split state `{first}` in two"),
         kind: AssistKind::Rewrite,
         edits: vec![
-            cx.edit(targets, state.as_str()),
-            cx.edit(whole.end..whole.end, second),
+            cx.edit(whole.start..whole.start, new),
+            cx.edit(bound, state.as_str()),
         ],
     })
 }
@@ -47,7 +50,7 @@ mod tests {
     use super::super::tests::{check, refused};
 
     #[test]
-    fn the_second_part_leads_where_the_first_did() {
+    fn the_codel_that_was_there_comes_second() {
         check(
             "split-codel",
             "component c {
@@ -61,9 +64,9 @@ mod tests {
             "component c {
   ids { long x; };
   task t {
-    codel<start> f(out x)
+    codel<start> f_first(out x)
       yield start_next;
-    codel<start_next> f_next(out x)
+    codel<start_next> f(out x)
       yield pause::start, ether;
   };
 };

@@ -227,3 +227,96 @@ async fn stubs_of_a_component_without_sources_make_the_files_of_the_skeleton() {
         drop(client);
     }
 }
+
+const LAMP: &str = "component lamp {
+  version \"1\";
+  lang \"c\";
+  ids { double wanted, light; };
+  task main {
+    period 10 ms;
+    codel<start> lamp_start(out light) yield main wcet 1 ms;
+    codel<main, dim> lamp_main(in wanted, inout light)
+      yield pause::main, dim wcet 1 ms;
+    codel<stop> lamp_stop(in light) yield ether wcet 1 ms;
+  };
+};
+";
+
+/// The functions return one of their events.
+const LAMP_CODELS: &str = "#include \"aclamp.h\"
+#include \"lamp_c_types.h\"
+
+/** Codel lamp_start of task main.
+ *
+ * Triggered by lamp_start.
+ * Yields to lamp_main.
+ */
+genom_event
+lamp_start(double *light, const genom_context self)
+{
+  *light = 0.;
+  return lamp_main;
+}
+
+/** Codel lamp_main of task main.
+ *
+ * Triggered by lamp_main, lamp_dim.
+ * Yields to lamp_pause_main, lamp_dim.
+ */
+genom_event
+lamp_main(double wanted, double *light, const genom_context self)
+{
+  if (*light > wanted) return lamp_dim;
+  return lamp_pause_main;
+}
+
+/** Codel lamp_stop of task main.
+ *
+ * Triggered by lamp_stop.
+ * Yields to lamp_ether.
+ */
+genom_event
+lamp_stop(double light, const genom_context self)
+{
+  return lamp_ether;
+}
+";
+
+fn lamp() -> Folder {
+    Folder::new(&[
+        ("lamp.gen", LAMP),
+        ("codels/lamp_main_codels.c", LAMP_CODELS),
+    ])
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_state_is_split_on_both_sides() {
+    let original = lamp();
+    let uri = original.uri("lamp.gen");
+    let before = check(&path(&uri));
+    let mut client = Client::start(original.params(capable())).await;
+    client.pushed(&uri).await;
+    let mut split = Vec::new();
+    for (offset, _) in LAMP.match_indices("codel<") {
+        let start = place_at(LAMP, offset + "codel<".len());
+        let range = json!({ "start": start, "end": start });
+        let actions = client.actions(&uri, &range, Some("refactor")).await;
+        let found = actions
+            .into_iter()
+            .filter(|it| title(it).starts_with("Split state"));
+        split.extend(found);
+    }
+    client.finish().await;
+    assert_eq!(split.len(), 3);
+    for action in split {
+        let copy = lamp();
+        let moved = action.to_string().replace(&original.uri(""), &copy.uri(""));
+        let action: Value = serde_json::from_str(&moved).expect("JSON");
+        let title = title(&action);
+        assert!(title.ends_with(", and change the codels"), "{action:#}");
+        write(&action["edit"]);
+        assert_eq!(check(&path(&copy.uri("lamp.gen"))), before, "{title}");
+        let code = read(path(&copy.uri("codels/lamp_main_codels.c")));
+        assert!(code.contains("_first("), "{code}");
+    }
+}
