@@ -216,3 +216,25 @@ component arm {
     client.ignore("textDocument/publishDiagnostics");
     drop(client);
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_package_and_what_it_may_bring_have_the_same_offers() {
+    let text = "#pragma require \"nav-idl\"\n#include \"nav/nav.gen\"\n";
+    let folder = Folder::new(&[
+        ("arm.gen", text),
+        ("idl/nav/nav.gen", "interface nav {};\n"),
+        ("pc/nav-idl.pc", "Name: nav\nDescription: x\nVersion: 1\n"),
+    ]);
+    for line in [0, 1] {
+        for title in [
+            "Search `idl` for included files, in dotgen.toml",
+            "Search `pc` for packages, in dotgen.toml",
+            "Write a stand-in for `nav/nav.gen`",
+        ] {
+            let at = json!({ "line": line, "character": 12 });
+            let (mut client, _, _) = quick_fix(&folder, at, title).await;
+            client.ignore("textDocument/publishDiagnostics");
+            drop(client);
+        }
+    }
+}

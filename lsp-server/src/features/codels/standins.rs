@@ -39,7 +39,8 @@ pub(crate) fn changes(specification: &Utf8Path, stand_ins: &[StandIn]) -> Vec<Fi
     out
 }
 
-/// "Write a stand-in for…" at a finding that says that files or packages are not there: one for each file.
+/// "Write a stand-in for…" at a missing package, one for each file that it may bring, and at the inclusion of a
+/// missing file, for that file.
 pub(crate) fn actions(
     snapshot: &Snapshot,
     subject: &Subject,
@@ -52,9 +53,13 @@ pub(crate) fn actions(
         .iter()
         .filter(|it| is_environment(it.code))
         .filter(touches);
-    let Some(cause) = here.next() else {
+    let cause = here.next();
+    let missing = snapshot.analysis.missing_includes(&subject.path)?;
+    let mut missing = missing.iter().map(|it| &it.range);
+    // An inclusion that waits for a package has no finding of its own.
+    if cause.is_none() && !missing.any(|it| it.start <= range.end && range.start <= it.end) {
         return Ok(Vec::new());
-    };
+    }
     let root = snapshot.analysis.root_of(&subject.path)?;
     let all = snapshot.analysis.stand_ins(&root)?;
     // At an include: for that file. At a package: for all that it may bring.
@@ -73,7 +78,7 @@ pub(crate) fn actions(
             continue;
         }
         // At a package the finding stays: a stand-in takes the place of a file, not of the package.
-        let mended = Some(cause).filter(|_| only_here);
+        let mended = cause.filter(|_| only_here);
         let shown = match mended {
             Some(cause) => diagnostic::to_proto(snapshot, cause)?,
             None => None,

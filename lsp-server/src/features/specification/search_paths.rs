@@ -36,8 +36,8 @@ const PACKAGES: Setting = Setting {
     wanted: "packages",
 };
 
-/// For every included file and every required package of a range that is not found: the directories in which
-/// it is.
+/// At a missing file or package: for every missing file, and every missing package, the directories in which it
+/// is. A file may come from a package, so both are looked for at either.
 pub(crate) fn fixes(
     snapshot: &Snapshot,
     subject: &Subject,
@@ -45,10 +45,15 @@ pub(crate) fn fixes(
     out: &mut Vec<CodeActionOrCommand>,
 ) -> Cancellable<()> {
     let touches = |it: &Range<usize>| it.start <= range.end && range.start <= it.end;
-    let includes = snapshot.analysis.missing_includes(&subject.path)?;
-    let includes = includes.into_iter().filter(|it| touches(&it.range));
-    let packages = snapshot.analysis.missing_packages(&subject.path)?;
-    let packages = packages.into_iter().filter(|it| touches(&it.range));
+    let mut includes = snapshot.analysis.missing_includes(&subject.path)?;
+    let mut packages = snapshot.analysis.missing_packages(&subject.path)?;
+    let at_include = includes.iter().any(|it| touches(&it.range));
+    let at_package = packages.iter().any(|it| touches(&it.range));
+    if !at_include && !at_package {
+        return Ok(());
+    }
+    includes.retain(|it| at_package || touches(&it.range));
+    packages.retain(|it| at_include || touches(&it.range));
     let Some(project) = project(snapshot, &subject.path) else {
         return Ok(());
     };
@@ -57,7 +62,7 @@ pub(crate) fn fixes(
             add(snapshot, &project, &INCLUDES, &directory, out)?;
         }
     }
-    for name in packages.flat_map(|it| it.names) {
+    for name in packages.into_iter().flat_map(|it| it.names) {
         // What has its requirement not met, but is found, is of a wrong version: no directory mends that.
         let file = format!("{name}.pc");
         let mut found = below(&project, Utf8Path::new(&file));
