@@ -18,6 +18,7 @@ use dotgen_timing::report::TaskId;
 use dotgen_timing::scn::names::Names;
 use serde_json::{Value, json};
 
+use crate::features::codels::judged::Offers;
 use crate::features::commands::SHOW_VERIFICATION;
 use crate::protocol::types::*;
 use crate::verification::{Problem, problem};
@@ -73,7 +74,8 @@ pub(crate) fn actions(
     snapshot: &Snapshot,
     subject: &Subject,
     range: &Range<usize>,
-) -> Cancellable<Vec<CodeAction>> {
+    offers: &mut Offers<'_, '_, '_>,
+) -> Cancellable<Vec<CodeActionOrCommand>> {
     let mut out = Vec::new();
     if snapshot.client.verification_status {
         for (uri, found) in diagnostics::at(snapshot, &subject.path, range)? {
@@ -81,15 +83,22 @@ pub(crate) fn actions(
                 crate::features::convert::diagnostic::to_proto(snapshot, &found.diagnostic)?;
             for change in &found.changes {
                 let of = diagnostic.clone();
-                out.extend(remedy::action(snapshot, &found.problem, change, of)?);
+                out.extend(remedy::action(
+                    snapshot,
+                    offers,
+                    &found.problem,
+                    change,
+                    of,
+                )?);
             }
             if found.diagnostic.code == diagnostics::GAVE_UP {
                 // There is no run to show; a scenario is what helps.
-                out.extend(write_out(snapshot, subject, range, diagnostic)?);
+                let scenario = write_out(snapshot, subject, range, diagnostic)?;
+                out.extend(scenario.map(CodeActionOrCommand::CodeAction));
                 continue;
             }
             let arguments = Some(vec![argument(&uri, Some(found.check))]);
-            out.push(CodeAction {
+            out.push(CodeActionOrCommand::CodeAction(CodeAction {
                 title: "Show the timeline of the run".to_owned(),
                 kind: Some(CodeActionKind::QUICKFIX),
                 diagnostics: diagnostic.map(|it| vec![it]),
@@ -99,10 +108,11 @@ pub(crate) fn actions(
                     arguments,
                 )),
                 ..CodeAction::default()
-            });
+            }));
         }
     }
-    out.extend(write_out(snapshot, subject, range, None)?);
+    let scenario = write_out(snapshot, subject, range, None)?;
+    out.extend(scenario.map(CodeActionOrCommand::CodeAction));
     Ok(out)
 }
 

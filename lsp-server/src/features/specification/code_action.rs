@@ -67,9 +67,13 @@ fn offered(
             }));
         }
     }
-    for it in crate::features::verification::actions(snapshot, subject, &range)? {
-        if it.kind.as_ref().is_none_or(wanted) {
-            actions.push(CodeActionOrCommand::CodeAction(it));
+    for it in crate::features::verification::actions(snapshot, subject, &range, offers)? {
+        let kind = match &it {
+            CodeActionOrCommand::CodeAction(it) => it.kind.as_ref(),
+            CodeActionOrCommand::Command(_) => None,
+        };
+        if kind.is_none_or(wanted) {
+            actions.push(it);
         }
     }
     actions::actions(snapshot, subject, &range, &codels, offers, &mut actions)?;

@@ -1,20 +1,22 @@
 //! The quick fixes of a missed deadline: changes with which it was verified to be met.
 
 use dotgen_analysis::host::Cancellable;
+use dotgen_codegen::codels::edit::Edit;
 use dotgen_timing::advice::Change;
 
-use crate::features::convert::edit::{with_edit, workspace_edit};
-use crate::protocol::types::{CodeAction, CodeActionKind, Diagnostic};
+use crate::features::codels::judged::Offers;
+use crate::protocol::types::{CodeAction, CodeActionKind, CodeActionOrCommand, Diagnostic};
 use crate::verification::{Problem, changes};
 use crate::workspace::snapshot::Snapshot;
 
-/// The action for a change; none where it is no edit.
+/// The action for a change; `None` if the change is not an edit, or the judge refuses the edit.
 pub(super) fn action(
     snapshot: &Snapshot,
+    offers: &mut Offers<'_, '_, '_>,
     problem: &Problem,
     change: &Change,
     diagnostic: Option<Diagnostic>,
-) -> Cancellable<Option<CodeAction>> {
+) -> Cancellable<Option<CodeActionOrCommand>> {
     let Some(edit) = changes::edit(&snapshot.analysis, problem, change)? else {
         return Ok(None);
     };
@@ -27,6 +29,5 @@ pub(super) fn action(
         diagnostics: diagnostic.map(|it| vec![it]),
         ..CodeAction::default()
     };
-    let edited = workspace_edit(snapshot, &[edit])?;
-    Ok(with_edit(snapshot, action, edited))
+    offers.action(action, &Edit::of(&[edit]), None)
 }
