@@ -1,5 +1,5 @@
-//! Text for terminals. What others have named or written is data: a file name may hold the characters
-//! that make a terminal do something.
+//! Text for terminals. Foreign names and texts are data: a file name may contain control characters of a
+//! terminal.
 
 use std::borrow::Cow;
 use std::fmt::Write;

@@ -15,7 +15,7 @@ pub struct Machine<'m> {
 }
 
 impl<'m> Machine<'m> {
-    /// The machine that some codels form; those without states are left out.
+    /// The machine of some codels; those without states are left out.
     pub fn new(codels: &'m [Codel]) -> Self {
         let codels: Vec<(u32, &Codel)> = (0..)
             .zip(codels)
@@ -30,7 +30,7 @@ impl<'m> Machine<'m> {
         Self { codels, by_state }
     }
 
-    /// Whether there are no codels.
+    /// Returns true if there are no codels.
     pub fn is_empty(&self) -> bool {
         self.codels.is_empty()
     }
@@ -52,8 +52,8 @@ impl<'m> Machine<'m> {
         self.by_state.get(state).copied()
     }
 
-    /// Every state that can be reached from a state, itself included, following all yields, plain or
-    /// paused. Empty when the state has no codel.
+    /// Every state that can be reached from a state, itself included, following all yields, plain or paused.
+    /// Empty if the state has no codel.
     pub fn reachable(&self, from: &str) -> FxHashSet<&'m str> {
         let mut reached = FxHashSet::default();
         let Some((&from, _)) = self.by_state.get_key_value(from) else {

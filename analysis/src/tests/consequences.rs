@@ -236,7 +236,7 @@ fn texts_taken_for_code_are_one_error() {
         &text("doc \"What\nit does.\" doc \"more\"; typedef nope n;"),
         &["missing-semicolon", "unknown-type"],
     );
-    // A text over several lines that is none of its business hides nothing.
+    // An unrelated string over several lines hides nothing.
     check(
         &text("dok \"What\nit does.\"; typedef nope n;"),
         &["syntax", "unknown-type"],
@@ -315,7 +315,7 @@ fn an_activity_that_breaks_off_is_not_asked_for_what_would_follow() {
         assert_eq!(asked.count(), 0, "{unfinished}: {found:?}");
         assert!(!found.is_empty(), "{unfinished}");
     }
-    // The one before is complete, and its own fault.
+    // The task before is complete and unaffected.
     let text = "component c {\n  task t;\n  activity home() { };\n  activity\n};\n";
     assert!(codes(text).contains(&"activity-task"), "{:?}", codes(text));
 }

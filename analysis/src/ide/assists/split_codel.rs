@@ -1,4 +1,4 @@
-//! One state in two: the second part of a codel gets a state of its own.
+//! Splits a state: the second part of a codel gets a state of its own.
 
 use dotgen_syntax::ast::{self, AstNode};
 
@@ -22,7 +22,7 @@ pub(super) fn split_codel(cx: &Cx<'_, '_>) -> Option<Assist> {
     let targets = cx.node_range(from.syntax()).start..cx.node_range(to.syntax()).end;
     let whole = cx.node_range(property.syntax());
     let params_range = cx.node_range(params.syntax());
-    // Everything from the parameters on is as it was: line ends, targets, execution time.
+    // The text from the parameters on stays unchanged: line ends, targets, execution time.
     let rest = cx.slice(params_range.start..whole.end);
     let word = if property.is_async() {
         "async codel"
