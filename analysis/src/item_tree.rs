@@ -204,7 +204,7 @@ pub struct CaseLabel {
 /// A type where it is used.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TypeRef {
-    /// What was written.
+    /// The kind, as written.
     pub kind: TypeRefKind,
     /// The type specifier.
     pub ptr: Ptr,
@@ -264,7 +264,7 @@ pub struct Path {
 /// A constant expression.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Expr {
-    /// What was written.
+    /// The kind, as written.
     pub kind: ExprKind,
     /// The whole expression.
     pub ptr: Ptr,

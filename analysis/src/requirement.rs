@@ -153,8 +153,8 @@ pub(crate) fn of_path(db: &dyn Db, path: &camino::Utf8Path) -> ReleaseChoice {
     of_project(db, db.workspace(), directory).clone()
 }
 
-/// The release of a unit by its inputs: the release of the project of the first, or their own requirement if
-/// it is greater and not overridden.
+/// The release of a unit by its inputs: a given release, or the greater of the lower bounds of the first
+/// input's project and of the inputs themselves.
 pub(crate) fn of_inputs(db: &dyn Db, inputs: &[SourceFile]) -> ReleaseChoice {
     let Some(first) = inputs.first() else {
         return ReleaseChoice::default();

@@ -4,8 +4,8 @@
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// A text as a terminal may show it: line ends and tabs as they are, every other control character, and
-/// what changes the direction of the text, as `\u{1b}`.
+/// A text that is safe for a terminal: line ends and tabs stay. Other control characters, and characters
+/// that change the direction of the text, are shown as `\u{1b}`.
 pub fn text(text: &str) -> Cow<'_, str> {
     if !text.chars().any(is_harmful) {
         return text.into();

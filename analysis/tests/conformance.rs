@@ -21,7 +21,7 @@ use dotgen_analysis::{
 };
 use serde_json::Value as Json;
 
-/// Reads the disk, and asks the package tool in the environment of the case.
+/// Reads the disk, and runs the package tool in the environment of the case.
 struct Disk {
     env: Mutex<Vec<(String, String)>>,
 }

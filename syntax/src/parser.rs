@@ -49,7 +49,7 @@ const MAX_ERRORS: usize = 500;
 
 /// The result of the grammar for a file.
 pub(crate) struct Said {
-    /// How to build the tree.
+    /// The events that build the tree.
     pub(crate) events: Vec<Event>,
     /// The errors in text order, up to the maximum number.
     pub(crate) errors: Vec<SyntaxError>,

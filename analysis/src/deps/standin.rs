@@ -157,7 +157,8 @@ fn first_of<'s>(spec: &'s Spec, gap: &Gap) -> Option<(&'s Name, bool)> {
     imports(spec, gap).next()
 }
 
-/// The first unknown interface among those that a component uses, or provides and extends.
+/// The first unknown interface among those that a component uses if `used`, otherwise among those that it
+/// provides or extends.
 fn brings<'s>(spec: &'s Spec, gap: &Gap, used: bool) -> Option<&'s Name> {
     imports(spec, gap)
         .find(|it| it.1 == used)

@@ -85,7 +85,7 @@ pub(crate) fn repairs(text: &str, at: TextRange) -> Vec<TextFix> {
     kept.into_iter().map(fix).collect()
 }
 
-/// Number of errors of the lexer, the preprocessor and the parser, without what is included.
+/// Number of errors of the lexer, the preprocessor and the parser, without those in included files.
 fn errors_in(text: &str) -> usize {
     let raw = lex(text);
     let read = preprocess(&"".into(), text, &raw, MacroEnv::default(), &mut NoIncludes);
@@ -131,8 +131,8 @@ impl Window<'_> {
         self.at.saturating_sub(BEFORE).min(end)..end
     }
 
-    /// The distance of a token from the error: 0 at the error itself, then the tokens before it, then those
-    /// after it.
+    /// The distance of a token from the error. It is 0 at the error itself; at equal distance, tokens before
+    /// the error are nearer than those after it.
     fn distance(&self, number: usize) -> u32 {
         let far = number.abs_diff(self.at) as u32;
         2 * far + u32::from(number > self.at)

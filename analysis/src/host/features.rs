@@ -292,8 +292,8 @@ impl Analysis {
             .flatten())
     }
 
-    /// The edit that sets the period or delay of the task around a place; `None` if there is no plain place
-    /// to edit.
+    /// The edit that sets the period or delay of the task around a place; `None` if the text comes from a
+    /// macro or there is no place for it.
     pub fn with_task_time(
         &self,
         path: &Utf8Path,

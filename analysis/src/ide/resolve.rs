@@ -266,7 +266,7 @@ pub(crate) fn find_identities<'db>(
     found.map(|it| it.id).collect()
 }
 
-/// Number of units from which a query does not cache the results.
+/// Maximum number of units of a query whose results are cached. A query over more units caches none of them.
 const MANY: usize = 32;
 
 /// The elaboration of a unit, as one of `count` units of the same query.

@@ -48,7 +48,7 @@ pub fn unused(unit: &Elaborated, is_root: impl Fn(u32) -> bool) -> Vec<Finding> 
     out
 }
 
-/// Marks an enum as used if one of its values is.
+/// Returns true if a type is an enum and one of its values is used.
 fn enumerators_used(
     unit: &Elaborated,
     ty: Option<crate::model::TypeId>,

@@ -70,7 +70,7 @@ pub fn parts<'a>(specs: impl IntoIterator<Item = &'a Spec>) -> Vec<Part<'a>> {
 }
 
 impl<'a> System<'a> {
-    /// A system. `Connections` are the known ones; the others are found by type and name.
+    /// A system with known connections; the others are found by type and name.
     pub fn new(
         parts: impl IntoIterator<Item = Part<'a>>,
         connections: &'a [Connection],

@@ -70,8 +70,8 @@ impl<'m> Machine<'m> {
             .filter_map(|s| self.position(&s.name))
     }
 
-    /// Returns true if one of some states is `from`'s successor without a pause, directly or indirectly, or
-    /// is `from` itself: a transition from there to `from` that does not pause would close a cycle.
+    /// Returns true if a wanted state is reached from `from` without a pause, or is `from` itself: a
+    /// transition from that state to `from` that does not pause would close a cycle.
     pub fn reaches_without_pause(&self, from: &str, is_wanted: impl Fn(&str) -> bool) -> bool {
         let mut seen = vec![false; self.codels.len()];
         let mut pending: Vec<usize> = self.position(from).into_iter().collect();

@@ -103,12 +103,14 @@ impl Machine<'_> {
     }
 
     /// The longest path from one state to another, without the first, each state with true if there is a
-    /// pause before it. `Ok(None)` or an error of the same kind as [`Machine::leg`] if there is no path; a
-    /// cycle if there is no longest one.
+    /// pause before it. `Ok(None)` if there is no path.
+    ///
+    /// # Errors
+    /// Returns a cycle if paths of any length exist.
     fn longest_between(&self, from: &str, to: &str) -> Result<Option<Leg>, Vec<String>> {
         let mut best: FxHashMap<String, Best> = FxHashMap::default();
-        // Paths never contain `from` or `to` as inner states: a choice of the reader is met where it was
-        // made.
+        // Paths never contain `from` or `to` as inner states: the next choice of the reader is at the end of
+        // the leg.
         let inner = |state: &str| state != from && state != to && self.position(state).is_some();
         // The states that lead to the goal: only cycles through those matter.
         let leads = self.leading_to(from, to);

@@ -155,7 +155,7 @@ fn is_about_machines(code: &str) -> bool {
     )
 }
 
-/// Tasks and services with text that was not understood, or that break off: the text may be a codel.
+/// Tasks and services that contain text without a parse, or that end early: a codel may be lost in the text.
 #[salsa::tracked]
 fn broken_machines<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<TextRange> {
     let parse = parsed(db, key);

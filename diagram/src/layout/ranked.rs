@@ -158,7 +158,7 @@ impl Ranked {
         }
     }
 
-    /// Brings the groups of a rank together, in the order of their places in it.
+    /// Makes the groups of a rank contiguous, in the order of their places in it.
     pub(super) fn gather(&mut self, rank: usize) {
         let group = &self.group;
         let layer = &mut self.layers[rank];

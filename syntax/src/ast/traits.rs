@@ -42,7 +42,7 @@ pub trait HasName: AstNode {
 
 /// A declaration whose body holds items (declarations, properties, members or cases).
 pub trait HasBody: AstNode {
-    /// The braces and what is between them.
+    /// The braces with the text between them.
     fn body(&self) -> Option<Body> {
         support::child(self.syntax())
     }

@@ -33,7 +33,7 @@ impl fmt::Display for Arguments {
     }
 }
 
-/// How to install required packages.
+/// The packages to install.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Install(pub Vec<SmolStr>);
 

@@ -563,7 +563,8 @@ impl<'a, 'db> Names<'a, 'db> {
         }
     }
 
-    /// Returns true if no name from an interface clashes with a name of the component.
+    /// Returns true if no name from an interface clashes with a name of the component. False if the interface
+    /// is not known.
     fn has_room_for(&self, interface: &str) -> bool {
         let Some(interface) = self
             .spec()
@@ -625,7 +626,7 @@ pub(in crate::ide) fn qualifier(words: &[Word]) -> (bool, Vec<SmolStr>) {
     (false, segments)
 }
 
-/// Whether an expression ends in an operand: an operator comes next, or nothing.
+/// Returns true if an expression ends in an operand, so that an operator or nothing comes next.
 fn is_operand(before: &[Word]) -> bool {
     use dotgen_syntax::SyntaxKind::*;
     let last = before.last().map(|it| it.kind);
