@@ -558,6 +558,9 @@ pub mod ratio_serde {
     use serde::{Deserialize, Deserializer, Serializer, de::Error};
 
     /// Writes `num/den`.
+    ///
+    /// # Errors
+    /// Returns the error of the serializer.
     pub fn serialize<S: Serializer>(value: &Ratio<i128>, to: S) -> Result<S::Ok, S::Error> {
         to.collect_str(&format_args!("{}/{}", value.numer(), value.denom()))
     }

@@ -134,8 +134,8 @@ impl UnitLocations {
         }
     }
 
-    /// The same places in the present texts of the files, as far as they still exist. `text` returns the old
-    /// and the new text of a file.
+    /// The places in the present texts of the files, as far as they still exist. `text` returns the old and
+    /// the new text of a file.
     pub fn moved(&self, text: impl Fn(&Utf8Path) -> Option<(Arc<str>, Arc<str>)>) -> UnitLocations {
         let mut out = self.clone();
         for places in out.visits.iter_mut().flatten() {

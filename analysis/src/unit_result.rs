@@ -28,7 +28,7 @@ pub struct UnitResult {
     pub files: Vec<Utf8PathBuf>,
     /// Maps ids to places.
     pub locations: Arc<UnitLocations>,
-    /// Every word of its files, if it has errors: a declaration may be lost in text that was not understood.
+    /// Every word of its files, if it has errors: a declaration may be lost in text that does not parse.
     pub words: Arc<FxHashSet<SmolStr>>,
     /// True if a file ends at an error: the text that should follow is missing.
     pub is_cut: bool,
@@ -49,7 +49,7 @@ impl UnitResult {
         all.any(|it| it.severity == Severity::Error && !codes::is_environment(it.code))
     }
 
-    /// Returns true if some of its text was not understood.
+    /// Returns true if some of its text does not parse.
     pub fn has_syntax_errors(&self) -> bool {
         let mut errors = self
             .diagnostics

@@ -239,6 +239,9 @@ impl<'a> Mapper<'a> {
     }
 
     /// A name in the language: scopes joined by the language's separator, blanks and `+` replaced.
+    ///
+    /// # Errors
+    /// Fails in Tcl.
     pub fn cname(&self, name: &str) -> LangResult {
         match self.language {
             Language::C => Ok(text::c_name(name)),
@@ -248,11 +251,17 @@ impl<'a> Mapper<'a> {
     }
 
     /// [`Mapper::cname`] of the full name of a type.
+    ///
+    /// # Errors
+    /// Fails for an anonymous type, and in Tcl.
     pub fn type_cname(&self, ty: TypeId) -> LangResult {
         self.cname(&self.full_name(ty)?)
     }
 
     /// The name of an opaque type.
+    ///
+    /// # Errors
+    /// Fails in Tcl.
     pub(crate) fn opaque_name(&self, ty: TypeId) -> LangResult {
         match self.spec.ty(ty).name {
             Some(_) => self.type_cname(ty),
@@ -260,8 +269,11 @@ impl<'a> Mapper<'a> {
         }
     }
 
-    /// A name for the type that is a valid identifier and different for different types. The same
-    /// in every language.
+    /// A name for the type that is a valid identifier and different for different types. The same in every
+    /// language.
+    ///
+    /// # Errors
+    /// Fails if a constructed type without a name is inside.
     pub fn mangle(&self, ty: TypeId) -> LangResult {
         let kind = self.kind(ty);
         Ok(match kind {
@@ -292,6 +304,9 @@ impl<'a> Mapper<'a> {
     }
 
     /// The declaration of a variable of a type, or the abstract declarator if `var` is empty.
+    ///
+    /// # Errors
+    /// Fails for types that the language cannot declare, such as `any`, and in Tcl.
     pub fn declarator(&self, ty: TypeId, var: &str) -> LangResult {
         match self.language {
             Language::C => c::declarator(self, ty, var),
@@ -301,6 +316,9 @@ impl<'a> Mapper<'a> {
     }
 
     /// The address of a variable of a type.
+    ///
+    /// # Errors
+    /// Fails in Tcl.
     pub fn address(&self, ty: TypeId, var: &str) -> LangResult {
         match self.language {
             Language::C => Ok(c::address(self, ty, var)),
@@ -310,6 +328,9 @@ impl<'a> Mapper<'a> {
     }
 
     /// The declaration of a function parameter.
+    ///
+    /// # Errors
+    /// Fails for types that the language cannot declare or pass, and in Tcl.
     pub fn argument(&self, ty: TypeId, passing: Passing, var: &str) -> LangResult {
         match self.language {
             Language::C => c::argument(self, ty, passing, var),
@@ -319,6 +340,9 @@ impl<'a> Mapper<'a> {
     }
 
     /// The expression that passes a variable for a parameter of this type and way of passing.
+    ///
+    /// # Errors
+    /// Fails for types that the language cannot pass, and in Tcl.
     pub fn pass(&self, ty: TypeId, passing: Passing, var: &str) -> LangResult {
         match self.language {
             Language::C => c::pass(self, ty, passing, var),
@@ -328,6 +352,9 @@ impl<'a> Mapper<'a> {
     }
 
     /// The value of a parameter of this type and way of passing, inside the function.
+    ///
+    /// # Errors
+    /// Fails in Tcl.
     pub fn dereference(&self, ty: TypeId, passing: Passing, var: &str) -> LangResult {
         match self.language {
             Language::C => Ok(c::dereference(self, ty, passing, var)),
@@ -337,6 +364,9 @@ impl<'a> Mapper<'a> {
     }
 
     /// [`Mapper::return_value`] for a way of passing given by its name.
+    ///
+    /// # Errors
+    /// Fails for an unknown name, and like [`Mapper::return_value`].
     pub fn return_value_by_name(&self, ty: TypeId, passing: &str, var: &str) -> LangResult {
         let parsed = Passing::from_name(passing);
         let pointer = matches!(
@@ -355,6 +385,9 @@ impl<'a> Mapper<'a> {
     }
 
     /// The declaration of a returned value, or of a variable if `var` is not empty.
+    ///
+    /// # Errors
+    /// Fails for types that the language cannot declare or return, and in Tcl.
     pub fn return_value(&self, ty: TypeId, passing: Passing, var: &str) -> LangResult {
         match self.language {
             Language::C => c::return_value(self, ty, passing, var),
@@ -363,8 +396,11 @@ impl<'a> Mapper<'a> {
         }
     }
 
-    /// The definitions of types and the prototypes of codels, with the includes they need.
-    /// `locations` adds `#line` marks.
+    /// The definitions of types and the prototypes of codels, with the includes they need. `locations` adds
+    /// `#line` marks.
+    ///
+    /// # Errors
+    /// Fails for types that the language cannot declare, and in Tcl.
     pub fn mapping(&self, objects: &[MapObject], locations: bool) -> LangResult {
         match self.language {
             Language::C => c_types::mapping(self, objects, locations),
@@ -374,6 +410,9 @@ impl<'a> Mapper<'a> {
     }
 
     /// [`Mapper::mapping`] of every type of the specification, in order of creation.
+    ///
+    /// # Errors
+    /// Fails like [`Mapper::mapping`].
     pub fn mapping_all(&self, locations: bool) -> LangResult {
         let objects: Vec<MapObject> = (0..self.spec.types.len() as u32)
             .map(|i| MapObject::Type(TypeId(i)))
@@ -382,6 +421,9 @@ impl<'a> Mapper<'a> {
     }
 
     /// A comment in the language.
+    ///
+    /// # Errors
+    /// Fails in Tcl.
     pub fn comment(&self, text: &str) -> LangResult {
         match self.language {
             Language::C => Ok(text::c_comment(text)),
@@ -390,7 +432,10 @@ impl<'a> Mapper<'a> {
         }
     }
 
-    /// The file extension of sources or headers.
+    /// The file extension of sources or headers, with its dot.
+    ///
+    /// # Errors
+    /// Fails in Tcl.
     pub fn file_extension(&self, header: bool) -> LangResult {
         match (self.language, header) {
             (Language::C | Language::Cxx, true) => Ok(".h".into()),

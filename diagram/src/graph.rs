@@ -108,7 +108,7 @@ impl Line {
         }
     }
 
-    /// The same line with an origin of its own.
+    /// The line with an origin of its own.
     pub fn at(self, origin: Option<Origin>) -> Line {
         Line { origin, ..self }
     }

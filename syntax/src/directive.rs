@@ -84,7 +84,7 @@ pub enum DirectiveKind {
 /// The name after `#undef`, `#ifdef` or `#ifndef`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Operand {
-    /// `None` if there is no name.
+    /// `None` if the name is missing.
     pub name: Option<Name>,
     /// The tokens after the name, or in its place.
     pub rest: Range<u32>,
@@ -115,7 +115,7 @@ pub enum IncludeForm {
 /// A `#define` as written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Define {
-    /// `None` if there is no name.
+    /// `None` if the name is missing.
     pub name: Option<Name>,
     /// `None` for an object-like macro.
     pub params: Option<Params>,

@@ -68,7 +68,7 @@ impl Elaborator<'_> {
         self.report_newer();
     }
 
-    /// The lints of a component, as far as its declarations were understood.
+    /// The lints of a component, as far as its declarations were resolved.
     fn lint(&mut self, index: usize) {
         if !self.components[index].tasks.iter().any(|it| it.incomplete) {
             for lint in crate::check::lints(&self.spec.components[index]) {

@@ -172,7 +172,7 @@ impl<'a> Elaborator<'a> {
         self.ids_param(index, member, &written)
     }
 
-    // What a name means
+    // The meaning of a name
 
     pub(super) fn ids_member(&self, index: u32, name: &str) -> Option<TypeId> {
         let scope = self.components[index as usize].ids?;

@@ -54,7 +54,7 @@ impl Missing {
                 && (self.incomplete || self.names_lost_word(db, key, range))
     }
 
-    /// Returns true if a range mentions a word whose declaration may not have been understood.
+    /// Returns true if a range mentions a word whose declaration may not have been parsed.
     fn names_lost_word(&self, db: &dyn Db, key: FileKey<'_>, range: TextRange) -> bool {
         let text = key.file(db).text(db);
         let text = text.get(bytes(range)).unwrap_or_default();
@@ -65,7 +65,7 @@ impl Missing {
     }
 }
 
-/// Returns true if some text that may contain any declaration was not read or understood.
+/// Returns true if some text that may contain any declaration was not read or parsed.
 fn is_incomplete(db: &dyn Db, key: FileKey<'_>) -> bool {
     let facts = text_facts(db, key);
     if facts.inside_out.is_some() || facts.bad_include || facts.misplaced_includes {
@@ -163,7 +163,7 @@ fn broken_machines<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<TextRange> {
         return Vec::new();
     }
     let text = key.file(db).text(db);
-    // A declaration without its `;` is understood if it has braces.
+    // A declaration without its `;` is complete if it has braces.
     let is_lost = |node: &SyntaxNode| {
         let range = node.text_range();
         let ended = node.last_token();
@@ -191,8 +191,7 @@ fn broken_machines<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<TextRange> {
         .collect()
 }
 
-/// Returns true if some text on the line of a place was not understood: a time without its unit is in
-/// seconds.
+/// Returns true if some text on the line of a place does not parse: a time without its unit is in seconds.
 fn has_error_on_line(db: &dyn Db, key: FileKey<'_>, range: TextRange) -> bool {
     let text = key.file(db).text(db);
     let line = |at: usize| text.get(..at).map(|it| it.matches('\n').count());

@@ -188,7 +188,7 @@ fn a_machine_that_is_not_understood_is_not_judged() {
             fixture.all_diagnostics()
         );
     }
-    // Without its `;` it is understood.
+    // Without its `;` the declaration is complete.
     check(
         &machine("codel<start> f(out x) yield main wcet 1 ms", "ether"),
         &["missing-semicolon", "fsm/unreachable-state", of_u],

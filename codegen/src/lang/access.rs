@@ -6,6 +6,9 @@ use super::{LangError, LangResult, Language, Mapper};
 
 impl Mapper<'_> {
     /// The text that accesses a member of a variable of the type. `path` holds member names and indexes.
+    ///
+    /// # Errors
+    /// Fails for a member that does not exist, for a type without members, and in Tcl.
     pub fn member(&self, ty: TypeId, path: &[String]) -> LangResult {
         match self.language {
             Language::C | Language::Cxx => self.access(ty, path),
@@ -14,6 +17,9 @@ impl Mapper<'_> {
     }
 
     /// [`Mapper::member`] for a path of the model.
+    ///
+    /// # Errors
+    /// Fails like [`Mapper::member`].
     pub fn member_path(&self, ty: TypeId, path: &[PathElement]) -> LangResult {
         let path: Vec<String> = path
             .iter()

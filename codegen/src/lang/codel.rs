@@ -10,6 +10,9 @@ impl Mapper<'_> {
     ///
     /// The lines are cut as in GenoM3, which loses a character where an argument holds a comma (C++
     /// templates): [`Mapper::prototype`] does not.
+    ///
+    /// # Errors
+    /// Fails for parameters whose type the language cannot declare, and in Tcl.
     pub fn signature(
         &self,
         component: u32,
@@ -34,6 +37,9 @@ impl Mapper<'_> {
     }
 
     /// The prototype of a codel in valid C or C++, cut into lines between arguments only.
+    ///
+    /// # Errors
+    /// Fails like [`Mapper::signature`].
     pub fn prototype(&self, component: u32, codel: &Codel, separator: &str) -> LangResult {
         let arguments = self.codel_arguments(component, codel)?;
         let symbol = self.cname(&codel.name)?;
@@ -97,6 +103,9 @@ impl Mapper<'_> {
     }
 
     /// A call of a codel with the given arguments.
+    ///
+    /// # Errors
+    /// Fails for a wrong number of arguments, and in Tcl.
     pub fn invoke(&self, component: u32, codel: &Codel, arguments: &[String]) -> LangResult {
         let expected = match self.language {
             Language::C => codel.params.len() + 1,

@@ -151,6 +151,9 @@ fn add_type(
 }
 
 /// The digest of an object; for classes without one, the digest of empty input.
+///
+/// # Errors
+/// Fails if `filter` fails, or rejects an object outside of a list.
 pub(crate) fn digest(
     model: &Model<'_>,
     object: &Object,

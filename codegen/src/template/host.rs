@@ -107,6 +107,9 @@ pub(crate) struct Host {
 impl Host {
     /// Starts the interpreter in a directory (empty: the current one). With `capture`, its error channel is
     /// kept for [`Host::take_errors`]; otherwise it is inherited.
+    ///
+    /// # Errors
+    /// Fails if there is no Tcl shell, or if it cannot be started.
     pub(crate) fn start(
         processes: &dyn Processes,
         limits: &Limits,
@@ -191,6 +194,9 @@ impl Host {
     }
 
     /// Sends a message.
+    ///
+    /// # Errors
+    /// Returns the reason if the process has ended.
     pub(crate) fn send(&mut self, words: &[&[u8]]) -> Result<(), String> {
         let lengths: Vec<String> = words.iter().map(|word| word.len().to_string()).collect();
         let mut message = lengths.join(" ").into_bytes();

@@ -112,6 +112,9 @@ impl Modes {
     }
 
     /// Sets one mode given as `MODE`, `+MODE` or `-MODE`; returns its name and value if it changed.
+    ///
+    /// # Errors
+    /// Fails for an unknown mode.
     pub(crate) fn set(&mut self, word: &str) -> Result<Option<(&'static str, bool)>, Failure> {
         let (name, value) = match word.split_at_checked(1) {
             Some(("+", name)) => (name, true),
@@ -261,6 +264,10 @@ impl Output {
     }
 
     /// Puts a text at the path given by a template, according to the current modes.
+    ///
+    /// # Errors
+    /// Fails if the modes do not allow to change an existing file, if a merge fails, for unknown permissions,
+    /// and for a path outside the folders of a confined template.
     pub(crate) fn commit(
         &mut self,
         name: &str,

@@ -50,6 +50,9 @@ impl Reach {
     }
 
     /// Refuses to read a file elsewhere. Missing files are reported by the reader.
+    ///
+    /// # Errors
+    /// Fails for a file that exists outside of the readable folders.
     pub(crate) fn check_read(&self, disk: &dyn Disk, path: &Path) -> Result<(), Failure> {
         match disk.canonical(path) {
             Ok(path) if !self.read.iter().any(|it| path.starts_with(it)) => {

@@ -9,6 +9,9 @@ const MAX_DEPTH: u32 = 200;
 
 /// Returns true if the condition holds. `tokens` are macro-expanded, except for the operands of `defined`,
 /// which are passed to `is_defined`.
+///
+/// # Errors
+/// Fails for an invalid expression, and if the value depends on a division by zero.
 pub(crate) fn evaluate(
     tokens: &[Token],
     is_defined: impl Fn(&str) -> bool,

@@ -259,7 +259,7 @@ pub(super) fn statements(
     }
 }
 
-/// A clause with an existing name for each `@word`; `None` if there is no such name.
+/// A clause with an existing name for each `@word`; `None` if a name is missing.
 fn filled(
     names: &Names<'_, '_>,
     context: &Context,

@@ -85,6 +85,9 @@ impl Staged {
     }
 
     /// Bytes of a file, `None` if it does not exist.
+    ///
+    /// # Errors
+    /// Fails if the file on disk cannot be read.
     pub(crate) fn read(&self, disk: &dyn Disk, path: &Path) -> io::Result<Option<Vec<u8>>> {
         match self.files.get(&plain(disk, path)) {
             Some(file) => Ok(Some(file.after.clone())),
@@ -98,6 +101,9 @@ impl Staged {
     }
 
     /// Stores bytes at a path, replacing any existing content.
+    ///
+    /// # Errors
+    /// Fails if an existing file on disk cannot be read.
     pub(crate) fn write(&mut self, disk: &dyn Disk, path: &Path, bytes: &[u8]) -> io::Result<()> {
         let path = plain(disk, path);
         let known = self.files.get(&path);
@@ -116,6 +122,9 @@ impl Staged {
     }
 
     /// The mode that a file would have with permissions in one of the forms of Tcl.
+    ///
+    /// # Errors
+    /// Fails for an unknown form.
     pub(crate) fn mode(&self, disk: &dyn Disk, path: &Path, text: &str) -> Result<u32, Failure> {
         let known = self.files.get(&plain(disk, path)).and_then(|it| it.mode);
         let current = known.unwrap_or_else(|| match disk.status(path).map_or(0, |it| it.mode) {
@@ -133,7 +142,10 @@ impl Staged {
         }
     }
 
-    /// Gives a file permissions, in one of the forms of Tcl.
+    /// Sets the permissions of a file, in one of the forms of Tcl.
+    ///
+    /// # Errors
+    /// Fails for an unknown form.
     pub(crate) fn set_permissions(
         &mut self,
         disk: &dyn Disk,
