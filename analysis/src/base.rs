@@ -68,9 +68,9 @@ pub enum FileStatus {
     Directory,
     /// A text with replacement characters.
     NotUtf8,
-    /// It cannot be read; the reason.
+    /// The path cannot be read; the reason.
     Unreadable(String),
-    /// It has this many bytes, more than the limit.
+    /// The size in bytes, which is over the limit.
     TooLarge(u64),
 }
 
@@ -86,7 +86,7 @@ pub struct Packages {
 /// The installed GenoM3.
 #[salsa::input(debug)]
 pub struct Installed {
-    /// Its release; `None` if none is found.
+    /// The release; `None` if none is found.
     pub release: Option<ReleaseChoice>,
 }
 

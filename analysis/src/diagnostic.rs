@@ -53,7 +53,7 @@ pub struct Diagnostic {
 /// A message of the reference compiler.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Reference {
-    /// Its words.
+    /// The words.
     pub text: String,
     /// Byte offset in the file at which it reports the problem.
     pub at: usize,

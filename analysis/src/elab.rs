@@ -132,11 +132,11 @@ pub enum DefKind {
 /// [`Reference::declaration`] set for the other places.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Definition {
-    /// Its own index.
+    /// The index of the definition.
     pub id: DefId,
-    /// Its kind.
+    /// The kind.
     pub kind: DefKind,
-    /// Its name.
+    /// The name.
     pub name: SmolStr,
     /// The name token. For a completed forward declaration, the token of the completion.
     pub src: Src,
@@ -144,10 +144,10 @@ pub struct Definition {
     pub node: Src,
     /// The entity that contains it; `None` at global scope.
     pub container: Option<DefId>,
-    /// Its type object (types, constants, members, ports, states), or the type of its value
+    /// The type object (types, constants, members, ports, states), or the type of its value
     /// (parameters and local variables).
     pub ty: Option<TypeId>,
-    /// Its place in the model, if it is not a type object.
+    /// The place in the model, if it is not a type object.
     pub entity: Option<Entity>,
 }
 

@@ -165,11 +165,11 @@ impl Near {
 /// A finding at a node of the item tree.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Finding {
-    /// Its kind.
+    /// The kind.
     pub kind: Kind,
-    /// Its severity.
+    /// The severity.
     pub severity: Severity,
-    /// Its place.
+    /// The place.
     pub at: Src,
     /// Related places, each with its role.
     pub related: Vec<(Src, Role)>,

@@ -121,7 +121,7 @@ pub struct NavTarget {
     pub focus_range: Range<usize>,
     /// The name.
     pub name: SmolStr,
-    /// Its kind.
+    /// The kind.
     pub kind: SymbolKind,
     /// Name of the declaration that contains it.
     pub container: Option<SmolStr>,
@@ -134,11 +134,11 @@ pub struct DocumentSymbol {
     pub name: String,
     /// Type, direction, period…
     pub detail: Option<String>,
-    /// Its kind.
+    /// The kind.
     pub kind: SymbolKind,
     /// The whole declaration.
     pub range: Range<usize>,
-    /// Its name; always inside `range`.
+    /// The name; always inside `range`.
     pub selection_range: Range<usize>,
     /// The declarations in it.
     pub children: Vec<DocumentSymbol>,
@@ -149,11 +149,11 @@ pub struct DocumentSymbol {
 pub struct WorkspaceSymbol {
     /// The name.
     pub name: SmolStr,
-    /// Its kind.
+    /// The kind.
     pub kind: SymbolKind,
     /// Name of the declaration that contains it.
     pub container: Option<SmolStr>,
-    /// Its name token.
+    /// The name token.
     pub target: FileRange,
 }
 
@@ -171,7 +171,7 @@ pub enum FoldKind {
 pub struct FoldingRange {
     /// From the first character folded to the last.
     pub range: Range<usize>,
-    /// Its content; `None` for the body of a declaration.
+    /// The content; `None` for the body of a declaration.
     pub kind: Option<FoldKind>,
 }
 
@@ -266,9 +266,9 @@ impl TokenModifiers {
 pub struct SemanticToken {
     /// Byte offsets.
     pub range: Range<usize>,
-    /// Its type.
+    /// The type.
     pub ty: TokenType,
-    /// Its modifiers.
+    /// The modifiers.
     pub modifiers: TokenModifiers,
 }
 

@@ -343,7 +343,7 @@ pub enum Unit {
 pub struct Duration {
     /// The number.
     pub value: Expr,
-    /// Its unit, with its place.
+    /// The unit, with its place.
     pub unit: Option<(Unit, Ptr)>,
     /// The unit directly follows a number literal, without a blank (see deviation D29).
     pub glued: bool,
@@ -354,11 +354,11 @@ pub struct Duration {
 /// One property. Any property may be written anywhere; the elaborator reports illegal places.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Property {
-    /// Its kind.
+    /// The kind.
     pub kind: PropertyKind,
     /// From its first token to its `;`.
     pub ptr: Ptr,
-    /// Its keyword.
+    /// The keyword.
     pub keyword: Ptr,
 }
 

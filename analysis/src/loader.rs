@@ -16,7 +16,7 @@ pub enum FileContent {
     Directory,
     /// A file that is not UTF-8, with its text decoded by `dotgen_syntax::encoding::decode`.
     NotUtf8(String),
-    /// It cannot be read; the reason.
+    /// The path cannot be read; the reason.
     Unreadable(String),
 }
 
@@ -62,7 +62,7 @@ pub trait Loader: Send + Sync {
 /// An entry of a directory.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct DirEntry {
-    /// Its name.
+    /// The name.
     pub name: String,
     /// True if it is a directory.
     pub is_dir: bool,

@@ -77,7 +77,7 @@ pub struct Spec {
 pub struct Body {
     /// The visit.
     pub visit: u32,
-    /// Its top-level item; `None` for the whole of a file that is included in the body.
+    /// The top-level item of the visit; `None` for the whole of a file that is included in the body.
     pub item: Option<u32>,
     /// Index into [`Spec::components`].
     pub component: u32,
@@ -118,7 +118,7 @@ pub struct Quantity {
 /// A component or an interface.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Component {
-    /// Its name.
+    /// The name.
     pub name: Name,
     /// Component or interface.
     pub kind: ComponentKind,
@@ -197,9 +197,9 @@ pub enum PortDir {
 /// A port.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Port {
-    /// Its name.
+    /// The name.
     pub name: Name,
-    /// Its declaration (the name).
+    /// The declaration (the name).
     pub src: Src,
     /// Direction as seen from this component (already reversed for `uses`).
     pub dir: PortDir,
@@ -237,11 +237,11 @@ pub struct ServiceList {
 /// An attribute, function or activity.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Service {
-    /// Its name.
+    /// The name.
     pub name: Name,
-    /// Its last declaration (the name).
+    /// The last declaration (the name).
     pub src: Src,
-    /// Its kind.
+    /// The kind.
     pub kind: ServiceKind,
     /// `doc`
     pub doc: Option<String>,
@@ -266,15 +266,15 @@ pub struct Service {
 /// A service of an interface that the component uses.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Remote {
-    /// Its name.
+    /// The name.
     pub name: Name,
     /// The service in the interface.
     pub src: Src,
     /// Kind of the service.
     pub kind: ServiceKind,
-    /// Its parameters.
+    /// The parameters.
     pub params: Vec<Param>,
-    /// Its own type object.
+    /// The type object of the remote.
     pub ty: TypeId,
     /// The interface it comes from: index into [`Spec::components`].
     pub interface: u32,
@@ -305,7 +305,7 @@ pub struct Codel {
     pub src: Src,
     /// The whole declaration.
     pub node: Src,
-    /// Its purpose.
+    /// The purpose.
     pub kind: CodelKind,
     /// `async`
     pub is_async: bool,

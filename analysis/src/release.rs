@@ -10,7 +10,7 @@ pub use dotgen_syntax::release::{Area, CHANGES, Change, Entry, NoRelease, Releas
 pub struct ReleaseChoice {
     /// The release.
     pub release: Release,
-    /// Its origin.
+    /// The origin.
     pub origin: ReleaseOrigin,
 }
 

@@ -73,7 +73,7 @@ pub fn width(text: &str, metrics: Metrics) -> f64 {
     em * metrics.size
 }
 
-/// True for East Asian scripts and emoji, roughly: twice as wide.
+/// Returns true for East Asian scripts and emoji, approximately: they are twice as wide.
 fn is_wide(c: char) -> bool {
     c >= '\u{1100}' && !('\u{2000}'..'\u{2E80}').contains(&c)
 }

@@ -51,7 +51,7 @@ pub struct Bar {
     pub label: String,
     /// One sentence for tooltips and screen readers.
     pub description: String,
-    /// Its kind.
+    /// The kind.
     pub kind: BarKind,
     /// The target of a click: opaque to this crate.
     pub link: Option<String>,
@@ -78,7 +78,7 @@ pub struct Mark {
     pub at: u64,
     /// One sentence for tooltips and screen readers.
     pub description: String,
-    /// Its kind.
+    /// The kind.
     pub kind: MarkKind,
     /// The target of a click: opaque to this crate.
     pub link: Option<String>,

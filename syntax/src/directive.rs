@@ -154,7 +154,7 @@ pub struct Pragma {
 /// One word of a pragma.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PragmaArg {
-    /// Its text; quotes removed, `\"` replaced by `"`.
+    /// The text; quotes removed, `\"` replaced by `"`.
     pub text: SmolStr,
     /// True if the word was written between quotes.
     pub quoted: bool,

@@ -72,7 +72,7 @@ pub enum Element {
 pub struct VirtualToken {
     /// Kind after re-lexing (pasting and stringizing included).
     pub kind: SyntaxKind,
-    /// Its text.
+    /// The text.
     pub text: SmolStr,
     /// The origin of its spelling.
     pub origin: Origin,

@@ -179,7 +179,7 @@ impl Area {
 /// A line of the table of changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Entry {
-    /// Its name in code.
+    /// The name in code.
     pub change: Change,
     /// The first release that has it.
     pub since: Release,

@@ -31,7 +31,7 @@ pub struct StandIn {
     pub at: Range<usize>,
     /// The path to write it to.
     pub path: Utf8PathBuf,
-    /// Its text.
+    /// The text.
     pub text: String,
 }
 

@@ -17,7 +17,7 @@ use crate::{
 /// The place of use of a type, as far as forward declarations are concerned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Use {
-    /// Its contents must be known.
+    /// The contents of the type must be known.
     Value,
     /// As the element of a sequence or optional.
     Element,

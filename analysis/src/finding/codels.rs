@@ -14,7 +14,7 @@ use crate::{
 pub struct OwnerName {
     /// `task`, `attribute`, `function` or `activity`.
     pub kind: &'static str,
-    /// Its name.
+    /// The name.
     pub name: Name,
 }
 

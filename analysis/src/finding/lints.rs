@@ -13,9 +13,9 @@ use crate::{
 /// A codel and its owner.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct CodelName {
-    /// Its name.
+    /// The name.
     pub name: Name,
-    /// Its task or service.
+    /// The task or service.
     pub owner: OwnerName,
 }
 

@@ -49,7 +49,7 @@ pub struct Assist {
     pub id: &'static str,
     /// The action, in the imperative.
     pub title: String,
-    /// Its kind, for menus.
+    /// The kind, for menus.
     pub kind: AssistKind,
     /// Edits that do not overlap.
     pub edits: Vec<FileEdit>,

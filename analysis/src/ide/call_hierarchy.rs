@@ -31,11 +31,11 @@ pub struct CallKey {
 /// A state or service with its place.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CallItem {
-    /// Its name.
+    /// The name.
     pub name: String,
     /// Codel and machine.
     pub detail: String,
-    /// Its kind.
+    /// The kind.
     pub kind: SymbolKind,
     /// The file.
     pub path: Utf8PathBuf,

@@ -69,7 +69,7 @@ pub enum LensKind {
 pub struct CodeLens {
     /// The name of the declaration.
     pub range: Range<usize>,
-    /// Its content.
+    /// The content.
     pub kind: LensKind,
 }
 
@@ -207,7 +207,7 @@ fn accesses(elaborated: &Elaborated, it: &Definition) -> Accesses {
     out
 }
 
-/// True for input, and true for output.
+/// Returns true for input, and true for output.
 fn directions(dir: ParamDir) -> (bool, bool) {
     match dir {
         ParamDir::In => (true, false),

@@ -57,7 +57,7 @@ pub struct CodelPlace {
 pub struct CompletionItem {
     /// The displayed text.
     pub label: String,
-    /// Its kind.
+    /// The kind.
     pub kind: CompletionKind,
     /// Type, direction…
     pub detail: Option<String>,
@@ -71,7 +71,7 @@ pub struct CompletionItem {
     pub filter: Option<String>,
     /// Smaller comes first.
     pub rank: u8,
-    /// Its definition, for [`CompletionDoc`].
+    /// The definition, for [`CompletionDoc`].
     pub definition: Option<u32>,
     /// Set for the name of a codel: functions that no specification names fit here as well.
     pub codel: Option<CodelPlace>,

@@ -74,7 +74,7 @@ pub struct InlayHint {
     pub at: usize,
     /// The text.
     pub label: String,
-    /// Its kind.
+    /// The kind.
     pub kind: InlayKind,
     /// An explanation, in Markdown.
     pub tooltip: String,

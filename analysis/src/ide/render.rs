@@ -48,7 +48,7 @@ pub(crate) fn one_line(view: &FileView<'_>, node: &SyntaxNode) -> String {
     layout.out.trim_end().to_owned()
 }
 
-/// True for directives, excluded text, and macro calls.
+/// Returns true for directives, excluded text, and macro calls.
 fn is_hidden(token: &SyntaxToken, within: &SyntaxNode) -> bool {
     token
         .parent_ancestors()

@@ -25,7 +25,7 @@ use crate::{
 
 /// One unit before and after.
 pub(crate) struct Comparison {
-    /// Its root.
+    /// The root.
     pub(crate) root: SourceFile,
     pub(crate) before: Arc<Elaborated>,
     pub(crate) after: Arc<Elaborated>,

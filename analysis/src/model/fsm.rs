@@ -8,7 +8,7 @@ use super::{Codel, CodelKind, Name};
 /// The machine of one task or activity.
 #[derive(Debug, Clone)]
 pub struct Machine<'m> {
-    /// Its codels, with their index among all codels of the owner.
+    /// The codels, with their index among all codels of the owner.
     pub codels: Vec<(u32, &'m Codel)>,
     /// The codel of each state, by position in `codels`.
     by_state: FxHashMap<&'m str, usize>,

@@ -24,7 +24,7 @@ pub struct Gap {
 pub enum Missing {
     /// An interface, so that any of its declarations may be missing.
     Interface {
-        /// Its name.
+        /// The name.
         name: Name,
         /// True if it is only used: no tasks, services and codels of the component come from it.
         used: bool,
@@ -33,14 +33,14 @@ pub enum Missing {
     Language,
     /// An exception in a list of exceptions.
     Exception {
-        /// Its path as written.
+        /// The path as written.
         name: Name,
         /// The task or service that throws it; `None` for the component.
         owner: Option<Owner>,
     },
     /// A type or constant.
     Name {
-        /// Its path as written.
+        /// The path as written.
         name: Name,
         /// True if it is used as a constant.
         constant: bool,
@@ -54,9 +54,9 @@ pub enum Missing {
     },
     /// A port, service or member that a codel names.
     Source {
-        /// Its name.
+        /// The name.
         name: Name,
-        /// Its kind as written; `None` if it is not written.
+        /// The kind as written; `None` if it is not written.
         kind: Option<SourceKind>,
         /// The access of the codel.
         dir: ParamDir,
@@ -65,13 +65,13 @@ pub enum Missing {
     },
     /// A task that an activity names, which an unknown interface may declare.
     Task {
-        /// Its name.
+        /// The name.
         name: Name,
     },
     /// A service in the `interrupts`, `before` or `after` of another one, which an unknown interface may
     /// declare.
     Service {
-        /// Its name.
+        /// The name.
         name: Name,
     },
 }

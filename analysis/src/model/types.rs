@@ -12,14 +12,14 @@ pub struct TypeId(pub u32);
 /// enumerators, states, ports, remotes).
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Type {
-    /// Its kind.
+    /// The kind.
     pub kind: TypeKind,
     /// Name inside its scope; `None` for anonymous types.
     pub name: Option<Name>,
     /// Enclosing scopes, outermost first; empty at global scope. An anonymous type has the scopes of the
     /// place where it was written.
     pub scope: Vec<Scope>,
-    /// Its declaration (its name if it has one).
+    /// The declaration (its name if it has one).
     pub src: Src,
     /// The struct, union or exception it is nested in.
     pub parent: Option<TypeId>,
@@ -32,7 +32,7 @@ pub struct Type {
 pub struct Scope {
     /// Kind of scope.
     pub kind: ScopeKind,
-    /// Its name.
+    /// The name.
     pub name: Name,
 }
 

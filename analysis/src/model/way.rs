@@ -11,7 +11,7 @@ use super::fsm::Machine;
 pub enum Way {
     /// The path with the longest execution time.
     Longest {
-        /// Its states, the given ones and those between.
+        /// The states, the given ones and those between.
         states: Vec<String>,
         /// Sum of the worst-case execution times of the codels of all its states, including the last one, in
         /// seconds. Time in pauses is not included.

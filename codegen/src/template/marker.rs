@@ -73,7 +73,7 @@ pub(crate) struct Piece {
     pub program: usize,
     /// Range in the source, in characters; without tags.
     pub source: Range<usize>,
-    /// Its kind.
+    /// The kind.
     pub kind: PieceKind,
 }
 

@@ -13,7 +13,7 @@ use super::marker::{LITERAL, SUBSTITUTE};
 pub(crate) struct Flaw {
     /// The range of the error.
     pub range: Range<usize>,
-    /// Its kind.
+    /// The kind.
     pub kind: FlawKind,
 }
 

@@ -33,9 +33,9 @@ pub(super) struct Chunk {
     pub(super) indent: usize,
     /// Levels of lists (parameters, initializers) around it.
     pub(super) list_depth: usize,
-    /// It opens a list of this depth.
+    /// Depth of the list that the piece opens.
     pub(super) opens_list: Option<usize>,
-    /// It is the first token of a property value, under which further lines are aligned.
+    /// Set for the first token of a property value, under which further lines are aligned.
     pub(super) opens_hang: Option<usize>,
     /// White space around it is not touched.
     pub(super) frozen: bool,
@@ -43,7 +43,7 @@ pub(super) struct Chunk {
     pub(super) newlines: usize,
     /// White space before it in the text, line breaks included.
     pub(super) spaced: bool,
-    /// It is in a body that is written on one line.
+    /// True if the piece is in a body that is written on one line.
     pub(super) flat: bool,
     /// True if the piece begins an item of a body.
     pub(super) first_of_item: bool,

@@ -25,7 +25,7 @@ enum Continuation {
 /// A list or value that further lines may continue.
 #[derive(Debug, Clone, Copy)]
 struct Open {
-    /// Its depth.
+    /// The depth.
     depth: usize,
     /// Column of the line it begins on, in the text and as printed.
     anchor: (usize, usize),

@@ -20,7 +20,7 @@ pub(crate) enum Event {
     Finish,
     /// The next token of the input, under this kind.
     Token {
-        /// Its kind: a contextual keyword has become one here.
+        /// The kind: a contextual keyword has become one here.
         kind: SyntaxKind,
     },
 }

@@ -11,9 +11,9 @@ use crate::{
 /// A macro definition.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Macro {
-    /// Its name.
+    /// The name.
     pub name: SmolStr,
-    /// Its form.
+    /// The form.
     pub kind: MacroKind,
     /// The replacement.
     pub(crate) body: Vec<BodyToken>,

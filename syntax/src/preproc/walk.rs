@@ -481,7 +481,7 @@ impl Walker<'_> {
         self.error(self.expander.raw_range(i), stray(text));
     }
 
-    /// Returns true if the last token is a comment without an end.
+    /// Reports a comment without an end as the last token.
     fn report_open_comment(&mut self) {
         if !self.open_comment {
             self.open_comment = true;

@@ -41,9 +41,9 @@ const SHARED: TokenSet = TokenSet::new(&[DOC_KW, THROWS_KW]);
 #[derive(Clone, Copy)]
 pub(super) struct Body<'a> {
     pub(super) fragment: Fragment,
-    /// Its owner, for messages.
+    /// The owner, for messages.
     pub(super) owner: &'a str,
-    /// Its `{`, unless that is missing.
+    /// The `{`, unless that is missing.
     brace: Option<usize>,
     /// First token of the declaration that it belongs to.
     item: usize,
