@@ -1,4 +1,4 @@
-//! What the benchmarks of a workspace read: components of 700 lines that share an interface.
+//! The input of the workspace benchmarks: components of 700 lines that share an interface.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 /// specifications.
 const ACTIVITIES: usize = 36;
 
-/// The file `types.idl` that each includes.
+/// The file `types.idl` that each component includes.
 pub(crate) const TYPES: &str = "#ifndef TYPES\n#define TYPES
 module geo {
   struct vec { double x, y, z; };

@@ -1,5 +1,5 @@
-//! A workspace of 100 components: the cold check, and what one keystroke costs until all diagnostics
-//! of the file are there again.
+//! A workspace of 100 components: the time of the cold check, and of one keystroke until all diagnostics of
+//! the file are computed again.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use components::{TYPES, component};
 
 const COMPONENTS: usize = 100;
 fn main() {
-    // Before anything else has used the memory.
+    // Before other benchmarks have used memory.
     if let Some(before) = resident_megabytes() {
         let host = workspace();
         check_all(&host.analysis());
@@ -49,7 +49,7 @@ fn check_all(analysis: &Analysis) {
     }
 }
 
-/// The first check of one component, nothing known before.
+/// The first check of one component, with an empty database.
 #[divan::bench(sample_count = 50)]
 fn cold_component(bencher: Bencher<'_, '_>) {
     bencher
@@ -88,7 +88,7 @@ fn keystroke_in_a_comment(bencher: Bencher<'_, '_>) {
     keystrokes(bencher, 50, |text| text.replacen('\n', " // note\n", 1));
 }
 
-/// Every other sample is the edit, every other the way back.
+/// Samples alternate between the edit and its reversal.
 fn keystrokes(bencher: Bencher<'_, '_>, i: usize, edit: impl Fn(&str) -> String) {
     let mut host = workspace();
     check_all(&host.analysis());
@@ -115,7 +115,7 @@ fn resident_megabytes() -> Option<u64> {
     Some(kilobytes / 1024)
 }
 
-/// Cold check of the largest published component among the shared test data, where it is there.
+/// Cold check of the largest published component in the shared test data, if present.
 #[divan::bench]
 fn cold_check_of_the_largest_real_specification(bencher: Bencher<'_, '_>) {
     let corpus = dotgen_loaders::shared("corpus/components");

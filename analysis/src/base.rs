@@ -1,9 +1,8 @@
 //! The salsa database: inputs, the path table, and per-file text queries.
 //!
-//! A path becomes an input the first time anything asks about it, missing or not, so that creating
-//! or deleting a file re-runs exactly the queries that asked. All input and output goes through the
-//! [`Loader`]. The tables only grow: the input of a path never changes, so reading them inside a
-//! query is harmless.
+//! A path becomes an input at its first query, even if it is missing, so that creating or deleting a file
+//! re-runs exactly the queries that read it. All input and output goes through the [`Loader`]. The tables
+//! only grow: the input of a path never changes, so reading them inside a query is harmless.
 
 use std::sync::{
     Arc, Mutex, MutexGuard, PoisonError,
@@ -26,7 +25,7 @@ use crate::{
     release::ReleaseChoice,
 };
 
-/// What the database offers to queries.
+/// The interface of the database to queries.
 #[salsa::db]
 pub(crate) trait Db: salsa::Database {
     /// The input of a path.
@@ -35,43 +34,43 @@ pub(crate) trait Db: salsa::Database {
     fn text(&self, name: &Utf8Path, text: &Arc<str>) -> SourceFile;
     /// The input of an argument list of `#pragma requires`.
     fn packages(&self, arguments: &[String]) -> Packages;
-    /// The GenoM3 that is installed.
+    /// The installed GenoM3.
     fn installed(&self) -> Installed;
     /// The settings.
     fn workspace(&self) -> Workspace;
-    /// For what is looked up at the moment of a request and never remembered: directories.
+    /// For data that is read at the time of a request and never cached: directories.
     fn loader(&self) -> &Arc<dyn Loader>;
-    /// Larger texts are not read.
+    /// Maximum size of a text in bytes; larger texts are not read.
     fn max_bytes(&self) -> u64;
     /// Another handle, for another thread.
     fn fork(&self) -> RootDatabase;
 }
 
-/// A path and what is there.
+/// A path and its content.
 #[salsa::input(debug)]
 pub struct SourceFile {
     /// Absolute, without `.` and `..`.
     pub path: Utf8PathBuf,
-    /// Whether there is a text.
+    /// The result of reading the path.
     pub status: FileStatus,
     /// The text; empty unless the status says otherwise.
     pub text: Arc<str>,
 }
 
-/// Whether a path leads to a text.
+/// The result of reading a path.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum FileStatus {
-    /// It does.
+    /// A text was read.
     Text,
-    /// Nothing is there.
+    /// The path does not exist.
     Missing,
     /// A directory.
     Directory,
     /// A text with replacement characters.
     NotUtf8,
-    /// It cannot be read: why.
+    /// The path cannot be read; the reason.
     Unreadable(String),
-    /// It has so many bytes, more than are read.
+    /// The size in bytes, which is over the limit.
     TooLarge(u64),
 }
 
@@ -84,10 +83,10 @@ pub struct Packages {
     pub flags: Result<PackageFlags, String>,
 }
 
-/// The GenoM3 that is installed.
+/// The installed GenoM3.
 #[salsa::input(debug)]
 pub struct Installed {
-    /// Its release; `None` if none is found.
+    /// The release; `None` if none is found.
     pub release: Option<ReleaseChoice>,
 }
 
@@ -96,24 +95,24 @@ pub struct Installed {
 pub struct Workspace {
     /// Every file that begins a unit, in order.
     pub roots: Vec<Utf8PathBuf>,
-    /// The document the user works in.
+    /// The document that the user is editing.
     pub active: Option<Utf8PathBuf>,
     /// `-I`
     pub include_dirs: Vec<Utf8PathBuf>,
     /// `-D`
     pub defines: Vec<(SmolStr, SmolStr)>,
-    /// The release of GenoM3, if the user says it.
+    /// The release of GenoM3, if the user sets it.
     pub release: Option<ReleaseChoice>,
     /// Directories with an include path, macros and a release of their own.
     pub projects: Vec<Project>,
     /// Severity per code.
     pub severities: Vec<(String, Option<Severity>)>,
-    /// What the lints need to know.
+    /// The settings of the lints.
     pub lints: LintConfig,
-    /// Files and the roots they are to be shown as included by.
+    /// Files, and the roots that the user chose to show them in.
     pub chosen: Vec<(Utf8PathBuf, Utf8PathBuf)>,
-    /// Whether it may be asked who includes a file: that takes a look at every root. Until then a root counts
-    /// for itself.
+    /// True if queries may search for the files that include a file, which reads every root. Until then a
+    /// root counts only for itself.
     pub indexed: bool,
 }
 
@@ -130,7 +129,7 @@ impl Workspace {
         }
     }
 
-    /// The innermost project that a path is in.
+    /// The innermost project that contains a path.
     pub(crate) fn project<'db>(self, db: &'db dyn Db, path: &Utf8Path) -> Option<&'db Project> {
         let around = self.projects(db).iter();
         let around = around.filter(|it| path.starts_with(&it.directory));
@@ -149,17 +148,17 @@ pub(crate) struct RootDatabase {
 
 struct Tables {
     loader: Arc<dyn Loader>,
-    /// Larger texts are not read.
+    /// Maximum size of a text in bytes; larger texts are not read.
     max_bytes: AtomicU64,
     files: Mutex<FxHashMap<Utf8PathBuf, SourceFile>>,
-    /// Files whose text was given and is another one than on the disk: they change often.
+    /// Files with a text from the editor that differs from the disk: they change often.
     edited: Mutex<FxHashSet<SourceFile>>,
     texts: Mutex<FxHashMap<(Utf8PathBuf, Arc<str>), SourceFile>>,
     packages: Mutex<FxHashMap<Vec<String>, Packages>>,
     installed: Mutex<Option<Installed>>,
 }
 
-/// A callback that sees what salsa does; tests read it to prove which queries ran.
+/// A callback that receives the events of salsa; tests use it to prove which queries ran.
 pub(crate) type EventCallback = Box<dyn Fn(salsa::Event) + Send + Sync>;
 
 impl RootDatabase {
@@ -198,16 +197,16 @@ impl RootDatabase {
         db
     }
 
-    /// Forgets the results that take much memory and are seldom asked for again, but for those asked for
-    /// last. Cancels the snapshots that are working and waits until they are dropped.
+    /// Evicts large results that are seldom requested again, except for the most recently requested. Cancels
+    /// the running snapshots and waits until they are dropped.
     pub(crate) fn shrink(&mut self) {
         self.trigger_lru_eviction();
     }
 
-    /// An input for a file, as the disk has it.
+    /// An input for a file with its content on disk.
     fn input(&self, path: Utf8PathBuf, (status, text): (FileStatus, Arc<str>)) -> SourceFile {
         let new = SourceFile::builder(path, status, text);
-        // What depends on such files alone is not looked at when a document is edited.
+        // Queries that depend only on such files are not revalidated when a document is edited.
         new.durability(Durability::MEDIUM).new(self)
     }
 
@@ -219,7 +218,7 @@ impl RootDatabase {
         to.set_include_dirs(&mut db)
             .to(from.include_dirs(other).clone());
         to.set_defines(&mut db).to(from.defines(other).clone());
-        // What is installed does not change with the loader.
+        // The installed release does not depend on the loader.
         let release = from.release(other).clone();
         let release = release.or_else(|| other.installed().release(other).clone());
         to.set_release(&mut db).to(release);
@@ -230,8 +229,7 @@ impl RootDatabase {
         db
     }
 
-    /// Changes how large a file may be. The texts of files that were given and are small enough now have to
-    /// be given again.
+    /// Sets the maximum size of a file in bytes. Editor texts that fit the new limit must be set again.
     pub(crate) fn set_max_bytes(&mut self, limit: u64) {
         if self.tables.max_bytes.swap(limit, Ordering::Relaxed) == limit {
             return;
@@ -260,7 +258,7 @@ impl RootDatabase {
         }
     }
 
-    /// What the disk has at a path.
+    /// The content of a path on disk.
     fn read(&self, path: &Utf8Path) -> (FileStatus, Arc<str>) {
         match self
             .tables
@@ -284,7 +282,7 @@ impl RootDatabase {
         }
     }
 
-    /// Gives a file a new text, or asks the loader again.
+    /// Sets the text of a file, or reads it from the loader again.
     pub(crate) fn set_file(&mut self, path: &Utf8Path, text: Option<String>) {
         let path = normalize(path);
         let known = lock(&self.tables.files).get(&path).copied();
@@ -300,8 +298,8 @@ impl RootDatabase {
             file
         });
         let changed = *file.text(self) != text;
-        // What becomes less durable makes all run again that depends on it: opening a document does not, the
-        // first edit does.
+        // Lowering the durability of an input re-runs all queries that depend on it: this does not happen
+        // when a document is opened, but at its first edit.
         let (durability, moved) = match given {
             true if changed => {
                 lock(&self.tables.edited).insert(file);
@@ -310,7 +308,7 @@ impl RootDatabase {
             true => (Durability::LOW, false),
             false => (Durability::MEDIUM, lock(&self.tables.edited).remove(&file)),
         };
-        // A setter counts as a change even when the value is equal.
+        // A setter counts as a change even if the value is equal.
         if *file.status(self) != status {
             file.set_status(self).to(status);
         }
@@ -319,7 +317,7 @@ impl RootDatabase {
         }
     }
 
-    /// The paths at or below another one that were ever asked for.
+    /// The known paths at or below another one.
     pub(crate) fn known_at(&self, path: &Utf8Path) -> Vec<Utf8PathBuf> {
         let path = normalize(path);
         let files = lock(&self.tables.files);
@@ -327,7 +325,7 @@ impl RootDatabase {
         below.cloned().collect()
     }
 
-    /// Asks the package tool again about everything it was ever asked.
+    /// Repeats all former queries of the package tool.
     pub(crate) fn reload_packages(&mut self) {
         let known: Vec<Packages> = lock(&self.tables.packages).values().copied().collect();
         for packages in known {
@@ -409,13 +407,13 @@ impl Db for RootDatabase {
 }
 
 impl FileStatus {
-    /// Whether there is a text to compile.
+    /// Returns true if there is a text to compile.
     pub fn is_text(&self) -> bool {
         matches!(self, FileStatus::Text | FileStatus::NotUtf8)
     }
 }
 
-/// Makes a path comparable: no `.`, no `..` that can be taken away by looking at the text alone.
+/// Makes a path comparable: no `.`, no `..` that can be removed without reading the disk.
 pub fn normalize(path: &Utf8Path) -> Utf8PathBuf {
     let mut out = Utf8PathBuf::new();
     for component in path.components() {
@@ -438,7 +436,7 @@ pub(crate) struct Lexed {
 }
 
 impl PartialEq for Lexed {
-    /// Never equal: whatever depends on it has to see a new text anyway.
+    /// Never equal: dependent queries must see a new text in any case.
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.raw, &other.raw)
     }
@@ -467,7 +465,7 @@ fn split(content: FileContent) -> (FileStatus, Arc<str>) {
     }
 }
 
-/// The tables stay consistent whatever panics while they are locked.
+/// The tables stay consistent even after a panic while they are locked.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

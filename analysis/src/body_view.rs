@@ -1,16 +1,16 @@
 //! The part of a model that the checks of one body can see.
 //!
-//! Types are renumbered in the order in which they are met, and components that the body has nothing
-//! to do with are left out: what the rest of the unit looks like does not show.
+//! Types are renumbered in order of occurrence, and components unrelated to the body are left out: changes in
+//! the rest of the unit leave the view equal.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::model::{Component, Spec, Type, TypeId, TypeKind, visit::TypeIds as _};
 
-/// A body of a component or interface, with what it refers to.
+/// A body of a component or interface, with everything it refers to.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct BodyView {
-    /// The one of the body is as it is at its end.
+    /// The component of the body is in its state at the end of the body.
     pub(crate) spec: Spec,
     index: Option<u32>,
 }
@@ -25,7 +25,7 @@ impl BodyView {
         };
         let mut component = component.clone();
         component.for_each_type_id(&mut |id| numbering.renumber(id));
-        // A name among the states may be that of an exception.
+        // A name among the states may be the name of an exception.
         let states: FxHashSet<&str> = component
             .all_codels()
             .flat_map(|it| &component.codel(it).yields)
@@ -64,7 +64,7 @@ impl BodyView {
                 }
             };
             renumber_components(&mut it, |it| {
-                // What it names is visible, or out of range.
+                // Its references are visible, or out of range.
                 *it = places.get(it).copied().unwrap_or(u32::MAX);
             });
             components.push(it);
@@ -122,7 +122,7 @@ impl Numbering<'_> {
     }
 }
 
-/// Marks the components that a component names, and those they name in turn.
+/// Marks the components that a component names, and recursively the components named by those.
 fn mark_visible(spec: &Spec, from: &Component, visible: &mut [bool]) {
     let mut named: Vec<u32> = named_by(from).collect();
     while let Some(it) = named.pop() {
@@ -150,7 +150,7 @@ fn named_by(component: &Component) -> impl Iterator<Item = u32> {
         .chain(services)
 }
 
-/// Gives the components that a component names other indexes.
+/// Renumbers the components that a component names.
 fn renumber_components(component: &mut Component, f: impl FnMut(&mut u32)) {
     let tasks = component.tasks.iter_mut().map(|it| &mut it.imported_from);
     let ports = component.ports.iter_mut().map(|it| &mut it.imported_from);

@@ -1,8 +1,8 @@
 //! Checks on the finished model, component by component.
 //!
-//! Each is a pure function of the [`Spec`] and one [`Component`] of it, so that a caller can cache it
-//! for every component on its own. [`component`] runs them all; a body that was reopened later is
-//! checked as it was when it ended, from [`crate::elab::Closing::snapshot`].
+//! Each is a pure function of the [`Spec`] and one [`Component`] of it, so that a caller can cache it for
+//! every component on its own. [`component`] runs them all; a body that was reopened later is checked in its
+//! state at the end of the body, from [`crate::elab::Closing::snapshot`].
 
 mod concurrency;
 mod machine;
@@ -13,7 +13,7 @@ use crate::{
     model::{Component, Spec},
 };
 
-/// Everything that must hold when the body of a component or interface ends.
+/// The conditions that must hold when the body of a component or interface ends.
 pub fn component(spec: &Spec, component: &Component) -> Vec<Finding> {
     let mut found = Vec::new();
     machine::check(spec, component, &mut found);
@@ -21,7 +21,7 @@ pub fn component(spec: &Spec, component: &Component) -> Vec<Finding> {
     found
 }
 
-/// What is suspicious about a component as a whole, once all of it is read.
+/// Warnings about a component as a whole, after all of it was read.
 pub(crate) fn lints(component: &Component) -> Vec<Finding> {
     let mut found = Vec::new();
     usage::check(component, &mut found);

@@ -1,8 +1,8 @@
-//! All diagnostic codes, whatever layer reports them.
+//! All diagnostic codes of all layers.
 //!
 //! Each layer has a table of its own: [`dotgen_syntax::codes`], [`checks`], [`lints`] and [`verification`].
-//! The manual and the configuration see them as one. The layer above, which compares specifications with
-//! their codels, adds its own: those that begin with [`CODEL`].
+//! The manual and the configuration use them as one table. The layer above, which compares specifications
+//! with their codels, adds its own: those that begin with [`CODEL`].
 
 pub mod checks;
 pub mod lints;
@@ -12,7 +12,7 @@ use dotgen_syntax::{codes as syntax, preproc};
 
 use crate::diagnostic::Severity;
 
-/// A diagnostic code as its users know it.
+/// A diagnostic code as shown to users.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Code {
     /// The code.
@@ -23,28 +23,28 @@ pub struct Code {
     pub on: bool,
     /// The meaning, in one sentence.
     pub meaning: &'static str,
-    /// The reason for the rule, or what goes wrong.
+    /// The reason for the rule, or the consequence of breaking it.
     pub why: &'static str,
     /// A text that triggers it; `None` if a fixture of the tests has it.
     pub example: Option<&'static str>,
-    /// The example as it should be; `None` if a fixture has it, or no text can show that.
+    /// The corrected example; `None` if a fixture has it, or no text can show it.
     pub corrected: Option<&'static str>,
-    /// Advice on how to mend the text.
+    /// Advice on how to correct the text.
     pub fix: &'static str,
     /// Set if the reference compiler reports it too.
     pub reference: bool,
 }
 
-/// What the codes begin with that come from a comparison with sources in C and C++.
+/// The prefix of the codes that come from a comparison with sources in C and C++.
 pub const CODEL: &str = "codel/";
 
-/// Whether a finding is about this machine and not about the text: a package that is not installed, a file
-/// that is not found. GenoM3 refuses such a specification; where it is installed, nothing is wrong with it.
+/// Returns true if a finding is about this machine and not about the text: a package that is not installed, a
+/// file that is not found. GenoM3 rejects such a specification; with the package installed, it is valid.
 pub fn is_environment(code: &str) -> bool {
     matches!(code, "pp-requires-unresolved" | "pp-include-not-found")
 }
 
-/// The severity of a finding where what is missing on this machine is no error of the text.
+/// The severity of a finding if files or packages missing on this machine are not errors of the text.
 pub fn severity_here(code: &str, severity: Severity) -> Severity {
     match severity {
         Severity::Error if is_environment(code) => Severity::Warning,
@@ -52,7 +52,7 @@ pub fn severity_here(code: &str, severity: Severity) -> Severity {
     }
 }
 
-/// All codes of this layer and those below.
+/// All codes of this layer and the layers below.
 pub fn all() -> impl Iterator<Item = Code> {
     let syntax = syntax::all().map(|it| Code {
         id: it.id,

@@ -1,4 +1,4 @@
-//! The settings that analysis knows.
+//! The settings of the analysis.
 
 use camino::Utf8PathBuf;
 use num_rational::Ratio;
@@ -6,34 +6,35 @@ use smol_str::SmolStr;
 
 use crate::{diagnostic::Severity, model::Seconds, release::ReleaseChoice};
 
-/// Settings that change what a specification means or how it is reported.
+/// Settings that change the meaning of a specification or its reports.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Config {
     /// `-I`, in order.
     pub include_dirs: Vec<Utf8PathBuf>,
     /// `-D`, in order: name and value (`1` when none was given).
     pub defines: Vec<(SmolStr, SmolStr)>,
-    /// The release of GenoM3 that specifications are read as; `None` if the user says nothing of it.
+    /// The release of GenoM3 for all specifications; `None` if the user does not set one.
     pub release: Option<ReleaseChoice>,
-    /// Directories whose specifications are read in another way.
+    /// Directories with settings of their own.
     pub projects: Vec<Project>,
-    /// Severity per code; `None` switches a code off. Errors stay errors: the configuration changes
-    /// warnings, information and hints only.
+    /// Severity per code; `None` switches a code off. Errors stay errors: the configuration changes only
+    /// warnings, information and hints.
     pub severities: Vec<(String, Option<Severity>)>,
-    /// What the lints need to know.
+    /// The settings of the lints.
     pub lints: LintConfig,
-    /// Larger files are not read, and a diagnostic says so; [`MAX_FILE_BYTES`] unless given.
+    /// Maximum size of a file in bytes; larger files are reported and not read. [`MAX_FILE_BYTES`] by
+    /// default.
     pub max_file_bytes: Option<u64>,
 }
 
-/// Files of more bytes are no specifications that somebody wrote.
+/// Default maximum size of a file in bytes; a larger file is not a handwritten specification.
 pub const MAX_FILE_BYTES: u64 = 4 << 20;
 
-/// How the specifications below a directory are read, instead of what [`Config`] says for all. The innermost
-/// counts.
+/// Settings for the specifications below a directory, instead of the settings in [`Config`]. The innermost
+/// project applies.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Project {
-    /// Absolute.
+    /// Absolute path.
     pub directory: Utf8PathBuf,
     /// `-I`, in order.
     pub include_dirs: Vec<Utf8PathBuf>,
@@ -43,19 +44,19 @@ pub struct Project {
     pub release: Option<ReleaseChoice>,
 }
 
-/// What the rules need to know besides the model.
+/// The settings of the rules, besides the model.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct LintConfig {
-    /// Cores of the platform, when known.
+    /// Number of cores of the platform, if known.
     pub cores: Option<u32>,
-    /// Report codels without execution time even in components without any.
+    /// True to report codels without execution time even in components without any.
     pub always_missing_wcet: bool,
-    /// Longest time the control task may be kept from other requests by one function, in seconds.
+    /// Longest time that one function may occupy the control task, in seconds.
     pub control_task_budget: Seconds,
 }
 
 impl LintConfig {
-    /// An exact time from a number of milliseconds in a configuration; `None` when it is not a time.
+    /// An exact time from a number of milliseconds in a configuration; `None` if it is not a time.
     pub fn milliseconds(value: f64) -> Option<Seconds> {
         let micros = (value * 1000.0).round();
         (micros.is_finite() && (0.0..1e15).contains(&micros))

@@ -1,4 +1,5 @@
-//! What a specification needs: packages, files and names, from where they come, and what is missing.
+//! The dependencies of a specification: packages, files and names, the place where each was found, and the
+//! missing ones.
 
 use std::ops::Range;
 
@@ -14,7 +15,7 @@ use crate::unit::{UnitKey, is_standin, preprocessed, unit_of_root, visits, walk_
 
 pub mod standin;
 
-/// Everything that a specification needs.
+/// All dependencies of a specification.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Dependencies {
     /// Required packages, in order.
@@ -30,23 +31,23 @@ pub struct Dependencies {
 /// A required package.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Package {
-    /// As the specification says it: with its version.
+    /// The requirement as written, with its version.
     pub requirement: String,
-    /// What requires it.
+    /// The property that requires it.
     pub required_by: RequiredBy,
-    /// Why it is not usable; `None` if it is.
+    /// The reason why it is not usable; `None` if it is.
     pub missing: Option<String>,
-    /// It is not installed, and definitions that come with dotgen take its place.
+    /// True if it is not installed and replaced by definitions that come with dotgen.
     pub own: bool,
-    /// What brings it.
+    /// The packages that install it.
     pub brought_by: Vec<Provider>,
 }
 
-/// What requires a package.
+/// The property that requires a package.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RequiredBy {
-    /// `#pragma require`: the specification cannot be read without it.
+    /// `#pragma require`: the specification cannot be read without the package.
     Specification,
     /// `require` of a component.
     Component(Name),
@@ -54,12 +55,12 @@ pub enum RequiredBy {
     Codels(Name),
 }
 
-/// What brings a package.
+/// A package that installs a required one.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Provider {
-    /// The package, by the name that pkg-config knows.
+    /// The required package, by its pkg-config name.
     pub package: String,
-    /// The package of robotpkg.
+    /// The robotpkg package.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robotpkg: Option<String>,
     /// The Debian package.
@@ -74,13 +75,13 @@ pub struct Include {
     pub path: String,
     /// The file that includes it.
     pub by: Utf8PathBuf,
-    /// Where it was found.
+    /// The file found.
     pub found: Option<Utf8PathBuf>,
-    /// Directories that were looked in for it, in order.
+    /// The searched directories, in order.
     pub searched: Vec<Utf8PathBuf>,
-    /// It is a stand-in that dotgen wrote.
+    /// True for a stand-in that dotgen wrote.
     pub stand_in: bool,
-    /// Byte offsets of what is written, in the file that includes it.
+    /// Byte offsets of the path as written, in the including file.
     #[serde(skip)]
     pub at: Range<usize>,
 }
@@ -88,7 +89,7 @@ pub struct Include {
 /// An interface that a component imports.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Interface {
-    /// Its name.
+    /// The name of the interface.
     pub name: Name,
     /// The component.
     pub component: Name,
@@ -101,12 +102,12 @@ pub struct Interface {
 pub struct UnknownName {
     /// The name, with its scopes as written.
     pub name: Name,
-    /// What it is used as.
+    /// The kind of thing it is used as.
     pub used_as: &'static str,
 }
 
 impl Dependencies {
-    /// Nothing is missing.
+    /// Returns true if nothing is missing.
     pub fn is_complete(&self) -> bool {
         self.packages.iter().all(|it| it.missing.is_none())
             && self.includes.iter().all(|it| it.found.is_some())
@@ -114,8 +115,7 @@ impl Dependencies {
             && self.unknown.is_empty()
     }
 
-    /// Packages that are missing and that the specification itself requires: what is not found may be in
-    /// them.
+    /// Missing packages that the specification itself requires: unknown names may be declared in them.
     pub fn missing_packages(&self) -> impl Iterator<Item = &Package> {
         let wanted = |it: &&Package| it.required_by == RequiredBy::Specification;
         self.packages
@@ -125,7 +125,7 @@ impl Dependencies {
     }
 }
 
-/// What the specification of a root needs.
+/// The dependencies of the specification of a root.
 pub(crate) fn dependencies(db: &dyn Db, root: SourceFile) -> Dependencies {
     let unit = unit_of_root(db, root);
     let spec = &elaborated(db, unit).spec;

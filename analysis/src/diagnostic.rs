@@ -1,14 +1,14 @@
-//! Diagnostics as every front end shows them: a code, a message, places in files, fixes.
+//! Diagnostics in the form that every front end shows: a code, a message, places in files, fixes.
 //!
-//! Layers below report with their own positions (raw offsets, syntax ranges, ids of the item tree);
-//! `host` turns all of them into this one type. Ranges are byte offsets.
+//! Layers below report with their own positions (raw offsets, syntax ranges, ids of the item tree); `host`
+//! converts all of them to this one type. Ranges are byte offsets.
 
 use std::ops::Range;
 
 use camino::Utf8PathBuf;
 use serde::{Deserialize, Serialize};
 
-/// How bad it is. Only errors reject a specification.
+/// The severity of a diagnostic. Only errors reject a specification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 #[allow(missing_docs, reason = "the names of the LSP")]
@@ -19,7 +19,7 @@ pub enum Severity {
     Hint,
 }
 
-/// Extra meaning of a diagnostic, as the LSP has it.
+/// Extra meaning of a diagnostic, as in LSP.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[allow(missing_docs, reason = "the names of the LSP")]
 pub enum Tag {
@@ -30,32 +30,32 @@ pub enum Tag {
 /// One diagnostic.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Diagnostic {
-    /// Stable identifier: the Id of the language reference, section 19, or one of our own.
+    /// Stable identifier: the Id of the language reference, section 19, or a code of dotgen's own.
     pub code: &'static str,
-    /// After the configuration has been applied.
+    /// Severity after the configuration has been applied.
     pub severity: Severity,
-    /// What is wrong, and what would be right.
+    /// The error, and the correct form.
     pub message: String,
-    /// What the reference compiler says of it, where it says something.
+    /// The message of the reference compiler, if it reports one.
     pub reference: Option<Reference>,
-    /// File it is in.
+    /// The file.
     pub path: Utf8PathBuf,
-    /// Where in the file.
+    /// Byte range in the file.
     pub range: Range<usize>,
     /// Other places that explain it.
     pub related: Vec<Related>,
     /// Extra meaning.
     pub tags: Vec<Tag>,
-    /// Ways to mend it, the best first.
+    /// Fixes, the best first.
     pub fixes: Vec<Fix>,
 }
 
-/// A line of the reference compiler.
+/// A message of the reference compiler.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Reference {
-    /// Its words.
+    /// The words.
     pub text: String,
-    /// Where in the file it sees the problem.
+    /// Byte offset in the file at which it reports the problem.
     pub at: usize,
 }
 
@@ -64,37 +64,37 @@ pub struct Reference {
 pub struct Related {
     /// File of the place.
     pub path: Utf8PathBuf,
-    /// Where in the file.
+    /// Byte range in the file.
     pub range: Range<usize>,
-    /// What is there.
+    /// The description of the place.
     pub message: String,
 }
 
 /// A set of edits that removes the cause of a diagnostic.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fix {
-    /// What it does, in the imperative.
+    /// The action, in the imperative.
     pub title: String,
-    /// How sure it is that the author wants it.
+    /// The certainty that the author wants it.
     pub kind: FixKind,
     /// Non-overlapping edits.
     pub edits: Vec<FileEdit>,
 }
 
-/// How sure it is that the author of a text wants a fix.
+/// The certainty that the author of a text wants a fix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FixKind {
-    /// There is no other way to mend the finding: the fix can be made unasked.
+    /// The only way to correct the finding: it can be applied automatically.
     Plain,
-    /// The fix may not be what was meant.
+    /// The fix may not be the intended one.
     Guess,
-    /// The fix changes what the program does (a transition, a throw, a lock, an execution time): never made
-    /// together with others.
+    /// The fix changes the behaviour of the program (a transition, a throw, a lock, an execution time): it is
+    /// never applied together with others.
     Choice,
 }
 
 impl FixKind {
-    /// A fix without alternative, or a guess.
+    /// `Plain` for a fix without an alternative, `Guess` otherwise.
     pub(crate) fn of(plain: bool) -> FixKind {
         match plain {
             true => FixKind::Plain,
@@ -108,14 +108,14 @@ impl FixKind {
 pub struct FileEdit {
     /// File to change.
     pub path: Utf8PathBuf,
-    /// What is replaced; empty to insert.
+    /// The replaced byte range; empty to insert.
     pub range: Range<usize>,
     /// The new text.
     pub new_text: String,
 }
 
 impl Diagnostic {
-    /// A diagnostic at a place, with nothing that explains or mends it.
+    /// A diagnostic at a place, without related places and fixes.
     pub fn new(
         code: &'static str,
         severity: Severity,
@@ -136,7 +136,7 @@ impl Diagnostic {
         }
     }
 
-    /// The key by which diagnostics are sorted and deduplicated: place first.
+    /// The sort and deduplication key of diagnostics: place first.
     pub(crate) fn sort_key(&self) -> (&str, usize, usize, Severity, &str, &str) {
         (
             self.path.as_str(),

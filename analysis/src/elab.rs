@@ -1,11 +1,10 @@
 //! Elaboration: from the item trees of a translation unit to its model.
 //!
-//! [`elaborate`] is a pure function, sequential and in a single pass, because that is how the
-//! language is defined: declarations take effect as they are read, included files are followed in
-//! place, components and interfaces may be reopened, and a body is checked each time it ends.
-//! Besides the model it returns every diagnostic, and two tables from which editor features are
-//! derived: one [`Definition`] for each thing a text declares and one [`Reference`] for each name
-//! use that was resolved.
+//! [`elaborate`] is a pure function, sequential and in a single pass, as the language is defined:
+//! declarations take effect as they are read, included files are followed in place, components and interfaces
+//! may be reopened, and a body is checked each time it ends. Besides the model it returns every diagnostic,
+//! and two tables for editor features: one [`Definition`] for each declared entity and one [`Reference`] for
+//! each resolved use of a name.
 
 mod codel;
 mod component;
@@ -44,23 +43,23 @@ use crate::{
     release::Release,
 };
 
-/// The files of a translation unit, in the form they are visited.
+/// The files of a translation unit, in order of visit.
 #[derive(Debug, Clone, Copy)]
 pub struct UnitInput<'a> {
-    /// `visits[0]` is the root. One file may be visited several times, as the preprocessor found
-    /// other macros defined each time.
+    /// `visits[0]` is the root. One file may be visited several times, since other macros may be defined each
+    /// time.
     pub visits: &'a [Visit<'a>],
-    /// The release of GenoM3 whose language it is.
+    /// The release of GenoM3 that defines the language.
     pub release: Release,
 }
 
 /// One inclusion of one file.
 #[derive(Debug, Clone)]
 pub struct Visit<'a> {
-    /// What it declares.
+    /// The declarations of the file.
     pub tree: &'a ItemTree,
-    /// Identity of the file: equal numbers mean the same file (a forward declaration must be
-    /// completed in the file it stands in).
+    /// Identity of the file: equal numbers mean the same file (a forward declaration must be completed in its
+    /// own file).
     pub file: u32,
     /// The visits its active `#include` directives lead to, by ordinal; `None` for those that
     /// could not be followed.
@@ -69,14 +68,14 @@ pub struct Visit<'a> {
     pub path: &'a str,
 }
 
-/// What [`elaborate`] found.
+/// The result of [`elaborate`].
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Elaborated {
-    /// The model. Complete even when there are errors; what could not be resolved is
-    /// [`crate::model::TypeKind::Unknown`] or left out.
+    /// The model. Complete even if there are errors; unresolved parts are [`crate::model::TypeKind::Unknown`]
+    /// or left out.
     pub spec: Arc<Spec>,
-    /// Every problem found while elaborating, in the order of the text as it is visited. The checks
-    /// made at the end of bodies are separate: see [`crate::check`].
+    /// Every problem found during elaboration, in order of the visited text. The checks at the end of bodies
+    /// are separate: see [`crate::check`].
     pub diagnostics: Vec<Finding>,
     /// One entry for each use of a name that was resolved, in the order of elaboration.
     pub references: Vec<Reference>,
@@ -90,7 +89,7 @@ pub struct Elaborated {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct DefId(pub u32);
 
-/// What was declared.
+/// The kinds of declared entities.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[allow(missing_docs, reason = "the words of the language")]
 pub enum DefKind {
@@ -120,7 +119,7 @@ pub enum DefKind {
     Parameter,
     /// A local variable of a service.
     Local,
-    /// A codel: one function, however many services and tasks use it.
+    /// A codel: one function, used by any number of services and tasks.
     Codel,
     /// The name a codel parameter has inside the codel, when it is given with `::name`.
     CodelParameter,
@@ -128,27 +127,27 @@ pub enum DefKind {
     State,
 }
 
-/// A declaration. What is declared in several places (a reopened module, component, task or
-/// service, a completed forward declaration, a codel or state mentioned again) has one definition,
-/// and references with [`Reference::declaration`] set for the other places.
+/// A declaration. An entity declared in several places (a reopened module, component, task or service, a
+/// completed forward declaration, a codel or state mentioned again) has one definition, and references with
+/// [`Reference::declaration`] set for the other places.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Definition {
-    /// Its own index.
+    /// The index of the definition.
     pub id: DefId,
-    /// What it is.
+    /// The kind.
     pub kind: DefKind,
-    /// Its name.
+    /// The name.
     pub name: SmolStr,
-    /// The name token. For a completed forward declaration, that of the completion.
+    /// The name token. For a completed forward declaration, the token of the completion.
     pub src: Src,
     /// The whole declaration.
     pub node: Src,
-    /// What it is declared in; `None` at global scope.
+    /// The entity that contains it; `None` at global scope.
     pub container: Option<DefId>,
-    /// Its type object (types, constants, members, ports, states), or the type of its value
+    /// The type object (types, constants, members, ports, states), or the type of its value
     /// (parameters and local variables).
     pub ty: Option<TypeId>,
-    /// Where to find it in the model, when it is not a type object.
+    /// The place in the model, if it is not a type object.
     pub entity: Option<Entity>,
 }
 
@@ -163,7 +162,7 @@ pub enum Entity {
     Port(u32, u32),
     /// Component, index into its services.
     Service(u32, u32),
-    /// Component, index into its services, index into the parameters of that.
+    /// Component, index into its services, index into the parameters of that service.
     Param(u32, u32, u32),
 }
 
@@ -172,17 +171,17 @@ pub enum Entity {
 pub struct Reference {
     /// The name token.
     pub at: Src,
-    /// What it means.
+    /// The named entity.
     pub target: DefId,
-    /// What a codel or attribute does with it.
+    /// The access of a codel or attribute.
     pub access: Access,
-    /// It declares (again, or part of) the target rather than using it.
+    /// True if it declares (again, or part of) the target instead of using it.
     pub declaration: bool,
-    /// The component or interface in whose body it stands.
+    /// The component or interface that contains it.
     pub component: Option<u32>,
 }
 
-/// What a parameter of a codel or attribute does with the data it names.
+/// The access of a codel or attribute parameter to the data it names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Access {
     /// Not an access to data.
@@ -196,12 +195,12 @@ pub enum Access {
     ReadWrite,
 }
 
-/// The end of a body of a component or interface, where it must be consistent.
+/// The end of a body of a component or interface, at which the component must be consistent.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Closing {
     /// Index into [`Spec::components`].
     pub component: u32,
-    /// The component as it was then, when it was reopened later; otherwise look in the [`Spec`].
+    /// The state of the component at this end, if it was reopened later; otherwise see the [`Spec`].
     pub snapshot: Option<Box<Component>>,
 }
 
@@ -212,7 +211,7 @@ impl Elaborated {
     }
 }
 
-/// Gives a translation unit its meaning. Total: bad input gives diagnostics.
+/// Elaborates a translation unit. Total: bad input gives diagnostics.
 pub fn elaborate(unit: &UnitInput<'_>) -> Elaborated {
     let mut elaborator = context::Elaborator::new(unit);
     if let Some(root) = unit.visits.first() {

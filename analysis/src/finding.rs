@@ -1,8 +1,8 @@
-//! Findings: what is wrong with a specification, as data.
+//! Findings: errors and warnings about a specification, as data.
 //!
-//! A [`Finding`] says what it is about ([`Kind`]), where, and which other places matter. Words, advice,
-//! the wording of the reference compiler and fixes are made from the kind when a finding is brought to
-//! its place in a file ([`crate::report`]); nothing looks into a text to find out what it is about.
+//! A [`Finding`] has its [`Kind`], its place, and related places. The message, the advice, the wording of the
+//! reference compiler and the fixes are made from the kind when a finding is placed in a file
+//! ([`crate::report`]); no code parses a message.
 //!
 //! Each family has a file of its own, with the code and the wording of every kind.
 
@@ -32,7 +32,7 @@ use crate::{
     model::Src,
 };
 
-/// What a finding is about.
+/// The kind of a finding.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 #[allow(missing_docs, reason = "the families say what they are about")]
 pub enum Kind {
@@ -49,7 +49,7 @@ pub enum Kind {
 macro_rules! families {
     ($($Family:ident),*) => {
         impl Kind {
-            /// The stable identifier under which users know it.
+            /// The stable identifier, as shown to users.
             pub fn code(&self) -> &'static str {
                 match self {
                     Kind::Preprocessing(it) => it.code(),
@@ -58,7 +58,7 @@ macro_rules! families {
                 }
             }
 
-            /// The words for it alone.
+            /// The message of the kind alone.
             fn words(&self) -> Wording {
                 match self {
                     Kind::Preprocessing(it) => it.wording(),
@@ -67,7 +67,7 @@ macro_rules! families {
                 }
             }
 
-            /// What mends it, the best first, made from the text around.
+            /// The fixes, the best first, made from the text around.
             pub(crate) fn fixes(&self, here: &FixSite<'_>) -> Vec<TextFix> {
                 match self {
                     Kind::Preprocessing(it) => syntax::preprocessing(it, here),
@@ -88,7 +88,7 @@ macro_rules! families {
 families!(Reading, Naming, Valuing, Declaring, Using, Noticing);
 
 impl Kind {
-    /// What is wrong, and then what to do.
+    /// The message: the error, then the advice.
     pub fn wording(&self, near: Option<&Near>, because: Option<&str>) -> Wording {
         let mut wording = self.words();
         let near = near.map(|it| format!("did you mean `{}`?", it.name));
@@ -98,8 +98,8 @@ impl Kind {
         wording
     }
 
-    /// What the reference compiler says: what is wrong, without quotes. What to do about it is for people
-    /// at an editor; tools compare these lines.
+    /// The message of the reference compiler: the error, without quotes and without advice, since tools
+    /// compare these lines.
     pub(crate) fn reference(&self) -> String {
         match self {
             Kind::Preprocessing(it) => it.reference(),
@@ -111,8 +111,8 @@ impl Kind {
         }
     }
 
-    /// Whether what is not found may be declared in a package or file that is missing: a type or constant, or
-    /// an interface. A name that comes close to one that is known is taken for that one misspelt.
+    /// Returns true if an unknown name may be declared in a missing package or file: a type or constant, or
+    /// an interface. A name close to a known one is considered misspelt.
     pub(crate) fn may_be_in_a_package(&self, is_near: bool) -> bool {
         match self {
             Kind::Naming(it) => it.may_be_in_a_package(is_near),
@@ -120,7 +120,7 @@ impl Kind {
         }
     }
 
-    /// How bad it is unless configured otherwise.
+    /// The severity unless configured otherwise.
     pub fn severity(&self) -> Severity {
         let code = self.code();
         let syntax = dotgen_syntax::codes::find(code).map(|it| match it.severity {
@@ -136,16 +136,16 @@ impl Kind {
     }
 }
 
-/// A name that comes close to one that means nothing.
+/// A known name close to an unknown one.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Near {
-    /// The very token that is misspelt.
+    /// The misspelt token.
     pub at: Src,
-    /// The name that was meant, as it is shown.
+    /// The intended name, as shown.
     pub name: SmolStr,
-    /// What has to stand in the place of the token.
+    /// The replacement of the token.
     pub text: SmolStr,
-    /// Nothing else can be meant.
+    /// True if no other name is close.
     pub plain: bool,
 }
 
@@ -162,27 +162,27 @@ impl Near {
     }
 }
 
-/// Something wrong, at a node of the item tree.
+/// A finding at a node of the item tree.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Finding {
-    /// What it is about.
+    /// The kind.
     pub kind: Kind,
-    /// How bad it is.
+    /// The severity.
     pub severity: Severity,
-    /// Where.
+    /// The place.
     pub at: Src,
-    /// Other places that matter, each with what it is.
+    /// Related places, each with its role.
     pub related: Vec<(Src, Role)>,
-    /// What was probably meant.
+    /// The probable intention.
     pub near: Option<Near>,
-    /// Where the reference compiler reports it, if that is another place.
+    /// The place at which the reference compiler reports it, if different.
     pub said_at: Option<Src>,
-    /// Why something that stands elsewhere is reported here.
+    /// The reason why an error in another text is reported here.
     pub because: Option<&'static str>,
 }
 
 impl Finding {
-    /// A finding with the severity that the table of codes gives it.
+    /// A finding with the severity of its code.
     pub fn new(kind: impl Into<Kind>, at: Src) -> Finding {
         let kind = kind.into();
         Finding {
@@ -196,25 +196,25 @@ impl Finding {
         }
     }
 
-    /// Adds another place that matters.
+    /// Adds a related place.
     pub fn related(mut self, at: Src, role: Role) -> Finding {
         self.related.push((at, role));
         self
     }
 
-    /// Adds where the reference compiler reports it.
+    /// Adds the place at which the reference compiler reports it.
     pub fn said_at(mut self, at: Src) -> Finding {
         self.said_at = Some(at);
         self
     }
 
-    /// Adds what was probably meant.
+    /// Adds the probable intention.
     pub fn near(mut self, near: Option<Near>) -> Finding {
         self.near = near;
         self
     }
 
-    /// The stable identifier under which users know it.
+    /// The stable identifier, as shown to users.
     pub fn code(&self) -> &'static str {
         self.kind.code()
     }

@@ -1,7 +1,7 @@
 //! Quick fixes that need the text: one function for each rule that has one.
 //!
-//! Rules work on the model and know no text. Which fixes a finding has is said beside its words, in
-//! [`crate::finding`]; here are the edits, made from the tree around its place.
+//! Rules work on the model, without the text. [`crate::finding`] lists the fixes of a finding next to its
+//! message; this module makes the edits, from the tree around its place.
 
 mod braces;
 mod create;
@@ -36,7 +36,7 @@ pub(crate) struct TextFix {
 }
 
 impl TextFix {
-    /// The fix as the only way to mend the finding.
+    /// The fix as the only way to correct the finding.
     pub(crate) fn plain(self) -> TextFix {
         TextFix {
             kind: FixKind::Plain,
@@ -44,7 +44,7 @@ impl TextFix {
         }
     }
 
-    /// The fix as one that changes what the program does.
+    /// The fix as one that changes the behaviour of the program.
     pub(crate) fn choice(self) -> TextFix {
         TextFix {
             kind: FixKind::Choice,
@@ -70,19 +70,19 @@ impl TextFix {
 /// A finding at its place, with the places related to it in the same file.
 pub(crate) struct FixSite<'a> {
     pub(crate) root: &'a SyntaxNode,
-    /// The text has syntax errors: what is declared nowhere may stand in what was not parsed.
+    /// True if the text has syntax errors: unknown names may be declared in text that was not parsed.
     pub(crate) broken: bool,
     pub(crate) range: TextRange,
     pub(crate) related: &'a [TextRange],
     /// The text of the file.
     pub(crate) source: &'a str,
-    /// How the author of the file writes.
+    /// Returns the writing style of the file's author.
     pub(crate) spelling: &'a dyn Fn() -> Spelling,
 }
 
 impl FixSite<'_> {
-    /// Adds an item to the last list of a kind in a body, and such a list where there is none. `words`: the
-    /// spellings of the property.
+    /// Adds an item to the last list of a kind in a body, or a new list. `words` are the spellings of the
+    /// property.
     fn add_to_list(
         &self,
         node: &SyntaxNode,
@@ -117,7 +117,7 @@ impl FixSite<'_> {
         })
     }
 
-    /// Adds a property at the end of the body of a declaration, making the body when there is none.
+    /// Adds a property at the end of the body of a declaration. Creates the body if there is none.
     fn add_property(&self, node: &SyntaxNode, property: &str, title: String) -> Option<TextFix> {
         let property = self.as_written(property);
         let outer = indent_of(node);
@@ -213,7 +213,7 @@ impl FixSite<'_> {
             let state = self.node::<ast::State>(self.range)?;
             let yields = ast::Yields::cast(state.syntax().parent()?)?;
             let left_out = match yields.states().count() {
-                // Some state must follow.
+                // At least one state must follow.
                 1 => (state.syntax().text_range(), "ether".to_owned()),
                 _ => (with_comma(state.syntax()), String::new()),
             };
@@ -230,15 +230,15 @@ impl FixSite<'_> {
         found().into_iter().collect()
     }
 
-    /// A piece of specification in the spelling of the file.
+    /// A piece of specification in the style of the file.
     fn as_written(&self, piece: &str) -> String {
         (self.spelling)().apply(piece)
     }
 
-    /// The name, or with a number behind it if the file has the word: a codel of that name would be another
+    /// The name, with a number if the file already has the word: an existing name would refer to another
     /// function.
     fn free_codel(&self, name: &str) -> String {
-        // Asked for many findings of a file, so the tree is not walked.
+        // Called for many findings of a file, so the tree is not walked.
         let taken = |name: &str| {
             self.source.match_indices(name).any(|(at, _)| {
                 let around = [
@@ -265,7 +265,8 @@ impl FixSite<'_> {
         })
     }
 
-    /// `paused`: a transition that does not pause would close a cycle.
+    /// Connects or removes a codel. With `paused`, the transition pauses, since it would otherwise close a
+    /// cycle.
     pub(crate) fn connect_or_remove_codel(&self, paused: bool) -> Vec<TextFix> {
         let mut fixes = Vec::new();
         let Some(codel) = self.node::<ast::CodelProperty>(self.range) else {
@@ -278,7 +279,7 @@ impl FixSite<'_> {
             .find_map(ast::Triggers::cast)
             .and_then(|it| it.syntax().descendants().find_map(ast::State::cast))
             .map(|it| it.syntax().text().to_string());
-        // The codel before it is where the transition was forgotten, more often than not.
+        // In most cases, the codel before it lacks the transition.
         let before = std::iter::successors(codel.syntax().prev_sibling(), SyntaxNode::prev_sibling)
             .find_map(ast::CodelProperty::cast);
         if let (Some(state), Some(before)) = (state, before) {
@@ -295,8 +296,8 @@ impl FixSite<'_> {
         fixes
     }
 
-    /// One fix for each transition of a cycle.
-    /// `Pause before …`, the state that closes the round first: the message advises that.
+    /// `Pause before …`: one fix for each transition of a cycle. The state that closes the cycle comes first,
+    /// as the message advises.
     pub(crate) fn pause_somewhere(&self) -> Vec<TextFix> {
         let mut around = self.related.to_vec();
         if !around.is_empty() {
@@ -313,8 +314,8 @@ impl FixSite<'_> {
             .collect()
     }
 
-    /// The edit by which a transition pauses: where the codel yields the state with a pause already, the one
-    /// without goes.
+    /// The edit that makes a transition pause. If the codel already yields the state with a pause, the
+    /// unpaused one is removed.
     fn paused(&self, range: TextRange) -> (TextRange, String) {
         let pause = (TextRange::empty(range.start()), "pause::".to_owned());
         let state: Option<ast::State> = self.node(range);
@@ -532,7 +533,7 @@ fn add_yield(codel: &SyntaxNode, state: &str) -> Option<TextFix> {
     })
 }
 
-/// Whether a node begins its line.
+/// Returns true if a node begins its line.
 fn starts_line(node: &SyntaxNode) -> bool {
     let tokens = node
         .descendants_with_tokens()
@@ -564,7 +565,7 @@ fn indent_of(node: &SyntaxNode) -> String {
         .unwrap_or_default()
 }
 
-/// Where the last real token of a node ends.
+/// The end of the last real token of a node.
 fn end_of(node: &SyntaxNode) -> TextSize {
     let tokens = node
         .descendants_with_tokens()
@@ -591,7 +592,7 @@ fn whole_lines(node: &SyntaxNode) -> TextRange {
     range
 }
 
-/// A part of a list with the comma that goes with it.
+/// A part of a list with its comma.
 fn with_comma(part: &SyntaxNode) -> TextRange {
     let range = TextRange::new(part.text_range().start(), end_of(part));
     let mut next = part.last_token().and_then(|it| it.next_token());

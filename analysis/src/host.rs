@@ -1,8 +1,8 @@
-//! The public face of analysis: [`AnalysisHost`] takes changes, [`Analysis`] is a snapshot that
-//! answers questions.
+//! The public interface of the analysis: [`AnalysisHost`] takes changes, [`Analysis`] is a snapshot that
+//! answers queries.
 //!
-//! The host is owned by one writer. `apply` cancels the snapshots that are still working, and waits
-//! until they are dropped: never keep a snapshot where it is not working. All paths are absolute.
+//! The host is owned by one writer. `apply` cancels the running snapshots, and waits until they are dropped:
+//! never keep an idle snapshot. All paths are absolute.
 
 mod features;
 
@@ -37,31 +37,31 @@ pub use crate::{
 /// One batch of changes.
 #[derive(Debug, Clone, Default)]
 pub struct Change {
-    /// Files: new text, or `None` to ask the loader again (closed, created, changed, deleted).
+    /// Files: new text, or `None` to read from the loader again (closed, created, changed, deleted).
     pub files: Vec<(Utf8PathBuf, Option<String>)>,
     /// Every root: the `.gen` files of the workspace and the open files. `None` for no change.
     pub roots: Option<Vec<Utf8PathBuf>>,
-    /// The document the user works in: headers are shown as its unit sees them.
+    /// The document that the user is editing: headers are shown as its unit sees them.
     pub active: Option<Utf8PathBuf>,
-    /// Files and the roots they are to be shown as included by, all of them.
+    /// All files with a root that the user chose to show them in, and that root.
     pub chosen: Option<Vec<(Utf8PathBuf, Utf8PathBuf)>>,
     /// New settings.
     pub config: Option<Config>,
-    /// Ask the package tool again.
+    /// True to run the package tool again.
     pub reload_packages: bool,
-    /// Whether it is known who includes a file (see [`Analysis::index`]); at first it is. Until then a root
-    /// counts for itself.
+    /// True if queries may search for the files that include a file (see [`Analysis::index`]), which is the
+    /// default. Until then a root counts only for itself.
     pub indexed: Option<bool>,
 }
 
-/// Why there is no answer.
+/// The reason why there is no answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cancelled {
-    /// A change arrived: ask again.
+    /// A change arrived: repeat the query.
     PendingWrite,
     /// Cancelled with its [`CancellationToken`].
     Local,
-    /// Another thread panicked in a query this one waited for.
+    /// Another thread panicked in a query that this one waited for.
     PropagatedPanic,
 }
 
@@ -86,7 +86,7 @@ pub enum Input {
     },
 }
 
-/// Several inputs compiled as one unit, in order, as the command line of GenoM3 does it.
+/// Several inputs compiled as one unit, in order, as on the command line of GenoM3.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
 pub struct BatchInput {
     /// In order.
@@ -102,7 +102,7 @@ pub struct AnalysisHost {
     db: RootDatabase,
 }
 
-/// A snapshot: cheap to make, to be used on one thread, to be dropped soon.
+/// A snapshot: cheap to make, for use on one thread; drop it soon.
 #[derive(Clone)]
 pub struct Analysis {
     db: RootDatabase,
@@ -116,7 +116,7 @@ impl AnalysisHost {
         }
     }
 
-    /// Like [`AnalysisHost::new`], with a callback that sees what the database does.
+    /// Like [`AnalysisHost::new`], with a callback that receives the events of the database.
     #[cfg(test)]
     pub(crate) fn with_events(
         loader: Arc<dyn Loader>,
@@ -127,7 +127,7 @@ impl AnalysisHost {
         }
     }
 
-    /// Applies changes. Cancels the snapshots that are working and waits until they are dropped.
+    /// Applies changes. Cancels the running snapshots and waits until they are dropped.
     pub fn apply(&mut self, change: Change) {
         let db = &mut self.db;
         if change.reload_packages {
@@ -196,8 +196,8 @@ impl AnalysisHost {
         }
     }
 
-    /// From now on [`AnalysisHost::shrink`] forgets nearly everything: for a host whose files are asked about
-    /// once.
+    /// Makes [`AnalysisHost::shrink`] evict nearly everything from now on: for a host that queries each file
+    /// only once.
     pub fn keep_little(&mut self) {
         const FEW: usize = 64;
         unit::keep(&mut self.db, FEW);
@@ -205,13 +205,13 @@ impl AnalysisHost {
         report::keep(&mut self.db, FEW);
     }
 
-    /// Forgets results that take much memory and are seldom asked for again, but for those asked for last.
-    /// Cancels the snapshots that are working and waits until they are dropped.
+    /// Evicts large results that are seldom requested again, except for the most recently requested. Cancels
+    /// the running snapshots and waits until they are dropped.
     pub fn shrink(&mut self) {
         self.db.shrink();
     }
 
-    /// The files at or below a path that were ever asked for, there or not.
+    /// The known files at or below a path, existing or not.
     pub fn known_at(&self, path: &Utf8Path) -> Vec<Utf8PathBuf> {
         self.db.known_at(path)
     }
@@ -225,7 +225,7 @@ impl AnalysisHost {
 }
 
 impl CancellationToken {
-    /// Makes the snapshot's running and later questions end with [`Cancelled::Local`].
+    /// Makes the snapshot's running and later queries end with [`Cancelled::Local`].
     pub fn cancel(&self) {
         self.0.cancel();
     }
@@ -260,7 +260,7 @@ impl Analysis {
     }
 
     fn with<T>(&self, f: impl FnOnce(&dyn Db) -> T) -> Cancellable<T> {
-        // A query that unwinds leaves no memo behind: the database is as before.
+        // A query that unwinds leaves no memo: the database is unchanged.
         let f = AssertUnwindSafe(|| f(&self.db));
         salsa::Cancelled::catch(f).map_err(Cancelled::from)
     }
@@ -271,14 +271,14 @@ impl Analysis {
         path: &Utf8Path,
         f: impl FnOnce(&FileView<'_>) -> T,
     ) -> Cancellable<Option<T>> {
-        // A scenario of the verifier is no specification.
+        // A scenario of the verifier is not a specification.
         if path.extension() == Some("scn") {
             return Ok(None);
         }
         self.with(|db| FileView::new(db, db.file(path)).map(|view| f(&view)))
     }
 
-    /// Text of a file as analysis sees it; `None` if it cannot be read.
+    /// Text of a file in the analysis; `None` if it cannot be read.
     pub fn text(&self, path: &Utf8Path) -> Cancellable<Option<Arc<str>>> {
         self.with(|db| {
             let file = db.file(path);
@@ -286,12 +286,13 @@ impl Analysis {
         })
     }
 
-    /// Whether a file is larger than what is read.
+    /// Returns true if a file is larger than the limit.
     pub fn is_too_large(&self, path: &Utf8Path) -> Cancellable<bool> {
         self.with(|db| matches!(db.file(path).status(db), FileStatus::TooLarge(_)))
     }
 
-    /// Whether a file was read from the disk and is no UTF-8: what it is shown as is not what it holds.
+    /// Returns true if a file was read from the disk and is not UTF-8: the displayed text differs from its
+    /// content.
     pub fn is_not_utf8(&self, path: &Utf8Path) -> Cancellable<bool> {
         self.with(|db| *db.file(path).status(db) == FileStatus::NotUtf8)
     }
@@ -301,25 +302,25 @@ impl Analysis {
         self.with(|db| line_index(db, db.file(path)).clone())
     }
 
-    /// Diagnostics of one file, over the units that contain it, by place.
+    /// Diagnostics of one file, from all units that contain it, by place.
     pub fn diagnostics(&self, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
         self.with(|db| report::file_diagnostics(db, db.file(path)))
     }
 
-    /// Fixes of an error of a text that does not parse, found by trying: changes with which it would. Parses
-    /// the text some hundred times. `all` are the findings of the file.
+    /// Fixes of a syntax error, found by trial: changes after which the text parses. Parses the text several
+    /// hundred times. `all` are the diagnostics of the file.
     pub fn trials(&self, of: &Diagnostic, all: &[Diagnostic]) -> Cancellable<Vec<Fix>> {
         self.with(|db| report::trials(db, of, all))
     }
 
-    /// Findings of a layer above, as the configuration and the comments of the specifications want
-    /// them: with their severities, without what is switched off or allowed.
+    /// Applies the configuration and the comments of the specifications to findings of a layer above: sets
+    /// their severities, and removes disabled or allowed ones.
     pub fn adjusted(&self, diagnostics: Vec<Diagnostic>) -> Cancellable<Vec<Diagnostic>> {
         self.with(|db| report::adjust(db, diagnostics))
     }
 
-    /// Codes of a layer above (`family`, of which `known` exist) that comments of a root allow although
-    /// no finding has them there. `found` are its findings before [`Analysis::adjusted`].
+    /// Codes of a layer above (`family`, of which `known` exist) that comments of a root allow without a
+    /// finding. `found` are the findings of that layer before [`Analysis::adjusted`].
     pub fn unused_allowances(
         &self,
         root: &Utf8Path,
@@ -330,12 +331,12 @@ impl Analysis {
         self.with(|db| report::unused_allowances(db, root, family, known, found))
     }
 
-    /// Whether the configuration switches a code off.
+    /// Returns true if the configuration switches a code off.
     pub fn is_off(&self, code: &str) -> Cancellable<bool> {
         self.with(|db| report::is_switched_off(db, code))
     }
 
-    /// A comment in a file that is no specification allows a code that nothing there has.
+    /// A comment, in a file that is not a specification, that allows a code without a finding.
     pub fn unused_allowance(
         code: &str,
         known: bool,
@@ -348,18 +349,18 @@ impl Analysis {
         report::shown(&kind, None, None, path, range)
     }
 
-    /// The unit that serves a file: the unit of the active document, else of the first other root
-    /// that includes it, else its own.
+    /// The unit that serves a file: the unit of the active document, otherwise of the first other root that
+    /// includes it, otherwise its own.
     pub fn unit(&self, path: &Utf8Path) -> Cancellable<UnitResult> {
         self.with(|db| unit_result(db, unit::serving_unit(db, db.file(path))))
     }
 
-    /// Root of the unit that serves a file (the file itself if nobody includes it).
+    /// Root of the unit that serves a file (the file itself if no other file includes it).
     pub fn root_of(&self, path: &Utf8Path) -> Cancellable<Utf8PathBuf> {
         self.with(|db| unit::roots_of(db, db.file(path))[0].path(db).clone())
     }
 
-    /// Roots of the units in which a file occurs, the one that serves it first.
+    /// Roots of the units that contain a file, the one that serves it first.
     pub fn roots_containing(&self, path: &Utf8Path) -> Cancellable<Vec<Utf8PathBuf>> {
         self.with(|db| {
             let roots = unit::roots_of(db, db.file(path));
@@ -367,7 +368,7 @@ impl Analysis {
         })
     }
 
-    /// Files whose diagnostics may differ after a change of a file: those of every unit it is in.
+    /// Files whose diagnostics may differ after a change of a file: all files of every unit that contains it.
     pub fn affected_files(&self, path: &Utf8Path) -> Cancellable<Vec<Utf8PathBuf>> {
         self.with(|db| {
             let mut out: Vec<Utf8PathBuf> = Vec::new();
@@ -382,18 +383,18 @@ impl Analysis {
         })
     }
 
-    /// The unit that begins with a file, whoever else includes it: what the command line compiles.
+    /// The unit that begins with a file, as compiled by the command line, even if other files include it.
     pub fn root_unit(&self, path: &Utf8Path) -> Cancellable<UnitResult> {
         self.with(|db| unit_result(db, unit::unit_of_root(db, db.file(path))))
     }
 
-    /// [`Analysis::root_unit`] as it would be with some edits, which do not overlap.
+    /// [`Analysis::root_unit`] after some edits, which do not overlap.
     pub fn edited_root_unit(&self, path: &Utf8Path, edits: &[FileEdit]) -> Cancellable<UnitResult> {
         self.with(|db| ide::speculate::edited_unit(db, db.file(path), edits))
     }
 
-    /// Looks at every root for what it includes. What belongs to which unit is known at once afterwards.
-    /// Whether a root is included by another one, and so does not count for itself.
+    /// Reads the includes of every root, so that later queries for including files are fast. Returns true if
+    /// a root is included by another one, and so does not count for itself.
     pub fn index(&self) -> Cancellable<bool> {
         self.with(unit::index)
     }
@@ -411,7 +412,7 @@ impl Analysis {
         })
     }
 
-    /// What the specification of a root needs, and what of it is missing.
+    /// The dependencies of the specification of a root, with the missing ones.
     pub fn dependencies(&self, path: &Utf8Path) -> Cancellable<Dependencies> {
         self.with(|db| deps::dependencies(db, db.file(path)))
     }
@@ -444,12 +445,12 @@ impl Analysis {
         })
     }
 
-    /// The syntax tree of a file, dumped for people.
+    /// The syntax tree of a file as text.
     pub fn syntax_tree(&self, path: &Utf8Path) -> Cancellable<Option<String>> {
         self.in_file(path, ide::syntax_tree::syntax_tree)
     }
 
-    /// The declarations of a file as lowering sees them, dumped for people.
+    /// The declarations of a file as text, as lowering sees them.
     pub fn item_tree(&self, path: &Utf8Path) -> Cancellable<Option<String>> {
         self.in_file(path, |view| {
             format!("{:#?}", unit::item_tree(view.db, view.key))

@@ -70,12 +70,12 @@ pub struct FileRange {
     pub range: Range<usize>,
 }
 
-/// A value with the range of the text under the cursor it is about.
+/// A value with the range of the name under the cursor.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RangeInfo<T> {
     /// The name, path or macro under the cursor.
     pub range: Range<usize>,
-    /// About it.
+    /// The value.
     pub info: T,
 }
 
@@ -110,20 +110,20 @@ pub enum SymbolKind {
     State,
 }
 
-/// Somewhere to go.
+/// A target of navigation.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NavTarget {
     /// Absolute path.
     pub path: Utf8PathBuf,
     /// The whole declaration.
     pub full_range: Range<usize>,
-    /// Its name, or where the cursor should land.
+    /// The range of its name, or the place for the cursor.
     pub focus_range: Range<usize>,
     /// The name.
     pub name: SmolStr,
-    /// What it is.
+    /// The kind.
     pub kind: SymbolKind,
-    /// Name of what it is declared in.
+    /// Name of the declaration that contains it.
     pub container: Option<SmolStr>,
 }
 
@@ -134,13 +134,13 @@ pub struct DocumentSymbol {
     pub name: String,
     /// Type, direction, period…
     pub detail: Option<String>,
-    /// What it is.
+    /// The kind.
     pub kind: SymbolKind,
     /// The whole declaration.
     pub range: Range<usize>,
-    /// Its name; always inside `range`.
+    /// The name; always inside `range`.
     pub selection_range: Range<usize>,
-    /// What is declared in it.
+    /// The declarations in it.
     pub children: Vec<DocumentSymbol>,
 }
 
@@ -149,15 +149,15 @@ pub struct DocumentSymbol {
 pub struct WorkspaceSymbol {
     /// The name.
     pub name: SmolStr,
-    /// What it is.
+    /// The kind.
     pub kind: SymbolKind,
-    /// Name of what it is declared in.
+    /// Name of the declaration that contains it.
     pub container: Option<SmolStr>,
-    /// Its name token.
+    /// The name token.
     pub target: FileRange,
 }
 
-/// What a folded region holds.
+/// The content of a folded region.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[allow(missing_docs, reason = "the names of the LSP")]
 pub enum FoldKind {
@@ -171,16 +171,16 @@ pub enum FoldKind {
 pub struct FoldingRange {
     /// From the first character folded to the last.
     pub range: Range<usize>,
-    /// What it holds; `None` for the body of a declaration.
+    /// The content; `None` for the body of a declaration.
     pub kind: Option<FoldKind>,
 }
 
-/// Text that leads to a file.
+/// Text that links to a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DocumentLink {
     /// The path in the directive, without quotes.
     pub range: Range<usize>,
-    /// The file it leads to.
+    /// The target file.
     pub target: Utf8PathBuf,
 }
 
@@ -212,15 +212,15 @@ pub enum TokenType {
     Task,
     /// A port.
     Port,
-    /// Text left out by a conditional.
+    /// Text excluded by a conditional.
     Inactive,
     /// A preprocessor directive's own words.
     Directive,
 }
 
 impl TokenType {
-    /// What a grammar without knowledge of names tells as well. An editor that colours by a grammar
-    /// of its own, in finer distinctions than these types have, can do without.
+    /// Returns true for a token type that a grammar without name resolution gives too. Editors with a finer
+    /// grammar of their own can omit these tokens.
     pub fn is_lexical(self) -> bool {
         matches!(
             self,
@@ -255,7 +255,7 @@ impl TokenModifiers {
         TokenModifiers(self.0 | other.0)
     }
 
-    /// Whether every bit of `other` is set.
+    /// Returns true if every bit of `other` is set.
     pub fn contains(self, other: TokenModifiers) -> bool {
         self.0 & other.0 == other.0
     }
@@ -266,13 +266,13 @@ impl TokenModifiers {
 pub struct SemanticToken {
     /// Byte offsets.
     pub range: Range<usize>,
-    /// Its type.
+    /// The type.
     pub ty: TokenType,
-    /// Its modifiers.
+    /// The modifiers.
     pub modifiers: TokenModifiers,
 }
 
-/// How a reference uses what it names.
+/// The access of a reference to its target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[allow(missing_docs, reason = "self-explaining")]
 pub enum AccessKind {
@@ -288,28 +288,28 @@ pub enum AccessKind {
 /// One mention of a name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ReferenceAt {
-    /// Where.
+    /// The place.
     pub place: FileRange,
-    /// How.
+    /// The access.
     pub access: AccessKind,
 }
 
 /// One mention of the name under the cursor, in the same file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Highlight {
-    /// Where.
+    /// The byte range.
     pub range: Range<usize>,
-    /// How.
+    /// The access.
     pub access: AccessKind,
 }
 
-/// What a hover shows.
+/// The content of a hover.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Hover {
     /// Markdown.
     pub markdown: String,
-    /// The codels it is about, as names of component and codel: what they look like in another language
-    /// is not known here.
+    /// The codels it describes, as names of component and codel: their prototypes in a programming language
+    /// are not known here.
     pub codels: Vec<(String, String)>,
 }
 
@@ -363,7 +363,7 @@ impl From<Access> for AccessKind {
     }
 }
 
-/// What a macro call stands for.
+/// The expansion of a macro call.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MacroExpansion {
     /// Name of the macro.

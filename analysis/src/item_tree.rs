@@ -1,12 +1,11 @@
-//! Position-free declarations of one file: what a tree says, without where it says it.
+//! Declarations of one file without positions.
 //!
-//! This is the incremental firewall. Editing a comment or a blank line gives an equal item tree, so
-//! nothing below is computed again. Every node that something may point at carries a [`Ptr`];
-//! [`ItemTree`] and the ranges of its pointers are produced together by `lower`.
+//! This is the incremental firewall. Editing a comment or a blank line gives an equal item tree, so dependent
+//! queries are not computed again. Every node that other data may refer to has a [`Ptr`]; `lower` computes
+//! [`ItemTree`] and the ranges of its pointers together.
 //!
-//! The item tree is a faithful, ordered transcription: it does no resolution and no checking.
-//! What could not be parsed is left out (or is a `Missing` variant), so that one syntax error
-//! causes no second message.
+//! The item tree is a faithful, ordered transcription: it does no resolution and no checking. Text that could
+//! not be parsed is left out (or is a `Missing` variant), so that one syntax error causes no second message.
 
 pub mod lower;
 
@@ -34,15 +33,15 @@ pub struct Name {
     pub ptr: Ptr,
 }
 
-/// The declarations of one file, or of the part of a body it holds when it is included in one.
+/// The declarations of one file, or of the part of a body that an included file holds.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ItemTree {
     /// In text order.
     pub items: Vec<Item>,
 }
 
-/// Anything that may stand in a specification, module, component, ids, struct or property body.
-/// The parser guarantees nothing about which stands where beyond what the grammar does.
+/// Any item of a specification, module, component, ids, struct or property body. The parser guarantees no
+/// more about the place of an item than the grammar does.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[allow(missing_docs, reason = "named after the grammar rules")]
 pub enum Item {
@@ -95,7 +94,7 @@ pub enum Item {
     Ids {
         members: Vec<Item>,
         ptr: Ptr,
-        /// The word `ids`, which stands for the name.
+        /// The keyword `ids`, in the place of a name.
         keyword: Ptr,
     },
     Task {
@@ -120,7 +119,7 @@ pub enum Item {
     },
 }
 
-/// A `#pragma` that means something to the specification.
+/// A `#pragma` that affects the specification.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[allow(missing_docs, reason = "the arguments as words, quotes removed")]
 pub enum Pragma {
@@ -205,7 +204,7 @@ pub struct CaseLabel {
 /// A type where it is used.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TypeRef {
-    /// What was written.
+    /// The kind, as written.
     pub kind: TypeRefKind,
     /// The type specifier.
     pub ptr: Ptr,
@@ -265,7 +264,7 @@ pub struct Path {
 /// A constant expression.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Expr {
-    /// What was written.
+    /// The kind, as written.
     pub kind: ExprKind,
     /// The whole expression.
     pub ptr: Ptr,
@@ -344,7 +343,7 @@ pub enum Unit {
 pub struct Duration {
     /// The number.
     pub value: Expr,
-    /// Its unit, with its place.
+    /// The unit, with its place.
     pub unit: Option<(Unit, Ptr)>,
     /// The unit directly follows a number literal, without a blank (see deviation D29).
     pub glued: bool,
@@ -352,14 +351,14 @@ pub struct Duration {
     pub ptr: Ptr,
 }
 
-/// One property. Anything may be written anywhere; the elaborator says where it is not legal.
+/// One property. Any property may be written anywhere; the elaborator reports illegal places.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Property {
-    /// Which one.
+    /// The kind.
     pub kind: PropertyKind,
     /// From its first token to its `;`.
     pub ptr: Ptr,
-    /// Its keyword.
+    /// The keyword.
     pub keyword: Ptr,
 }
 
@@ -401,7 +400,7 @@ pub enum PropertyKind {
 #[allow(missing_docs, reason = "named after the grammar rule")]
 pub struct PortDecl {
     pub multiple: bool,
-    /// `None` when missing (a syntax error, already reported).
+    /// `None` if missing (a syntax error, already reported).
     pub out: Option<bool>,
     pub ty: TypeRef,
     pub name: Option<Name>,
@@ -446,14 +445,14 @@ pub struct ParamDecl {
     pub ptr: Ptr,
 }
 
-/// What a parameter names.
+/// The data that a parameter names.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ParamSpec {
     /// `in long a[2]`
     Typed {
         /// Declared type.
         ty: Box<TypeRef>,
-        /// Name and dimensions; `None` when missing.
+        /// Name and dimensions; `None` if missing.
         declarator: Option<Box<Declarator>>,
     },
     /// `[source] in a.b[0]::renamed`, `in ::whole`
@@ -491,12 +490,12 @@ pub enum PathStep {
 pub struct CodelDecl {
     pub is_async: bool,
     pub name: Option<Name>,
-    /// `Some` when it has `< >`, even if empty.
+    /// `Some` if it has `< >`, even if empty.
     pub triggers: Option<Vec<StateRef>>,
     pub params: Vec<ParamDecl>,
     pub yields: Option<Vec<StateRef>>,
-    /// Every execution time given: `wcet` clauses and bare durations, in order. More than one is an
-    /// error of the elaborator.
+    /// Every given execution time: `wcet` clauses and bare durations, in order. The elaborator reports more
+    /// than one.
     pub wcet: Vec<WcetClause>,
     pub ptr: Ptr,
 }
@@ -516,7 +515,7 @@ pub struct StateRef {
 pub struct WcetClause {
     /// Written without the word `wcet`.
     pub bare: bool,
-    /// `None` when the value is missing.
+    /// `None` if the value is missing.
     pub duration: Option<Duration>,
     /// The clause.
     pub ptr: Ptr,
@@ -555,7 +554,7 @@ pub enum InitValue {
 mod tests {
     use super::*;
 
-    /// There are hundreds of them in each of a thousand components, and they are kept.
+    /// Each of a thousand components has hundreds of declarations, and all are kept in memory.
     #[test]
     fn declarations_stay_small() {
         assert!(size_of::<Item>() <= 160, "{}", size_of::<Item>());

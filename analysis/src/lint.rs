@@ -1,9 +1,9 @@
-//! Findings no compiler gives: state machines, data flow, locks, timing, services, style.
+//! Lints: state machines, data flow, locks, timing, services, style.
 //!
-//! Each rule is a pure function of one component of the model, so that an edit re-checks one
-//! component only. A rule owns a code; [`codes`] says what each means, and the manual pages are
-//! generated from there. The defaults are quiet on healthy specifications: a warning must be
-//! something its author would want to change, a hint may be a matter of taste.
+//! Each rule is a pure function of one component of the model, so that an edit re-checks one component only.
+//! Each rule has a code; [`codes`] describes them, and the manual pages are generated from there. The
+//! defaults are quiet on healthy specifications: a warning must be something its author would want to change,
+//! a hint may be a matter of taste.
 
 mod data_flow;
 mod locks;
@@ -23,7 +23,7 @@ use crate::model::{Codel, CodelRef, Component, ComponentKind, Owner, Seconds, Sp
 
 pub use unused::unused;
 
-/// Checks one component (nothing is reported for interfaces, which are incomplete by nature).
+/// Checks one component. Interfaces are incomplete by nature and never reported.
 pub fn component(spec: &Spec, component: &Component, config: &LintConfig) -> Vec<Finding> {
     let mut lint = Lint {
         spec,
@@ -93,7 +93,7 @@ impl<'a> Lint<'a> {
         }
     }
 
-    /// Whether any codel of the component has an execution time.
+    /// Returns true if any codel of the component has an execution time.
     fn has_timing(&self) -> bool {
         self.component
             .all_codels()

@@ -1,13 +1,13 @@
-//! Lists with commas (`yield`, `throw`, parameters), extended as their author has laid them out.
+//! Appends to comma-separated lists (`yield`, `throw`, parameters) in the layout of their author.
 
 use std::ops::Range;
 
-/// A line of a list that is longer than this is broken where other lines of the list are.
+/// Maximum length of a line in columns. A longer line of a list is broken if other lines of the list are.
 const LONG: usize = 80;
 
 /// The insertions that put an item behind the last of a list: with the separator, the line break and the
-/// indentation that stand between the others, and with a comment left at the item that it is about. `items`
-/// are the ranges of the items in text order; nothing for an empty list.
+/// indentation of the others. A comment stays with its item. `items` are the ranges of the items in text
+/// order. Returns nothing for an empty list.
 pub fn appended(text: &str, items: &[Range<usize>], item: &str) -> Vec<(Range<usize>, String)> {
     let Some(last) = items.last() else {
         return Vec::new();
@@ -66,7 +66,7 @@ impl Default for Separator {
 }
 
 impl Separator {
-    /// What stands between two items, without its comments; `None` if that is more than a comma.
+    /// The text between two items, without its comments; `None` if it is more than a comma.
     fn read(gap: &str) -> Option<Separator> {
         let mut sides = [String::new(), String::new()];
         let (mut side, mut rest) = (0, gap);
@@ -89,7 +89,7 @@ impl Separator {
             rest = &rest[length..];
         }
         let [before, after] = sides.map(|it| match it.rfind('\n') {
-            // Neither empty lines nor the blanks in front of a comment.
+            // Neither empty lines nor the blanks before a comment.
             Some(at) => it[at..].to_owned(),
             None => it.get(..1).unwrap_or_default().to_owned(),
         });
@@ -105,7 +105,7 @@ impl Separator {
 mod tests {
     use super::*;
 
-    /// The list of the words `a1`, `b2`, … in a text, with `new` behind the last.
+    /// Checks the list of the words `a1`, `b2`, … in a text, with `new` appended.
     #[track_caller]
     fn check(text: &str, wanted: &str) {
         let mut items = Vec::new();

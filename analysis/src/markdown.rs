@@ -1,9 +1,9 @@
-//! Markdown around what somebody else wrote: names, file names, comments, `doc` texts. They are data, and
-//! are shown as they are, whatever Markdown would make of them.
+//! Markdown around foreign text: names, file names, comments, `doc` texts. Foreign text is data, and is shown
+//! unchanged, even if it contains Markdown syntax.
 
 use std::borrow::Cow;
 
-/// A text that stands for itself. Its line ends and blank lines remain, its indentation does not: four
+/// A text without Markdown meaning. Its line ends and blank lines remain, but not its indentation: four
 /// blanks would make it code.
 pub fn text(text: &str) -> String {
     let mut out = String::with_capacity(text.len() + 8);
@@ -22,9 +22,9 @@ fn escape_line(line: &str, out: &mut String) {
     for (at, c) in line.char_indices() {
         let special = match c {
             '\\' | '`' | '*' | '[' | ']' | '<' | '>' | '&' | '|' | '~' => true,
-            // Within a word it means nothing.
+            // Within a word it has no meaning.
             '_' => !(before.is_alphanumeric() && line[at + 1..].starts_with(char::is_alphanumeric)),
-            // What begins a heading, a list, a rule or a table, at the beginning of a line.
+            // Characters that begin a heading, a list, a rule or a table, at the beginning of a line.
             '#' | '+' | '-' | '=' => at == 0,
             '.' | ')' => at == digits && digits > 0,
             // Editors make links of addresses.
@@ -52,7 +52,7 @@ pub fn code(text: &str) -> String {
         })
         .collect();
     let ticks = ticks(&text, 1);
-    // One blank at both ends is taken away again.
+    // Markdown removes one blank at both ends.
     let padded = text.starts_with('`')
         || text.ends_with('`')
         || text.starts_with(' ') && text.ends_with(' ');
@@ -73,7 +73,7 @@ pub fn block(language: &str, text: &str) -> String {
     format!("{ticks}{language}\n{text}\n{ticks}")
 }
 
-/// More ticks than there are in a row anywhere in the text, and at least so many.
+/// Backquotes: more than in any run in the text, and at least `least`.
 fn ticks(text: &str, least: usize) -> String {
     let longest = text.split(|it| it != '`').map(str::len).max().unwrap_or(0);
     let count = if longest == 0 {
@@ -84,8 +84,8 @@ fn ticks(text: &str, least: usize) -> String {
     "`".repeat(count)
 }
 
-/// Control characters become U+FFFD: a viewer does not show them, or does what they say. So do those that
-/// change the direction of the text, which could show it as another one.
+/// Replaces control characters by U+FFFD: a viewer hides them or executes them. The same applies to
+/// characters that change the direction of the text, which could make it look like another text.
 fn visible(c: char) -> char {
     match c {
         '\t' => ' ',

@@ -1,12 +1,12 @@
 //! The resolved component model: plain data, no positions, no syntax.
 //!
-//! One [`Spec`] is what a translation unit means after name resolution. Everything downstream
-//! (diagrams, code generation, the verifier, `dotgen model`) reads this and never the tree. Items
-//! point back to the text with a [`Src`], which [`crate::source_map::Locations`] turns into a
-//! file and a range; the model itself therefore stays equal when only positions change.
+//! One [`Spec`] is the meaning of a translation unit after name resolution. All later stages (diagrams, code
+//! generation, the verifier, `dotgen model`) read this and never the tree. Items refer to the text with a
+//! [`Src`], which [`crate::source_map::Locations`] converts to a file and a range; the model itself therefore
+//! stays equal when only positions change.
 //!
-//! Orders matter: types are in order of creation, everything else in order of declaration, as the
-//! template language of GenoM3 exposes them (reference manual, "dotgen" objects).
+//! Orders matter: types are in order of creation, everything else in order of declaration, as the template
+//! language of GenoM3 exposes them (reference manual, "dotgen" objects).
 
 pub mod fsm;
 pub mod gaps;
@@ -32,7 +32,7 @@ pub type Name = SmolStr;
 /// An exact time in seconds.
 pub type Seconds = Ratio<i128>;
 
-/// Where something was written: a node of the item tree of one visited file of the unit.
+/// The place of a declaration or mention: a node of the item tree of one visited file of the unit.
 ///
 /// Ids are ordinals, not ranges, so that blank lines and comments do not change them.
 #[derive(
@@ -50,7 +50,7 @@ pub struct Src {
 /// Everything one translation unit declares.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Spec {
-    /// The release of GenoM3 whose language this is.
+    /// The release of GenoM3 that defines the language.
     pub release: Release,
     /// Every type object in order of creation, anonymous ones included. A type that was declared
     /// twice (a forward declaration and its definition) has two entries.
@@ -59,25 +59,25 @@ pub struct Spec {
     pub components: Vec<Component>,
     /// Packages of all `#pragma requires`, in order, without repetition.
     pub pragma_requires: Vec<String>,
-    /// Where the bodies of components and interfaces are, in order.
+    /// The bodies of components and interfaces, in order.
     pub bodies: Vec<Body>,
-    /// Where tasks and services are declared, in order: a reopened one has several entries.
+    /// The declarations of tasks and services, in order: a reopened one has several entries.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub owner_bodies: Vec<OwnerBody>,
-    /// What components lack because a name could not be resolved; empty for what GenoM3 accepts.
+    /// Gaps of components because a name could not be resolved; empty for specifications that GenoM3 accepts.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub gaps: Vec<Gap>,
-    /// Types that a stand-in declares, in order: their members are made up, so any may be there.
+    /// Types declared by a stand-in, in order: their members are invented, so any member may exist.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub open: Vec<TypeId>,
 }
 
-/// A part of the text that stands in the body of a component or interface.
+/// A part of the text in the body of a component or interface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Body {
     /// The visit.
     pub visit: u32,
-    /// The top-level item of it; `None` for all of a file that is included in the body.
+    /// The top-level item of the visit; `None` for the whole of a file that is included in the body.
     pub item: Option<u32>,
     /// Index into [`Spec::components`].
     pub component: u32,
@@ -118,7 +118,7 @@ pub struct Quantity {
 /// A component or an interface.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Component {
-    /// Its name.
+    /// The name.
     pub name: Name,
     /// Component or interface.
     pub kind: ComponentKind,
@@ -134,11 +134,11 @@ pub struct Component {
     pub email: Option<String>,
     /// `requires`, in order, without repetition.
     pub requires: Vec<String>,
-    /// `codels-requires`, likewise.
+    /// `codels-requires`, in order, without repetition.
     pub codels_requires: Vec<String>,
     /// Given, imported, or (components with a periodic task) computed.
     pub clock_rate: Option<Quantity>,
-    /// `stack`, in bytes: that of all threads whose task does not say another.
+    /// `stack`, in bytes: for all threads whose task does not set its own.
     pub stack: Option<Quantity>,
     /// The ids structure.
     pub ids: Option<TypeId>,
@@ -168,14 +168,14 @@ pub struct Task {
     pub name: Name,
     pub src: Src,
     pub doc: Option<String>,
-    /// Seconds; `None` for an aperiodic task.
+    /// Period in seconds; `None` for an aperiodic task.
     pub period: Option<Quantity>,
-    /// Seconds.
+    /// Delay in seconds.
     pub delay: Option<Quantity>,
     pub priority: Option<Quantity>,
     /// `scheduling real-time`
     pub real_time: bool,
-    /// Bytes.
+    /// Stack size in bytes.
     pub stack: Option<Quantity>,
     /// Own `throws` only.
     pub throws: Vec<TypeId>,
@@ -197,9 +197,9 @@ pub enum PortDir {
 /// A port.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Port {
-    /// Its name.
+    /// The name.
     pub name: Name,
-    /// Its declaration (the name).
+    /// The declaration (the name).
     pub src: Src,
     /// Direction as seen from this component (already reversed for `uses`).
     pub dir: PortDir,
@@ -225,7 +225,7 @@ pub enum ServiceKind {
     Activity,
 }
 
-/// A list of services, as `interrupts`, `before` and `after` give it.
+/// A list of services in `interrupts`, `before` or `after`.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct ServiceList {
     /// `all` was named: every service of the component.
@@ -237,11 +237,11 @@ pub struct ServiceList {
 /// An attribute, function or activity.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Service {
-    /// Its name.
+    /// The name.
     pub name: Name,
-    /// Its last declaration (the name).
+    /// The last declaration (the name).
     pub src: Src,
-    /// Its kind.
+    /// The kind.
     pub kind: ServiceKind,
     /// `doc`
     pub doc: Option<String>,
@@ -266,15 +266,15 @@ pub struct Service {
 /// A service of an interface that the component uses.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Remote {
-    /// Its name.
+    /// The name.
     pub name: Name,
     /// The service in the interface.
     pub src: Src,
     /// Kind of the service.
     pub kind: ServiceKind,
-    /// Its parameters.
+    /// The parameters.
     pub params: Vec<Param>,
-    /// Its own type object.
+    /// The type object of the remote.
     pub ty: TypeId,
     /// The interface it comes from: index into [`Spec::components`].
     pub interface: u32,
@@ -284,7 +284,7 @@ pub struct Remote {
     pub throws: Vec<TypeId>,
 }
 
-/// What a codel is for.
+/// The purpose of a codel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CodelKind {
@@ -305,7 +305,7 @@ pub struct Codel {
     pub src: Src,
     /// The whole declaration.
     pub node: Src,
-    /// What it is for.
+    /// The purpose.
     pub kind: CodelKind,
     /// `async`
     pub is_async: bool,
@@ -344,7 +344,7 @@ pub enum ParamDir {
     Inout,
 }
 
-/// What a parameter refers to.
+/// The data that a parameter refers to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(tag = "kind", content = "index", rename_all = "lowercase")]
 pub enum ParamSource {
@@ -357,7 +357,7 @@ pub enum ParamSource {
     Port(u32),
     /// A remote (index into [`Component::remotes`]).
     Remote(u32),
-    /// Something that could not be resolved: it is missing, or comes from what is. Its type is
+    /// An unresolved reference: its target is missing, or comes from a missing file. Its type is
     /// [`TypeKind::Unknown`].
     Opaque,
 }
@@ -381,7 +381,7 @@ pub struct Param {
     pub src: Src,
     /// Direction.
     pub dir: ParamDir,
-    /// What it refers to.
+    /// The data it refers to.
     pub source: ParamSource,
     /// Type the path starts from (the ids, port data, remote type, or local type).
     pub base: TypeId,
@@ -396,13 +396,13 @@ pub struct Param {
 /// A default value, matched to the members of its type.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Initializer {
-    /// The member or index it is for, inside a compound.
+    /// The initialized member or index, inside a compound.
     pub member: Option<PathElement>,
     /// Documentation string.
     pub doc: Option<String>,
     /// The value.
     pub value: InitValue,
-    /// Type of what it initializes.
+    /// Type of the initialized value.
     pub ty: TypeId,
     /// The initializer.
     pub src: Src,
@@ -445,9 +445,9 @@ impl Spec {
         &self.types[id.0 as usize]
     }
 
-    /// The component or interface in whose body a node stands.
+    /// The component or interface whose body contains a node.
     pub fn body_of(&self, src: Src) -> Option<u32> {
-        // What is made with a component stands at its name, which is in no body.
+        // Parts created with a component have the place of its name, which is not in any body.
         if self.components.iter().any(|it| it.src == src) {
             return None;
         }
@@ -458,7 +458,7 @@ impl Spec {
 
     /// The type behind typedefs, members, constants and completed forward declarations.
     pub fn resolve_alias(&self, mut id: TypeId) -> TypeId {
-        // A cycle cannot be built by the elaborator; the bound keeps foreign data harmless.
+        // The elaborator never builds a cycle; the bound protects against foreign data.
         for _ in 0..self.types.len() {
             id = match self.ty(id).kind {
                 TypeKind::Typedef { ty }
@@ -539,7 +539,7 @@ impl Component {
         })
     }
 
-    /// The execution task that runs a codel; `None` for what the control task runs (validate and
+    /// The execution task that runs a codel; `None` for codels that the control task runs (validate and
     /// simple codels).
     pub fn task_of(&self, it: CodelRef) -> Option<u32> {
         match it.owner {
@@ -558,11 +558,17 @@ pub mod ratio_serde {
     use serde::{Deserialize, Deserializer, Serializer, de::Error};
 
     /// Writes `num/den`.
+    ///
+    /// # Errors
+    /// Returns the error of the serializer.
     pub fn serialize<S: Serializer>(value: &Ratio<i128>, to: S) -> Result<S::Ok, S::Error> {
         to.collect_str(&format_args!("{}/{}", value.numer(), value.denom()))
     }
 
     /// Reads `num/den`.
+    ///
+    /// # Errors
+    /// Fails for any other text.
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Ratio<i128>, D::Error> {
         let text = String::deserialize(from)?;
         text.parse().map_err(D::Error::custom)

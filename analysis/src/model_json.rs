@@ -1,9 +1,8 @@
-//! The model as a JSON document: what `dotgen model` prints.
+//! The model as a JSON document: the output of `dotgen model`.
 //!
-//! The document has the keys of the model summary (language reference, section 20), and further
-//! ones: places in the text, exact times, what codels exclude each other through, and the
-//! interfaces that a component imports. `docs/model.md` describes it. Keys may be added, none will
-//! change its meaning.
+//! The document has the keys of the model summary (language reference, section 20), and additional ones:
+//! places in the text, exact times, the shared data that causes exclusions, and the interfaces that a
+//! component imports. `docs/model.md` describes it. Keys may be added, but never change their meaning.
 
 use serde_json::{Map, Value as Json, json};
 
@@ -19,11 +18,11 @@ use crate::{
     source_map::Locations,
 };
 
-/// Prototypes of a codel of a component (by index), by language; the mapping of types to languages is
-/// not known here.
+/// Prototypes of a codel of a component (by index), by language; the mapping of types to languages is in
+/// another crate.
 pub type Prototypes<'a> = dyn Fn(u32, &Codel) -> Map<String, Json> + 'a;
 
-/// The document of a whole unit. Without `locations`, no places are given.
+/// The document of a whole unit. Without `locations`, it contains no places.
 pub fn to_json(spec: &Spec, locations: Option<&dyn Locations>) -> Json {
     with_prototypes(spec, locations, None)
 }
@@ -266,7 +265,7 @@ impl Writer<'_> {
         out.done()
     }
 
-    /// What a codel excludes: the names, and through which data.
+    /// The exclusions of a codel: the names, and the shared data.
     fn locks(&self, out: &mut Object, component: &Component, codel: CodelRef) {
         let mut names: Vec<&str> = Vec::new();
         let mut locks: Vec<Json> = Vec::new();
@@ -352,7 +351,7 @@ impl Writer<'_> {
         out.done()
     }
 
-    /// The path inside a source as the reference prints it: members of unions are reached through
+    /// The path inside a source as the reference compiler prints it: members of unions are accessed through
     /// `_u`, as in the C mapping.
     fn member_text(&self, param: &Param) -> String {
         let mut text = String::new();

@@ -1,6 +1,6 @@
-//! The same work on many things at once, by as many threads as the machine has cores.
+//! Parallel map: one operation on many items, with as many threads as the machine has cores.
 //!
-//! Each thread works with a handle of its own: a database cannot be shared between threads, only cloned.
+//! Each thread has a handle of its own: a database cannot be shared between threads, only cloned.
 
 use std::{
     any::Any,
@@ -11,22 +11,22 @@ use std::{
 
 use crate::base::{Db, RootDatabase};
 
-/// More threads than that make a machine unpleasant to type on.
+/// Maximum number of threads; more make the editor slow to respond.
 const MAX_THREADS: usize = 8;
 
-/// Deep trees are walked and dropped by recursion.
+/// Stack size of a thread in bytes: deep trees are walked and dropped by recursion.
 const STACK: usize = 32 << 20;
 
-/// The threads of [`map`], when there is work for as many.
+/// The number of threads of [`map`], if there is enough work.
 pub fn cores() -> usize {
     thread::available_parallelism().map_or(1, |it| it.get().min(MAX_THREADS))
 }
 
 /// Applies `own` or `other` to every item; the results are in the order of the items.
 ///
-/// This thread applies `own`. Every other one makes a handle with `fork` and applies `other`, which has to be
-/// the same but for the handle. A panic or a cancellation in one of them ends all of them and goes on in this
-/// thread.
+/// This thread applies `own`. Every other one makes a handle with `fork` and applies `other`, which must be
+/// the same operation on the handle. A panic or a cancellation in one of them ends all of them and continues
+/// in this thread.
 pub fn map<H: Send, T: Sync, R: Send>(
     items: &[T],
     fork: impl Fn() -> H,
@@ -58,7 +58,7 @@ pub fn map<H: Send, T: Sync, R: Send>(
             })
             .collect();
         let mut results = vec![work(&own)];
-        // Where no thread can be had, this one does it all.
+        // If no thread can be started, this one does all the work.
         for helper in helpers.into_iter().flatten() {
             results.push(helper.join().and_then(|it| it));
         }

@@ -1,8 +1,8 @@
-//! How far a long question is, for whoever waits for its answer.
+//! The progress of a long query.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Counts parts of the work. Whoever works adds, whoever waits looks; neither waits for the other.
+/// Counts parts of the work. The worker adds, the client reads; neither blocks the other.
 #[derive(Debug, Default)]
 pub struct Progress {
     done: AtomicUsize,
@@ -10,17 +10,17 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Some more parts are to be done.
+    /// Adds this many parts to the total.
     pub fn expect(&self, parts: usize) {
         self.known.fetch_add(parts, Ordering::Relaxed);
     }
 
-    /// One more is done.
+    /// Marks one part as done.
     pub fn step(&self) {
         self.done.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// How many parts are done, and how many are known of. The second may still grow.
+    /// The number of done parts, and the known total. The total may still grow.
     pub fn parts(&self) -> (usize, usize) {
         let known = self.known.load(Ordering::Relaxed);
         (self.done.load(Ordering::Relaxed).min(known), known)

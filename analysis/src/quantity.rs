@@ -1,4 +1,4 @@
-//! How times and loads are written for people: one rule for each.
+//! Formatting of times and loads for display.
 
 use crate::model::Seconds;
 
@@ -14,7 +14,7 @@ pub fn time(seconds: Seconds) -> String {
     time_of(*seconds.numer() as f64 / *seconds.denom() as f64)
 }
 
-/// Likewise, of seconds as a number. Noise of binary fractions does not show.
+/// Like [`time`], for seconds as a float. Rounding errors of binary fractions are not visible.
 pub fn time_of(seconds: f64) -> String {
     let micros = seconds * 1e6;
     match micros.abs() {
@@ -35,13 +35,13 @@ fn decimal(number: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// A share of a processor core or of a limit, as a percentage: `45 %`, `0.4 %`; never `0 %` for what is not
-/// nothing.
+/// A share of a processor core or of a limit, as a percentage: `45 %`, `0.4 %`; never `0 %` for a positive
+/// share.
 pub fn load(share: Seconds) -> String {
     percent(*share.numer() as f64 / *share.denom() as f64 * 100.0)
 }
 
-/// Likewise, of a number of percents.
+/// Like [`load`], for a number of percent.
 pub fn percent(percent: f64) -> String {
     match percent.abs() {
         it if it >= 10.0 || is_whole(it) => format!("{percent:.0} %"),

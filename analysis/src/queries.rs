@@ -1,8 +1,8 @@
 //! Elaboration and checks as queries over the database.
 //!
-//! [`elaborated`] depends on the item trees of a unit. The checks of each body run behind a
-//! [`BodyView`]: the body with the part of the model it can see, renumbered, so that an edit in one
-//! component leaves the views of the others equal.
+//! [`elaborated`] depends on the item trees of a unit. The checks of each body run behind a [`BodyView`]: the
+//! body with the part of the model it can see, renumbered, so that an edit in one component leaves the views
+//! of the others equal.
 
 use std::sync::Arc;
 
@@ -21,16 +21,17 @@ use crate::{
     unit::{UnitKey, item_tree, visits},
 };
 
-/// Visit of the elaborator that stands for the wrapper; those of the unit follow.
+/// Visit index of the wrapper in the elaborator; the visits of the unit follow.
 pub(crate) const WRAPPER: u32 = 0;
 
-/// What a unit means. Kept for the units worked in last only: it takes less time to make than memory to keep.
+/// The elaboration of a unit. Cached only for the most recently used units: recomputing is cheaper than the
+/// memory.
 #[salsa::tracked(lru = 24)]
 pub(crate) fn elaborated<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Elaborated> {
     Arc::new(elaborate(db, unit))
 }
 
-/// What a unit means, worked out now and not kept: for a question to very many units.
+/// The elaboration of a unit, computed now and not cached: for a query over very many units.
 pub(crate) fn elaborate<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Elaborated {
     let visits = &visits(db, unit).visits;
     let roots: Vec<u32> = (0..visits.len() as u32)
@@ -80,13 +81,13 @@ pub(crate) fn elaborate<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Elaborated 
     })
 }
 
-/// What elaboration reports of a unit.
+/// The findings of the elaboration of a unit.
 #[salsa::tracked(lru = 0)]
 pub(crate) fn elab_findings<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<Finding>> {
     Arc::new(elaborated(db, unit).diagnostics.clone())
 }
 
-/// Keeps these results of `count` units and bodies at most.
+/// Sets the maximum number of units and bodies with cached results.
 pub(crate) fn keep(db: &mut dyn Db, count: usize) {
     elab_findings::set_lru_capacity(db, count);
     check_body::set_lru_capacity(db, count);
@@ -99,7 +100,7 @@ pub(crate) fn body_count<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> u32 {
     elaborated(db, unit).closings.len() as u32
 }
 
-/// What the checks of one body can see.
+/// The part of the model that the checks of one body can see.
 #[salsa::tracked(lru = 24)]
 pub(crate) fn body_view<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> Arc<BodyView> {
     let elaborated = elaborated(db, unit);
@@ -118,8 +119,7 @@ pub(crate) fn body_view<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> 
     }
 }
 
-/// What is suspicious about one component, once all of it is read. Nothing for a body that is reopened
-/// later.
+/// The lints of one component, after all of it was read. Empty for a body that is reopened later.
 #[salsa::tracked(lru = 0)]
 pub(crate) fn lint_body<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> Arc<Vec<Finding>> {
     if !is_last_body(db, unit, body) {
@@ -132,7 +132,7 @@ pub(crate) fn lint_body<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> 
     })
 }
 
-/// Whether a component is not reopened after a body.
+/// Returns true if a component is not reopened after a body.
 #[salsa::tracked(returns(copy))]
 fn is_last_body<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> bool {
     let closings = &elaborated(db, unit).closings;

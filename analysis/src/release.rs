@@ -1,21 +1,20 @@
-//! A release of GenoM3 and who chose it. [`crate::requirement`] finds the one that a specification is read
-//! as.
+//! A release of GenoM3 and its origin. [`crate::requirement`] finds the one for a specification.
 
 use std::fmt;
 
 use camino::Utf8PathBuf;
 pub use dotgen_syntax::release::{Area, CHANGES, Change, Entry, NoRelease, Release};
 
-/// A release, and who chose it.
+/// A release, and its origin.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
 pub struct ReleaseChoice {
     /// The release.
     pub release: Release,
-    /// Who chose it.
+    /// The origin.
     pub origin: ReleaseOrigin,
 }
 
-/// Where a release comes from, strongest first.
+/// The origin of a release, strongest first.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
 pub enum ReleaseOrigin {
     /// `--release`
@@ -26,19 +25,19 @@ pub enum ReleaseOrigin {
     Editor,
     /// A configuration file.
     ConfigurationFile(Utf8PathBuf),
-    /// The GenoM3 whose templates are used; its version file.
+    /// The version file of the GenoM3 whose templates are used.
     Templates(Utf8PathBuf),
-    /// The GenoM3 that is installed, by its package.
+    /// The package of the installed GenoM3.
     Package,
     /// The greatest lower bound that the specifications require.
     Required(Release),
-    /// Nothing says anything: the newest release that dotgen was compared with.
+    /// No origin: the newest release that dotgen was compared with.
     #[default]
     Default,
 }
 
 impl ReleaseOrigin {
-    /// Whether the user or what is installed says it, rather than the specifications or nobody.
+    /// Returns true if the user or the installation sets it, not the specifications or the default.
     pub(crate) fn is_given(&self) -> bool {
         !matches!(self, ReleaseOrigin::Required(_) | ReleaseOrigin::Default)
     }
@@ -75,8 +74,8 @@ impl fmt::Display for ReleaseChoice {
 }
 
 impl ReleaseChoice {
-    /// The choice where the user says nothing and nothing is installed: by what the specifications require.
-    /// Nothing older than the oldest release known is chosen.
+    /// The choice if the user sets none and nothing is installed: the lower bound of the specifications.
+    /// Never older than the oldest known release.
     pub fn required(bound: Option<Release>) -> ReleaseChoice {
         match bound {
             Some(bound) => ReleaseChoice {

@@ -1,7 +1,7 @@
-//! Every diagnostic of a unit, brought to places in files.
+//! Every diagnostic of a unit, with places in files.
 //!
-//! The layers report in their own terms; here ids become ranges, configured severities are applied,
-//! and what only follows from another problem is left out.
+//! The layers report in their own terms; here ids become ranges, configured severities are applied, and mere
+//! consequences of another problem are left out.
 
 mod consequence;
 mod text;
@@ -33,7 +33,7 @@ use crate::{
 use consequence::Missing;
 use text::{expanded_from, macro_call_at, related_at, text_report};
 
-/// Units of which the diagnostics of a file are brought together.
+/// Maximum number of units whose diagnostics of a file are merged.
 const MAX_UNITS: usize = 16;
 
 /// All diagnostics of a unit, by file and place.
@@ -72,7 +72,7 @@ pub(crate) fn unit_report<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<D
     Arc::new(out)
 }
 
-/// Keeps the reports of `count` units at most.
+/// Sets the maximum number of units with cached reports.
 pub(crate) fn keep(db: &mut dyn Db, count: usize) {
     unit_report::set_lru_capacity(db, count);
 }
@@ -100,7 +100,7 @@ pub(crate) fn file_diagnostics(db: &dyn Db, file: SourceFile) -> Vec<Diagnostic>
     out
 }
 
-/// Hints on the text that is left out, as the unit that serves the file sees it.
+/// Hints on excluded text, in the unit that serves the file.
 pub(crate) fn inactive_hints<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<Diagnostic> {
     let path = key.file(db).path(db);
     let hint = |&range: &TextRange| Diagnostic {
@@ -112,7 +112,7 @@ pub(crate) fn inactive_hints<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<Dia
     out
 }
 
-/// Brings diagnostics of several units together.
+/// Merges diagnostics of several units.
 pub(crate) fn sort_and_dedup(diagnostics: &mut Vec<Diagnostic>) {
     diagnostics.sort_by(|a, b| a.sort_key().cmp(&b.sort_key()));
     diagnostics.dedup_by(|a, b| a.sort_key() == b.sort_key());
@@ -121,13 +121,13 @@ pub(crate) fn sort_and_dedup(diagnostics: &mut Vec<Diagnostic>) {
 struct Reporter<'db> {
     db: &'db dyn Db,
     visits: &'db Visits<'db>,
-    /// What could not be read.
+    /// The text that could not be read.
     missing: Missing,
     out: Vec<Diagnostic>,
 }
 
 impl<'db> Reporter<'db> {
-    /// What the text of one file gives.
+    /// Adds the diagnostics of one file's text.
     fn text(&mut self, visit: usize, key: FileKey<'db>) {
         for it in text_report(self.db, key).iter() {
             self.out.push(it.clone());
@@ -137,7 +137,7 @@ impl<'db> Reporter<'db> {
         }
     }
 
-    /// Says where the includer of a visit goes on.
+    /// Adds the place at which the includer of a visit continues.
     fn included_from(&mut self, visit: usize) {
         let Some((by, ordinal)) = self.visits.visits[visit].includer else {
             return;
@@ -167,7 +167,7 @@ impl<'db> Reporter<'db> {
         let file = key.file(self.db);
         let near = it.near.as_ref();
         let path = file.path(self.db);
-        // What dotgen made up is nobody's mistake.
+        // Mistakes in stand-ins by dotgen are not reported.
         if unit::is_standin(path) {
             return;
         }
@@ -196,7 +196,7 @@ impl<'db> Reporter<'db> {
         self.out.push(out);
     }
 
-    /// In a rejected unit, what is missing may be what could not be read: rules about absence wait.
+    /// In a rejected unit, missing parts may be in unreadable text: rules about absence do not run.
     fn lints(&mut self, found: &[Finding], rejected: bool) {
         for it in found {
             let Some(code) = codes::lints::find(it.code()) else {
@@ -215,7 +215,7 @@ impl<'db> Reporter<'db> {
         }
     }
 
-    /// Removes what comments allow, and reports comments that allow nothing.
+    /// Removes findings that comments allow, and reports comments that allow nothing.
     fn suppress(&mut self) {
         let mut seen = FxHashSet::default();
         for visit in &self.visits.visits {
@@ -236,12 +236,12 @@ impl<'db> Reporter<'db> {
                     }
                     !allowed
                 });
-                // Another unit may need what an included file allows.
+                // Another unit may need the comments of an included file.
                 if visit.includer.is_some() {
                     continue;
                 }
                 for (code, range) in unused {
-                    // What codels differ in is not known here: see `unused_allowances`.
+                    // Findings about codels are not known here: see `unused_allowances`.
                     if is_switched_off(self.db, code) || code.starts_with(codes::CODEL) {
                         continue;
                     }
@@ -267,7 +267,7 @@ impl<'db> Reporter<'db> {
         Some((key, unit::ranges(self.db, key).get(ptr(src))?))
     }
 
-    /// Puts the name that was meant in the place of the token that is misspelt. `None` if a macro made it.
+    /// Replaces the misspelt token by the intended name. `None` if a macro made the token.
     fn change(&self, near: &Near) -> Option<Fix> {
         let (key, range) = self.place(near.at)?;
         if macro_call_at(self.db, key, range).is_some() {
@@ -306,7 +306,7 @@ pub(crate) fn shown(
     }
 }
 
-/// How the author of a file writes what has two ways.
+/// The style of the file's author for words with two spellings.
 #[salsa::tracked(returns(copy))]
 fn spelling(db: &dyn Db, file: SourceFile) -> Spelling {
     Spelling::of(file.text(db))
@@ -320,7 +320,7 @@ pub(crate) fn fixes_at<'db>(
     range: TextRange,
     related: &[TextRange],
 ) -> Vec<Fix> {
-    // A place that a macro made cannot be edited.
+    // A place from a macro cannot be edited.
     if macro_call_at(db, key, range).is_some() {
         return Vec::new();
     }
@@ -356,7 +356,7 @@ pub(crate) fn trials(db: &dyn Db, of: &Diagnostic, all: &[Diagnostic]) -> Vec<Fi
     }
     let text = db.file(&of.path).text(db);
     let line = |at: usize| text.get(..at).map(|it| it.matches('\n').count());
-    // What follows from an error on the same line is mended with it.
+    // Other errors on the same line are consequences and disappear with it.
     let here = all.iter().filter(|it| it.path == of.path).filter(is_parse);
     let mut here = here.filter(|it| line(it.range.start) == line(of.range.start));
     let Some(cause) = Some(of).filter(is_parse).or_else(|| here.next()) else {
@@ -366,8 +366,8 @@ pub(crate) fn trials(db: &dyn Db, of: &Diagnostic, all: &[Diagnostic]) -> Vec<Fi
     repairs.into_iter().map(|it| it.within(&of.path)).collect()
 }
 
-/// Whether a quote is missing somewhere in a file: a literal is not closed, or a string begins as the text
-/// after one does. From there on text and strings may have changed places, and what seems to be wrong may be
+/// Returns true if a quote is missing somewhere in a file: a literal is not closed, or a string begins like
+/// the text after one. From there on text and strings may be exchanged, and apparent errors may be in the
 /// words of the author.
 #[salsa::tracked(returns(copy))]
 fn has_odd_quote(db: &dyn Db, file: SourceFile) -> bool {
@@ -393,7 +393,7 @@ fn remark<'db>(db: &'db dyn Db, key: FileKey<'db>, kind: Noticing, range: TextRa
     }
 }
 
-/// What there is to say of a code that a comment allows and that nothing has.
+/// The finding for a code that a comment allows but that does not occur.
 pub(crate) fn unused_allowance(code: &str, known: bool) -> Noticing {
     let code = code.into();
     match known {
@@ -402,8 +402,8 @@ pub(crate) fn unused_allowance(code: &str, known: bool) -> Noticing {
     }
 }
 
-/// Codes of a layer above (`family`, of which `known` exist) that comments of a root allow, and that
-/// none of its findings has there: those that comments allow are among `found`.
+/// Codes of a layer above (`family`, of which `known` exist) that comments of a root allow but that none of
+/// its findings has there. `found` must include the allowed findings.
 pub(crate) fn unused_allowances(
     db: &dyn Db,
     path: &Utf8Path,
@@ -412,7 +412,7 @@ pub(crate) fn unused_allowances(
     found: &[Diagnostic],
 ) -> Vec<Diagnostic> {
     let file = db.file(path);
-    // Another unit may need what an included file allows.
+    // Another unit may need the comments of an included file.
     if roots_of(db, file).first() != Some(&file) {
         return Vec::new();
     }
@@ -441,8 +441,8 @@ pub(crate) fn unused_allowances(
     out
 }
 
-/// Applies the configured severities, and removes what comments allow, from findings of a layer
-/// above. A comment at any place of a finding counts.
+/// Applies the configured severities to findings of a layer above, and removes allowed ones. A comment at any
+/// place of a finding counts.
 pub(crate) fn adjust(db: &dyn Db, mut diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
     diagnostics.retain(|it| {
         let related = it.related.iter().map(|it| (&it.path, &it.range));
@@ -453,10 +453,10 @@ pub(crate) fn adjust(db: &dyn Db, mut diagnostics: Vec<Diagnostic>) -> Vec<Diagn
     diagnostics
 }
 
-/// Whether a comment of a specification allows a code at a place.
+/// Returns true if a comment of a specification allows a code at a place.
 fn is_allowed(db: &dyn Db, path: &Utf8Path, at: usize, code: &str) -> bool {
     let file = db.file(path);
-    // Of sources in other languages nothing is parsed here.
+    // Sources in other languages are not parsed here.
     if !roots_of(db, file).iter().any(|it| *it != file)
         && !db.workspace().roots(db).iter().any(|it| it == path)
     {
@@ -471,7 +471,7 @@ fn is_allowed(db: &dyn Db, path: &Utf8Path, at: usize, code: &str) -> bool {
     })
 }
 
-/// Whether the configuration gives a code a severity.
+/// Returns true if the configuration gives a code a severity.
 fn is_configured(db: &dyn Db, code: &str) -> bool {
     let configured = db.workspace().severities(db);
     configured
@@ -481,7 +481,7 @@ fn is_configured(db: &dyn Db, code: &str) -> bool {
         .is_some_and(|(_, to)| to.is_some())
 }
 
-/// Whether the configuration switches a code off.
+/// Returns true if the configuration switches a code off.
 pub(crate) fn is_switched_off(db: &dyn Db, code: &str) -> bool {
     let configured = db.workspace().severities(db);
     configured
@@ -491,7 +491,7 @@ pub(crate) fn is_switched_off(db: &dyn Db, code: &str) -> bool {
         .is_some_and(|(_, to)| to.is_none())
 }
 
-/// Applies the configured severities. Errors are what the language says and stay.
+/// Applies the configured severities. Errors are defined by the language and stay.
 fn configure(db: &dyn Db, diagnostics: &mut Vec<Diagnostic>) {
     let configured = db.workspace().severities(db);
     if configured.is_empty() {

@@ -1,8 +1,8 @@
-//! The release of GenoM3 that a specification is read as.
+//! The release of GenoM3 for a specification.
 //!
-//! What the user says counts first, then what is installed, then what the specifications require, and else it
-//! is the newest release that dotgen was compared with. What a specification requires is read from its
-//! tokens: what they mean depends on the release.
+//! The user's setting counts first, then the installed release, then the requirements of the specifications,
+//! and otherwise the newest release that dotgen was compared with. The requirements of a specification are
+//! read from its tokens, since their meaning depends on the release.
 
 use camino::Utf8PathBuf;
 use dotgen_syntax::SyntaxKind;
@@ -14,7 +14,7 @@ use crate::{
     release::{Release, ReleaseChoice, ReleaseOrigin},
 };
 
-/// What the text of one file says about releases.
+/// The requirements of one file's text on releases.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct Requirement {
     /// The greatest lower bound for the package `genom3` in it.
@@ -24,8 +24,7 @@ pub(crate) struct Requirement {
 }
 
 impl Requirement {
-    /// Reads a text. Specifications are many, and all of them are asked: only what may be inside a comment is
-    /// read token by token.
+    /// Reads a text. All specifications are read, so only possible places of comments are lexed.
     pub(crate) fn of(text: &str) -> Requirement {
         let mut found = Requirement::default();
         let named = text.match_indices(PACKAGE).map(|it| it.0);
@@ -55,7 +54,7 @@ impl Requirement {
 /// The package whose version is the release.
 const PACKAGE: &str = "genom3";
 
-/// Whether the quote at an offset begins a string, rather than standing in a comment or in another string.
+/// Returns true if the quote at an offset begins a string, and is not in a comment or in another string.
 fn is_string(text: &str, at: usize) -> bool {
     let before = &text[..at];
     let line = before.rfind('\n').map_or(0, |it| it + 1);
@@ -72,7 +71,8 @@ fn is_string(text: &str, at: usize) -> bool {
     strings.any(|it| raw.start(it) == at)
 }
 
-/// The greatest lower bound for the package `genom3` in some files and what they include beside them.
+/// The greatest lower bound for the package `genom3` in some files and their includes in the same
+/// directories.
 pub fn required_release(
     loader: &dyn Loader,
     files: impl IntoIterator<Item = Utf8PathBuf>,
@@ -95,13 +95,13 @@ pub fn required_release(
     bound
 }
 
-/// What a file says about releases.
+/// The requirements of a file on releases.
 #[salsa::tracked]
 fn requirement(db: &dyn Db, file: SourceFile) -> Requirement {
     Requirement::of(file.text(db))
 }
 
-/// The greatest lower bound in some files and what they include beside them.
+/// The greatest lower bound in some files and their includes in the same directories.
 fn bound(db: &dyn Db, files: impl IntoIterator<Item = SourceFile>) -> Option<Release> {
     let mut seen = FxHashSet::default();
     let mut todo: Vec<SourceFile> = files.into_iter().collect();
@@ -125,7 +125,8 @@ fn bound(db: &dyn Db, files: impl IntoIterator<Item = SourceFile>) -> Option<Rel
     bound
 }
 
-/// The release of the specifications of a project, by its directory; `None` for those of no project.
+/// The release of the specifications of a project, by its directory; `None` for specifications outside of
+/// projects.
 #[salsa::tracked]
 fn of_project(db: &dyn Db, workspace: Workspace, directory: Option<Utf8PathBuf>) -> ReleaseChoice {
     let projects = workspace.projects(db);
@@ -145,15 +146,15 @@ fn of_project(db: &dyn Db, workspace: Workspace, directory: Option<Utf8PathBuf>)
     ReleaseChoice::required(bound(db, roots.map(|it| db.file(it))))
 }
 
-/// The release of the project that a path is in.
+/// The release of the project that contains a path.
 pub(crate) fn of_path(db: &dyn Db, path: &camino::Utf8Path) -> ReleaseChoice {
     let project = db.workspace().project(db, path);
     let directory = project.map(|it| it.directory.clone());
     of_project(db, db.workspace(), directory).clone()
 }
 
-/// The release of a unit by its inputs: that of the project of the first, or what they require themselves
-/// when that is more and nobody says otherwise.
+/// The release of a unit by its inputs: a given release, or the greater of the lower bounds of the first
+/// input's project and of the inputs themselves.
 pub(crate) fn of_inputs(db: &dyn Db, inputs: &[SourceFile]) -> ReleaseChoice {
     let Some(first) = inputs.first() else {
         return ReleaseChoice::default();

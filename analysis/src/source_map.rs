@@ -38,13 +38,13 @@ pub struct LineCol {
     pub col: u32,
 }
 
-/// Turns a [`Src`] of a unit into a place in the text.
+/// Converts a [`Src`] of a unit to a place in the text.
 pub trait Locations {
-    /// The place of an id; `None` for ids that are not of this unit.
+    /// The place of an id; `None` for ids of other units.
     fn locate(&self, src: Src) -> Option<Location>;
 }
 
-/// The places of one unit. Keeps what it needs alive; independent of the database.
+/// The places of one unit. Keeps its data alive; independent of the database.
 #[derive(Clone)]
 pub struct UnitLocations {
     /// By visit, as the elaborator numbers them.
@@ -57,23 +57,23 @@ struct VisitPlaces {
     ranges: Arc<PtrRanges>,
     lines: Arc<LineIndex>,
     calls: Arc<[MacroCall]>,
-    /// Its text has changed since.
+    /// Set if its text has changed since.
     moved: Option<Moved>,
 }
 
-/// Where what stood in a text stands after one part of it was replaced.
+/// The movement of text after one part was replaced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Moved {
-    /// Where the part begins, in both texts.
+    /// Start of the part in both texts, in bytes.
     pub start: usize,
-    /// Where it ended.
+    /// End of the old part, in bytes.
     pub old_end: usize,
-    /// Where what took its place ends.
+    /// End of the new part, in bytes.
     pub new_end: usize,
 }
 
 impl Moved {
-    /// The smallest part in which two texts differ; `None` if they are equal.
+    /// The smallest replaced part between two texts; `None` if they are equal.
     pub fn between(old: &str, new: &str) -> Option<Moved> {
         if old == new {
             return None;
@@ -90,7 +90,7 @@ impl Moved {
         })
     }
 
-    /// Where a range is now; `None` if some of it was replaced.
+    /// The new place of a range; `None` if some of it was replaced.
     pub fn range(&self, old: &std::ops::Range<usize>) -> Option<std::ops::Range<usize>> {
         if old.end <= self.start {
             return Some(old.clone());
@@ -99,21 +99,21 @@ impl Moved {
         (old.start >= self.old_end).then(|| behind(old.start)..behind(old.end))
     }
 
-    /// Whether a range was changed without being replaced as a whole.
+    /// Returns true if a range was changed without being replaced as a whole.
     pub fn is_within(&self, old: &std::ops::Range<usize>) -> bool {
         let touched = self.start < old.end && old.start < self.old_end;
         touched && !(self.start <= old.start && old.end <= self.old_end)
     }
 }
 
-/// A call of a macro, and the size of what it stands for.
+/// A call of a macro, and the size of its expansion.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MacroCall {
     /// Byte offsets of the call.
     pub range: std::ops::Range<usize>,
-    /// Length of its expansion, tokens and the blanks between them.
+    /// Length of its expansion in bytes, tokens and the blanks between them.
     pub expanded: usize,
-    /// Whether the expansion begins with punctuation.
+    /// True if the expansion begins with punctuation.
     pub punctuation: bool,
 }
 
@@ -134,8 +134,8 @@ impl UnitLocations {
         }
     }
 
-    /// The same places in the present texts of the files, as far as they are still there. `text` gives the
-    /// text that a file had and the one that it has.
+    /// The places in the present texts of the files, as far as they still exist. `text` returns the old and
+    /// the new text of a file.
     pub fn moved(&self, text: impl Fn(&Utf8Path) -> Option<(Arc<str>, Arc<str>)>) -> UnitLocations {
         let mut out = self.clone();
         for places in out.visits.iter_mut().flatten() {
@@ -159,7 +159,7 @@ impl UnitLocations {
 }
 
 fn macro_calls<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<[MacroCall]> {
-    // Most files have none, and need not be parsed again to see it.
+    // Most files have none, and need not be parsed again to detect it.
     if !text_facts(db, key).has_expansions {
         return Arc::default();
     }

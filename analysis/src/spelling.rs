@@ -1,27 +1,27 @@
-//! Words and blanks with two ways, in inserted text as the author of the file has them.
+//! Words and blanks with two spellings: inserted text follows the style of the file.
 
 use std::cmp::Ordering;
 
 use dotgen_syntax::{SyntaxKind, lexer::lex};
 
-/// Words of the language that mean the same (language reference, 2.3) and that edits write.
+/// Words of the language with the same meaning (language reference, 2.3) that edits write.
 const PAIRS: [[&str; 2]; 3] = [
     ["yield", "yields"],
     ["throw", "throws"],
     ["interrupt", "interrupts"],
 ];
 
-/// How the author of a text writes what has two ways.
+/// The style of an author for words with two spellings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Spelling {
-    /// Of each pair, which word the text has more often.
+    /// For each pair, the index of the more frequent word.
     chosen: [Option<usize>; PAIRS.len()],
-    /// Whether most codels have blanks in front of their states.
+    /// True if most codels have blanks before their states.
     spaced: bool,
 }
 
 impl Spelling {
-    /// That of a text. Strings and comments do not count.
+    /// The style of a text. Strings and comments do not count.
     pub fn of(text: &str) -> Spelling {
         let tokens = lex(text);
         let mut counts = [[0_usize; 2]; PAIRS.len()];
@@ -51,8 +51,8 @@ impl Spelling {
         }
     }
 
-    /// A piece of specification as that author would have written it. Strings and comments of it stay, and
-    /// so does what the author has in both ways, or not at all.
+    /// A piece of specification in this style. Strings and comments stay, and so do words that the author
+    /// writes in both ways, or never.
     pub fn apply(self, piece: &str) -> String {
         let tokens = lex(piece);
         let mut out = String::with_capacity(piece.len() + 8);
@@ -68,7 +68,7 @@ impl Spelling {
     }
 }
 
-/// The pair of a word, and which of the two it is.
+/// The pair of a word, and its index in the pair.
 fn place(word: &str) -> Option<(usize, usize)> {
     Some(match word {
         "yield" => (0, 0),

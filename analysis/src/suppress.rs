@@ -21,18 +21,18 @@ use crate::{
 pub(crate) struct Suppression {
     /// The comment.
     pub(crate) comment: TextRange,
-    /// Where findings are allowed.
+    /// The range in which findings are allowed.
     pub(crate) scope: TextRange,
     /// Each code, with its place.
     pub(crate) codes: Vec<(String, TextRange)>,
-    /// Whether it says why.
+    /// True if it gives a reason.
     pub(crate) has_reason: bool,
 }
 
 /// The comments of a file that allow findings, in text order.
 #[salsa::tracked]
 pub(crate) fn suppressions<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<Vec<Suppression>> {
-    // Most files have none: look before walking the tree.
+    // Most files have none: check before walking the tree.
     if !key.file(db).text(db).contains(MARK) {
         return Arc::default();
     }
@@ -84,7 +84,7 @@ fn size(it: usize) -> TextSize {
     TextSize::try_from(it).unwrap_or_else(|_| TextSize::from(u32::MAX))
 }
 
-/// The declaration that a comment speaks of.
+/// The declaration that a comment applies to.
 fn scope(comment: &SyntaxToken) -> Option<TextRange> {
     let on_own_line = is_on_own_line(comment);
     let item = if on_own_line {
@@ -107,7 +107,7 @@ fn scope(comment: &SyntaxToken) -> Option<TextRange> {
     Some(item.text_range())
 }
 
-/// Whether only blanks stand before a comment on its line.
+/// Returns true if only blanks stand before a comment on its line.
 fn is_on_own_line(comment: &SyntaxToken) -> bool {
     let mut before = comment.prev_token();
     while let Some(it) = before {

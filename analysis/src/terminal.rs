@@ -1,11 +1,11 @@
-//! Text for terminals. What others have named or written is data: a file name may hold the characters
-//! that make a terminal do something.
+//! Text for terminals. Foreign names and texts are data: a file name may contain control characters of a
+//! terminal.
 
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// A text as a terminal may show it: line ends and tabs as they are, every other control character, and
-/// what changes the direction of the text, as `\u{1b}`.
+/// A text that is safe for a terminal: line ends and tabs stay. Other control characters, and characters
+/// that change the direction of the text, are shown as `\u{1b}`.
 pub fn text(text: &str) -> Cow<'_, str> {
     if !text.chars().any(is_harmful) {
         return text.into();

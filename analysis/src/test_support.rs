@@ -26,7 +26,7 @@ use crate::{
     ide::FilePosition,
 };
 
-/// Files in memory, and packages that were told to it.
+/// Files in memory, and configured packages.
 #[derive(Default)]
 pub(crate) struct MemoryLoader {
     pub(crate) files: Mutex<BTreeMap<Utf8PathBuf, String>>,

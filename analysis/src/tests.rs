@@ -1,4 +1,4 @@
-//! Tests of the database as a whole; those of single features are next to them.
+//! Tests of the database as a whole; tests of single features are next to their features.
 
 mod cancellation;
 mod consequences;

@@ -1,8 +1,8 @@
-//! Translation units: which files a root includes, each with the macros defined at its entry.
+//! Translation units: the files that a root includes, each with the macros defined at its entry.
 //!
-//! The [`walk`] follows the includes. Every visit then gets a [`FileKey`]: the file, what it is parsed as,
-//! its entry environment and what its includes did to it, both cut down to the macros the file mentions.
-//! Units in which a file looks the same share its key, and with it tree and item tree.
+//! The [`walk`] follows the includes. Every visit then gets a [`FileKey`]: the file, its kind of text, its
+//! entry environment and the effects of its includes, both restricted to the macros that the file mentions.
+//! Units in which a file looks the same share its key, and so its tree and item tree.
 
 pub(crate) mod walk;
 
@@ -51,26 +51,26 @@ pub(crate) struct UnitKey<'db> {
 pub(crate) struct FileKey<'db> {
     #[returns(copy)]
     pub(crate) file: SourceFile,
-    /// What the place of its inclusion makes of it.
+    /// The kind of text at the place of its inclusion.
     #[returns(copy)]
     pub(crate) fragment: Fragment,
     /// Macros at its start.
     pub(crate) entry: MacroEnv,
-    /// What its directives that leave the file did, in order.
+    /// The effects of its directives that leave the file, in order.
     pub(crate) outcomes: Vec<Outcome>,
 }
 
-/// What came of a directive that leaves the file.
+/// The effect of a directive that leaves the file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Outcome {
-    /// An active `#include`: the environment after it, or why it was not followed.
+    /// An active `#include`: the environment after it, or the reason why it was not followed.
     Include(Result<MacroEnv, IncludeError>),
-    /// An active `#pragma requires`: the environment after it, or what the package tool said.
+    /// An active `#pragma requires`: the environment after it, or the message of the package tool.
     Requires(Result<Required, String>),
 }
 
 impl Hash for Outcome {
-    /// Failures are told apart by comparing only.
+    /// Failures are distinguished only by comparison.
     fn hash<H: Hasher>(&self, state: &mut H) {
         mem::discriminant(self).hash(state);
         match self {
@@ -92,7 +92,7 @@ pub(crate) struct Visit<'db> {
     pub(crate) key: FileKey<'db>,
     pub(crate) includes: Vec<Option<u32>>,
     pub(crate) includer: Option<(u32, u32)>,
-    /// Every include on the way stands where declarations may stand.
+    /// True if every include on the path is at a place that allows declarations.
     pub(crate) reached: bool,
     /// Equal for equal files.
     pub(crate) file_number: u32,
@@ -117,7 +117,7 @@ pub(crate) fn visits<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Visits<'db> {
     let mut numbers: FxHashMap<SourceFile, u32> = FxHashMap::default();
     let mut out: Vec<Visit<'db>> = Vec::with_capacity(walk.visits.len());
     for visit in &walk.visits {
-        // An includer comes before what it includes.
+        // An includer comes before its includes.
         let (fragment, reached) = match visit.includer {
             None => (Fragment::Specification, true),
             Some((by, ordinal)) => {
@@ -161,7 +161,7 @@ pub(crate) fn visits<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Visits<'db> {
     Visits { visits: out }
 }
 
-/// The `#define`s of a file, live or not, by ordinal.
+/// The `#define`s of a file, active or not, by ordinal.
 #[salsa::tracked]
 pub(crate) fn defines(db: &dyn Db, file: SourceFile) -> Arc<Vec<Define>> {
     let name = SmolStr::new(file.path(db).as_str());
@@ -186,8 +186,7 @@ pub(crate) fn define(db: &dyn Db, file: SourceFile, ordinal: u32) -> Option<Defi
     all.iter().find(|it| it.ordinal == ordinal).cloned()
 }
 
-/// For each file the roots in whose units it is included, in their order; a root is not in the list
-/// of itself.
+/// For each file, the roots in whose units it is included, in their order; a root is not in its own list.
 #[salsa::tracked]
 fn includers(db: &dyn Db) -> FxHashMap<SourceFile, Vec<SourceFile>> {
     let mut out: FxHashMap<SourceFile, Vec<SourceFile>> = FxHashMap::default();
@@ -203,7 +202,7 @@ fn includers(db: &dyn Db) -> FxHashMap<SourceFile, Vec<SourceFile>> {
     out
 }
 
-/// Looks at every root, by as many threads as there are cores, so that nobody waits for [`roots_of`]. Whether
+/// Reads the includes of every root in parallel, so that [`roots_of`] answers without delay. Returns true if
 /// a root is included by another one, and so does not count for itself.
 pub(crate) fn index(db: &dyn Db) -> bool {
     let roots = db.workspace().roots(db);
@@ -215,8 +214,8 @@ pub(crate) fn index(db: &dyn Db) -> bool {
     roots.any(|it| included.get(&db.file(it)).is_some_and(|it| !it.is_empty()))
 }
 
-/// The roots of the units that a file is in: those of the others that include it or, when nobody
-/// does, the file itself. Never empty; the one that serves the file comes first.
+/// The roots of the units that contain a file: other roots that include it, or, if there are none, the file
+/// itself. Never empty; the one that serves the file comes first.
 #[salsa::tracked(returns(deref))]
 pub(crate) fn roots_of(db: &dyn Db, file: SourceFile) -> Vec<SourceFile> {
     let workspace = db.workspace();
@@ -231,7 +230,7 @@ pub(crate) fn roots_of(db: &dyn Db, file: SourceFile) -> Vec<SourceFile> {
         .chosen(db)
         .iter()
         .find(|it| it.0 == *file.path(db));
-    // The choice of the user counts more than the document last worked in.
+    // The choice of the user counts more than the most recently edited document.
     for preferred in [workspace.active(db).as_ref(), chosen.map(|it| &it.1)] {
         let position = |path| roots.iter().position(|it| it.path(db) == path);
         if let Some(at) = preferred.and_then(position) {
@@ -256,7 +255,7 @@ pub(crate) fn serving_unit(db: &dyn Db, file: SourceFile) -> UnitKey<'_> {
     unit_of_root(db, roots_of(db, file).first().copied().unwrap_or(file))
 }
 
-/// The visit of a file that serves the editor: the first one with declarations, else the first.
+/// The visit of a file that serves the editor: the first one with declarations, otherwise the first.
 pub(crate) fn serving_visit<'db>(
     db: &'db dyn Db,
     unit: UnitKey<'db>,
@@ -272,15 +271,15 @@ pub(crate) fn serving_visit<'db>(
         .or(first)
 }
 
-/// The text of a file, understood.
+/// The text of a file, preprocessed and parsed.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Front {
     parse: Parse,
-    /// Of the elements only the directives and macro calls are kept.
+    /// Only the directives and macro calls of the elements are kept.
     pre: Preprocessed,
 }
 
-/// Preprocesses a file, whole: every element of it.
+/// Preprocesses a file, with every element of it.
 pub(crate) fn preprocess_whole(db: &dyn Db, key: FileKey<'_>) -> Preprocessed {
     let file = key.file(db);
     let name = SmolStr::new(file.path(db).as_str());
@@ -313,8 +312,8 @@ pub(crate) fn parsed<'db>(db: &'db dyn Db, key: FileKey<'db>) -> &'db Parse {
     &front(db, key).parse
 }
 
-/// The item tree of a file together with the places of its nodes. What is asked for again stands in the
-/// queries below, so that neither it nor the syntax tree is kept for files that nobody works in.
+/// The item tree of a file together with the places of its nodes. The frequently used parts are in the
+/// queries below, so that neither this result nor the syntax tree is kept for files that are not edited.
 #[salsa::tracked(lru = 24)]
 pub(crate) fn lowered<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Lowered {
     lower::lower(
@@ -337,22 +336,22 @@ pub(crate) fn ranges<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<PtrRanges> 
     lowered(db, key).ranges.clone()
 }
 
-/// Keeps these results of `count` files at most.
+/// Sets the maximum number of files with cached results.
 pub(crate) fn keep(db: &mut dyn Db, count: usize) {
     item_tree::set_lru_capacity(db, count);
     ranges::set_lru_capacity(db, count);
 }
 
-/// What is asked of the text of a file for each report on a unit with it. Stays equal under most edits.
+/// The facts about a file's text that each report on a unit reads. They stay equal under most edits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct TextFacts {
-    /// Some active include stands in the middle of a declaration.
+    /// True if some active include is in the middle of a declaration.
     pub(crate) misplaced_includes: bool,
-    /// A file to be included is not named.
+    /// True if an include does not name a file.
     pub(crate) bad_include: bool,
-    /// From here on braces are inside out: see [`Parse::inside_out`].
+    /// Offset from which strings and code are exchanged: see [`Parse::inside_out`].
     pub(crate) inside_out: Option<TextSize>,
-    /// Some token comes out of a macro.
+    /// True if some token comes out of a macro.
     pub(crate) has_expansions: bool,
 }
 
@@ -368,13 +367,13 @@ pub(crate) fn text_facts<'db>(db: &'db dyn Db, key: FileKey<'db>) -> TextFacts {
     }
 }
 
-/// What each active include of a file is to be parsed as; `None` where no declaration may stand.
+/// The kind of text of each active include of a file; `None` if no declaration is allowed at its place.
 #[salsa::tracked(returns(deref))]
 pub(crate) fn include_fragments<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<Option<Fragment>> {
     lowered(db, key).fragments.clone()
 }
 
-/// Answers with what the walk recorded.
+/// A host that repeats the results of the walk.
 struct Replay<'a> {
     includes: Vec<&'a Result<MacroEnv, IncludeError>>,
     requires: std::vec::IntoIter<&'a Result<Required, String>>,

@@ -1,4 +1,4 @@
-//! All that is known about one unit, as those outside of analysis hold it.
+//! All results for one unit, in a form independent of the database.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use crate::{
     unit::{self, UnitKey},
 };
 
-/// Everything known about one translation unit. Independent of the snapshot it came from.
+/// All results for one translation unit. Independent of its snapshot.
 #[derive(Clone)]
 pub struct UnitResult {
     /// The resolved model.
@@ -26,16 +26,16 @@ pub struct UnitResult {
     pub diagnostics: Arc<Vec<Diagnostic>>,
     /// Every file it read, in order of first visit.
     pub files: Vec<Utf8PathBuf>,
-    /// From ids to places.
+    /// Maps ids to places.
     pub locations: Arc<UnitLocations>,
-    /// Every word of its files, if it has errors: a declaration may be lost in what was not understood.
+    /// Every word of its files, if it has errors: a declaration may be lost in text that does not parse.
     pub words: Arc<FxHashSet<SmolStr>>,
-    /// Whether a file ends where an error is: what was to follow is not there.
+    /// True if a file ends at an error: the text that should follow is missing.
     pub is_cut: bool,
 }
 
 impl UnitResult {
-    /// Whether GenoM3 would accept it: it has no error.
+    /// Returns true if GenoM3 would accept it: it has no error.
     pub fn accepted(&self) -> bool {
         !self
             .diagnostics
@@ -43,13 +43,13 @@ impl UnitResult {
             .any(|it| it.severity == Severity::Error)
     }
 
-    /// Whether its text has errors: what is missing on this machine is none.
+    /// Returns true if its text has errors: files missing on this machine are not errors of the text.
     pub fn has_errors_in_text(&self) -> bool {
         let mut all = self.diagnostics.iter();
         all.any(|it| it.severity == Severity::Error && !codes::is_environment(it.code))
     }
 
-    /// Whether some text in it was not understood.
+    /// Returns true if some of its text does not parse.
     pub fn has_syntax_errors(&self) -> bool {
         let mut errors = self
             .diagnostics
@@ -60,7 +60,7 @@ impl UnitResult {
         })
     }
 
-    /// Whether this machine lacks files or packages that it needs.
+    /// Returns true if it needs files or packages that are missing on this machine.
     pub fn lacks_files(&self) -> bool {
         self.diagnostics
             .iter()
@@ -68,7 +68,7 @@ impl UnitResult {
     }
 }
 
-/// What is known about a unit now.
+/// The present results for a unit.
 pub(crate) fn unit_result<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> UnitResult {
     let diagnostics = report::unit_report(db, unit).clone();
     let rejected = diagnostics.iter().any(|it| it.severity == Severity::Error);

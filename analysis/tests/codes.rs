@@ -121,8 +121,7 @@ fn every_fixture_has_a_code() {
     }
 }
 
-/// The codes of syntax have their examples in the table; these need other files, or are about what is left
-/// out.
+/// The codes of syntax have their examples in the table; these need other files, or are about excluded text.
 const OF_FILES: [&str; 3] = ["pp-include-depth", "pp-include-place", "inactive-code"];
 
 #[test]
@@ -137,7 +136,7 @@ fn examples_of_syntax_trigger_their_codes_until_they_are_corrected() {
     }
 }
 
-/// One cause, one diagnostic: what follows from an error is not reported.
+/// One cause, one diagnostic: consequences of an error are not reported.
 #[test]
 fn consequences_are_quiet() {
     for (text, wanted) in [
@@ -157,7 +156,7 @@ fn consequences_are_quiet() {
              task t { codel<start> f(port in p) yields ether; }; };",
             &["redefinition"],
         ),
-        // Whatever an unknown interface may bring is not missed.
+        // Names that an unknown interface may declare are not reported.
         (
             "component c { provides nope; activity a() { task t; codel<start> f(in x, port out p) yields ether;
              interrupts b; }; attribute get(out y); };",
@@ -171,7 +170,7 @@ fn consequences_are_quiet() {
         ),
         // A forward declaration whose definition is refused.
         ("struct s; typedef long s; typedef sequence<s> t;", &["name-clash"]),
-        // A property that is wrong is given all the same.
+        // An invalid property still counts as given.
         (
             "component c { clock-rate TRUE; task t { period -1; delay 1; codel<start> f() yields ether; }; \
                 };",

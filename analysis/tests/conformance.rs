@@ -21,7 +21,7 @@ use dotgen_analysis::{
 };
 use serde_json::Value as Json;
 
-/// Reads the disk, and asks the package tool in the environment of the case.
+/// Reads the disk, and runs the package tool in the environment of the case.
 struct Disk {
     env: Mutex<Vec<(String, String)>>,
 }
@@ -77,7 +77,7 @@ fn every_case_of_2_99_41_passes() {
     every_case_passes(Release::V2_99_41);
 }
 
-/// The cases as a release reads them: those in which newer releases differ have a table of their own.
+/// The cases as a release reads them: cases in which newer releases differ have a table of their own.
 fn every_case_passes(release: Release) {
     let Some(root) = dotgen_loaders::shared("conformance") else {
         return;
@@ -196,8 +196,8 @@ fn run(root: &Path, case: &Json, release: Release) -> UnitResult {
     host.analysis().batch(&input).unwrap()
 }
 
-/// The code of a rule: that of the suite, but for the rules about state machines and shared data,
-/// which are named with the lints of their kind.
+/// The code of a rule: the code of the suite, except for rules about state machines and shared data, which
+/// are named like the lints of their kind.
 fn code_of(check: &str) -> &str {
     match check {
         "fsm-unreached" => "fsm/unreachable-state",
@@ -213,7 +213,7 @@ fn code_of(check: &str) -> &str {
     }
 }
 
-/// Where the suite expects a rule of the elaborator and nothing else, that is the one we report.
+/// If the suite expects only a rule of the elaborator, dotgen must report the same rule.
 fn check_codes(want: &Json, errors: &[&Diagnostic]) -> Result<(), String> {
     let wanted: Vec<&Json> = want["errors"].as_array().into_iter().flatten().collect();
     let ids = |line: &Json| {
@@ -277,12 +277,12 @@ fn is_near(want: &Json, diagnostics: &[&Diagnostic]) -> bool {
     })
 }
 
-/// Compares what the reference says with ours, which may say more inside objects.
+/// Compares the output of the reference with dotgen's, which may have further keys in objects.
 fn compare(want: &Json, ours: &Json, at: &str) -> Result<(), String> {
     let differ = || Err(format!("{at} should be {want}, is {ours}"));
     match (want, ours) {
         (Json::String(any), _) if any == "*" => Ok(()),
-        // Parameters of remote attributes are paths there, names here.
+        // Parameters of remote attributes are paths in the reference, names in dotgen.
         (Json::String(want), Json::String(ours)) if at.contains(".remotes[") => {
             if want.trim_start_matches('.') == ours {
                 Ok(())
@@ -290,7 +290,7 @@ fn compare(want: &Json, ours: &Json, at: &str) -> Result<(), String> {
                 differ()
             }
         }
-        // The reference lets the end of the line into the last argument of `_Pragma("requires …")`.
+        // The reference includes the end of the line in the last argument of `_Pragma("requires …")`.
         (Json::String(want), Json::String(ours)) if at.contains(".requires") => {
             if want.trim_end() == ours {
                 Ok(())
@@ -364,8 +364,8 @@ fn compare(want: &Json, ours: &Json, at: &str) -> Result<(), String> {
     }
 }
 
-/// Every published specification is accepted, without a warning about the language, with the stand-ins for
-/// what it includes. Its packages are taken to be installed.
+/// Every published specification is accepted, without a warning about the language, with stand-ins for its
+/// includes. Its packages are assumed to be installed.
 #[test]
 fn published_specifications_are_accepted() {
     let Some(root) = dotgen_loaders::shared("corpus") else {

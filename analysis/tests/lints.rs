@@ -1,5 +1,5 @@
-//! Each lint: the example of its manual page triggers it, a near miss does not; suppression comments;
-//! and what is found in real specifications.
+//! Each lint: the example of its manual page triggers it, a near miss does not; suppression comments; and
+//! findings in real specifications.
 
 mod fixes;
 
@@ -23,7 +23,7 @@ fn check(input: BatchInput, config: Config) -> Vec<Diagnostic> {
     host.analysis().batch(&input).unwrap().diagnostics.to_vec()
 }
 
-/// A configuration that gives each rule its chance.
+/// A configuration that enables each rule.
 fn strict() -> Config {
     let mut config = Config::default();
     config.lints.cores = Some(1);
@@ -97,7 +97,7 @@ fn every_example_triggers_its_code() {
     }
 }
 
-/// For each code a specification that comes close to it.
+/// For each code, a specification that nearly triggers it.
 const NEAR_MISSES: &[(&str, &str)] = &[
     (
         "fsm/busy-loop",
@@ -292,7 +292,7 @@ fn a_comment_allows_a_finding_where_it_stands() {
     );
 }
 
-/// The specifications of the shared test data that stand for software in use.
+/// The specifications of the shared test data that represent software in use.
 fn corpus() -> Vec<(Utf8PathBuf, Utf8PathBuf)> {
     let mut out = Vec::new();
     let shared = dotgen_loaders::shared("corpus");

@@ -1,5 +1,5 @@
-//! Mistakes as people make them, seeded into real components: each is one error on its line, and the
-//! first fix restores the text. And what fixes must never do: make anything worse.
+//! Common mistakes, seeded into real components: each gives one error on its line, and the first fix restores
+//! the text. Fixes must never make a text worse.
 //!
 //! `MISTAKES=report cargo test -p dotgen-analysis --test suite mistakes -- --nocapture` prints each of them
 //! and the numbers in `docs/fixes.md`.
@@ -19,7 +19,7 @@ use dotgen_analysis::{
     host::{AnalysisHost, BatchInput, DirEntry, FileContent, Input, Loader, PackageFlags},
 };
 
-/// The disk, with one text in the place of a file; packages stand in a few folders.
+/// The disk, with one text in the place of a file; packages are in a few folders.
 struct Overlay {
     path: Utf8PathBuf,
     text: String,
@@ -54,7 +54,7 @@ impl Loader for Overlay {
     }
 }
 
-/// A component that is right.
+/// A correct component.
 struct Component {
     path: Utf8PathBuf,
     text: String,
@@ -139,7 +139,7 @@ fn examples() -> Vec<Component> {
     all
 }
 
-/// Published components, where they lie beside the project.
+/// Published components, if they are next to the project.
 fn published() -> Vec<Component> {
     let Some(corpus) = dotgen_loaders::shared("corpus/components") else {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! The JSON document of the model: a snapshot of everything it can hold, and its schema.
+//! The JSON document of the model: a snapshot of all its content, and its schema.
 
 use std::{fs, path::Path, sync::Arc};
 
@@ -144,7 +144,7 @@ component arm { provides base; ids { long b; }; attribute get(out a, out b); };
     .assert_eq(&found);
 }
 
-/// Checks what our schema uses of JSON schema, and moreover that every key is described.
+/// Checks the parts of JSON schema that dotgen's schema uses, and also that every key is described.
 fn validate(root: &Json, schema: &Json, value: &Json, at: &str, problems: &mut Vec<String>) {
     if let Some(reference) = schema["$ref"].as_str() {
         let target = root.pointer(reference.trim_start_matches('#')).unwrap();

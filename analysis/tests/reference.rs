@@ -1,5 +1,5 @@
-//! What the reference compiler, release 2.99.39, takes and what it refuses, where one would guess
-//! otherwise. Each text was tried with it.
+//! Surprising texts that the reference compiler, release 2.99.39, accepts or rejects. Each text was tried
+//! with it.
 
 use std::sync::Arc;
 

@@ -21,7 +21,7 @@ impl Loader for Nothing {
     }
 }
 
-/// Words of all fixtures: what remains of a text when its spaces are forgotten.
+/// Words of all fixtures: the text without its spaces.
 fn texts() -> Vec<Vec<String>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
     let fixtures = fs::read_dir(folder.join("codes")).unwrap();

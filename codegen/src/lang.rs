@@ -1,9 +1,9 @@
 //! The mapping of specifications to programming languages, as pure functions of the model.
 //!
-//! A [`Mapper`] answers every question the template language asks about a type or a codel in the
-//! current language: its name, how a variable of it is declared, passed, returned and dereferenced,
-//! the prototype of a codel, and the whole text of the type definitions. C lives in [`c`], C++ in
-//! [`cxx`]; what they share is here.
+//! A [`Mapper`] answers every question the template language asks about a type or a codel in the current
+//! language: its name, the declaration of a variable, how it is passed, returned and dereferenced, the
+//! prototype of a codel, and the whole text of the type definitions. C is in [`c`], C++ in [`cxx`]; the code
+//! they share is here.
 //!
 //! Rules: "Mappings" chapter of the GenoM3 manual.
 
@@ -38,7 +38,7 @@ pub enum Language {
 }
 
 impl Language {
-    /// The language of a name as templates and specifications write it.
+    /// The language of a name as written in templates and specifications.
     pub fn from_name(name: &str) -> Option<Language> {
         match name {
             "c" => Some(Language::C),
@@ -58,12 +58,12 @@ impl Language {
     }
 }
 
-/// Why a language question has no answer.
+/// The error of a language question.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LangError {
-    /// What is wrong, in the words templates see.
+    /// The message, in the words that templates see.
     pub message: String,
-    /// Raised like `template fatal` (unwinds every level) rather than as a plain Tcl error.
+    /// True if it is raised like `template fatal` (unwinds every level), not as a plain Tcl error.
     pub fatal: bool,
 }
 
@@ -105,26 +105,26 @@ pub struct Place {
     pub column: u32,
 }
 
-/// Which token of a declaration GenoM3 takes for its place.
+/// The token of a declaration that GenoM3 uses as its place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Anchor<'a> {
-    /// The first of what the model points to.
+    /// The first token of the declaration in the model.
     First,
     /// A keyword before it.
     Keyword(&'static str),
     /// The name a declaration in it gives.
     Named(&'a str),
-    /// What follows the direction of a parameter.
+    /// The token after the direction of a parameter.
     Path,
 }
 
 /// Finds the places of the model's items.
 pub trait Places {
-    /// The place of an item, `None` when it has none.
+    /// The place of an item, `None` if it has none.
     fn place(&self, src: Src, anchor: Anchor<'_>) -> Option<Place>;
 }
 
-/// Knows no place: mappings then hold no `#line` mark.
+/// Places for models without sources: mappings then hold no `#line` mark.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct NoPlaces;
 
@@ -134,7 +134,7 @@ impl Places for NoPlaces {
     }
 }
 
-/// How a value crosses a function boundary.
+/// The way a value is passed to a function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Passing {
     /// For inputs.
@@ -145,6 +145,9 @@ pub enum Passing {
 
 impl Passing {
     /// Reads `value` or `reference`.
+    ///
+    /// # Errors
+    /// Fails for any other word.
     pub fn from_name(name: &str) -> Result<Passing, LangError> {
         match name {
             "value" => Ok(Passing::Value),
@@ -165,7 +168,7 @@ pub enum MapObject {
     Codel(u32, CodelRef),
 }
 
-/// Stands for a type of which not even the name is known.
+/// The name of a type whose name is not known.
 pub(crate) const OPAQUE: &str = "dotgen_opaque";
 
 /// Answers language questions about one specification.
@@ -173,7 +176,7 @@ pub(crate) const OPAQUE: &str = "dotgen_opaque";
 pub struct Mapper<'a> {
     /// The model.
     pub spec: &'a Spec,
-    /// Where its items were written; gives the `#line` marks.
+    /// The places of its items, for the `#line` marks.
     pub places: &'a dyn Places,
     /// The language of the answers.
     pub language: Language,
@@ -189,7 +192,7 @@ impl<'a> Mapper<'a> {
         }
     }
 
-    /// Whether the specification's release has a change.
+    /// Returns true if the specification's release has a change.
     pub(crate) fn has(&self, change: Change) -> bool {
         self.spec.release.has(change)
     }
@@ -220,7 +223,10 @@ impl<'a> Mapper<'a> {
             .ok_or_else(|| LangError::error("no such member \"type\""))
     }
 
-    /// Full name, or the error templates get for an anonymous type.
+    /// Full name of a type.
+    ///
+    /// # Errors
+    /// Returns the error that templates get for an anonymous type.
     pub(crate) fn full_name(&self, ty: TypeId) -> LangResult {
         self.spec
             .full_name(ty)
@@ -232,7 +238,10 @@ impl<'a> Mapper<'a> {
         name.ok_or_else(|| LangError::error("no such member \"name\""))
     }
 
-    /// A name in the language: scopes joined as the language does, blanks and `+` replaced.
+    /// A name in the language: scopes joined by the language's separator, blanks and `+` replaced.
+    ///
+    /// # Errors
+    /// Fails in Tcl.
     pub fn cname(&self, name: &str) -> LangResult {
         match self.language {
             Language::C => Ok(text::c_name(name)),
@@ -242,11 +251,17 @@ impl<'a> Mapper<'a> {
     }
 
     /// [`Mapper::cname`] of the full name of a type.
+    ///
+    /// # Errors
+    /// Fails for an anonymous type, and in Tcl.
     pub fn type_cname(&self, ty: TypeId) -> LangResult {
         self.cname(&self.full_name(ty)?)
     }
 
-    /// The name of a type of which little more is known.
+    /// The name of an opaque type.
+    ///
+    /// # Errors
+    /// Fails in Tcl.
     pub(crate) fn opaque_name(&self, ty: TypeId) -> LangResult {
         match self.spec.ty(ty).name {
             Some(_) => self.type_cname(ty),
@@ -254,8 +269,11 @@ impl<'a> Mapper<'a> {
         }
     }
 
-    /// A name for the type that is a valid identifier and different for different types. The same
-    /// in every language.
+    /// A name for the type that is a valid identifier and different for different types. The same in every
+    /// language.
+    ///
+    /// # Errors
+    /// Fails if a constructed type without a name is inside.
     pub fn mangle(&self, ty: TypeId) -> LangResult {
         let kind = self.kind(ty);
         Ok(match kind {
@@ -285,7 +303,10 @@ impl<'a> Mapper<'a> {
         })
     }
 
-    /// The declaration of a variable of a type, or the abstract declarator when `var` is empty.
+    /// The declaration of a variable of a type, or the abstract declarator if `var` is empty.
+    ///
+    /// # Errors
+    /// Fails for types that the language cannot declare, such as `any`, and in Tcl.
     pub fn declarator(&self, ty: TypeId, var: &str) -> LangResult {
         match self.language {
             Language::C => c::declarator(self, ty, var),
@@ -295,6 +316,9 @@ impl<'a> Mapper<'a> {
     }
 
     /// The address of a variable of a type.
+    ///
+    /// # Errors
+    /// Fails in Tcl.
     pub fn address(&self, ty: TypeId, var: &str) -> LangResult {
         match self.language {
             Language::C => Ok(c::address(self, ty, var)),
@@ -304,6 +328,9 @@ impl<'a> Mapper<'a> {
     }
 
     /// The declaration of a function parameter.
+    ///
+    /// # Errors
+    /// Fails for types that the language cannot declare or pass, and in Tcl.
     pub fn argument(&self, ty: TypeId, passing: Passing, var: &str) -> LangResult {
         match self.language {
             Language::C => c::argument(self, ty, passing, var),
@@ -312,7 +339,10 @@ impl<'a> Mapper<'a> {
         }
     }
 
-    /// The expression that passes a variable for such a parameter.
+    /// The expression that passes a variable for a parameter of this type and way of passing.
+    ///
+    /// # Errors
+    /// Fails for types that the language cannot pass, and in Tcl.
     pub fn pass(&self, ty: TypeId, passing: Passing, var: &str) -> LangResult {
         match self.language {
             Language::C => c::pass(self, ty, passing, var),
@@ -321,7 +351,10 @@ impl<'a> Mapper<'a> {
         }
     }
 
-    /// The value of such a parameter inside the function.
+    /// The value of a parameter of this type and way of passing, inside the function.
+    ///
+    /// # Errors
+    /// Fails in Tcl.
     pub fn dereference(&self, ty: TypeId, passing: Passing, var: &str) -> LangResult {
         match self.language {
             Language::C => Ok(c::dereference(self, ty, passing, var)),
@@ -331,13 +364,16 @@ impl<'a> Mapper<'a> {
     }
 
     /// [`Mapper::return_value`] for a way of passing given by its name.
+    ///
+    /// # Errors
+    /// Fails for an unknown name, and like [`Mapper::return_value`].
     pub fn return_value_by_name(&self, ty: TypeId, passing: &str, var: &str) -> LangResult {
         let parsed = Passing::from_name(passing);
         let pointer = matches!(
             self.final_kind(ty),
             TypeKind::Array { .. } | TypeKind::String { bound: Some(_) }
         );
-        // For these GenoM3 joins its message of two parts with a blank between them.
+        // GenoM3 joins the two parts of this message with a blank.
         let joined =
             pointer && self.language == Language::C && self.has(Change::ReturnValueVariables);
         match parsed {
@@ -348,7 +384,10 @@ impl<'a> Mapper<'a> {
         }
     }
 
-    /// The declaration of a returned value, of a variable when `var` is not empty.
+    /// The declaration of a returned value, or of a variable if `var` is not empty.
+    ///
+    /// # Errors
+    /// Fails for types that the language cannot declare or return, and in Tcl.
     pub fn return_value(&self, ty: TypeId, passing: Passing, var: &str) -> LangResult {
         match self.language {
             Language::C => c::return_value(self, ty, passing, var),
@@ -357,8 +396,11 @@ impl<'a> Mapper<'a> {
         }
     }
 
-    /// The definitions of types and the prototypes of codels, with the includes they need.
-    /// `locations` adds `#line` marks.
+    /// The definitions of types and the prototypes of codels, with the includes they need. `locations` adds
+    /// `#line` marks.
+    ///
+    /// # Errors
+    /// Fails for types that the language cannot declare, and in Tcl.
     pub fn mapping(&self, objects: &[MapObject], locations: bool) -> LangResult {
         match self.language {
             Language::C => c_types::mapping(self, objects, locations),
@@ -368,6 +410,9 @@ impl<'a> Mapper<'a> {
     }
 
     /// [`Mapper::mapping`] of every type of the specification, in order of creation.
+    ///
+    /// # Errors
+    /// Fails like [`Mapper::mapping`].
     pub fn mapping_all(&self, locations: bool) -> LangResult {
         let objects: Vec<MapObject> = (0..self.spec.types.len() as u32)
             .map(|i| MapObject::Type(TypeId(i)))
@@ -376,6 +421,9 @@ impl<'a> Mapper<'a> {
     }
 
     /// A comment in the language.
+    ///
+    /// # Errors
+    /// Fails in Tcl.
     pub fn comment(&self, text: &str) -> LangResult {
         match self.language {
             Language::C => Ok(text::c_comment(text)),
@@ -384,7 +432,10 @@ impl<'a> Mapper<'a> {
         }
     }
 
-    /// The file extension of sources or headers.
+    /// The file extension of sources or headers, with its dot.
+    ///
+    /// # Errors
+    /// Fails in Tcl.
     pub fn file_extension(&self, header: bool) -> LangResult {
         match (self.language, header) {
             (Language::C | Language::Cxx, true) => Ok(".h".into()),
@@ -394,7 +445,7 @@ impl<'a> Mapper<'a> {
         }
     }
 
-    /// `#line` mark of an item, starting with a newline; empty when its place is unknown.
+    /// `#line` mark of an item, starting with a newline; empty if its place is unknown.
     pub(crate) fn line_mark(&self, place: Option<Place>) -> String {
         match place {
             Some(place) => format!(
@@ -411,14 +462,14 @@ impl<'a> Mapper<'a> {
         let it = self.spec.ty(ty);
         let keyword = match &it.kind {
             TypeKind::Const { .. } if it.name.is_some() => "const",
-            // The ids have no keyword but their name.
+            // The ids have no keyword except their name.
             TypeKind::Struct { .. } if it.name.as_deref() != Some("ids") => "struct",
             TypeKind::Union { .. } => "union",
             TypeKind::ForwardStruct { .. } => "struct",
             TypeKind::ForwardUnion { .. } => "union",
             TypeKind::Native => "native",
             TypeKind::Port { .. } => "port",
-            // The alias of a provided port stands where the port does.
+            // The alias of a provided port has the place of the port.
             TypeKind::Typedef { ty } if self.spec.ty(*ty).src == it.src => match self.kind(*ty) {
                 TypeKind::Port { .. } => "port",
                 _ => return self.places.place(it.src, Anchor::First),
@@ -458,8 +509,8 @@ impl<'a> Mapper<'a> {
     }
 }
 
-/// The type a parameter's path starts from, and its own. Ports and remotes are passed as objects:
-/// they have their own types, whatever data they give.
+/// The type a parameter's path starts from, and its own. Ports and remotes are passed as objects: they have
+/// their own types, for any data type.
 pub fn param_types(spec: &Spec, component: u32, param: &Param) -> (TypeId, TypeId) {
     let component = &spec.components[component as usize];
     match param.source {

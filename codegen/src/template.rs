@@ -1,8 +1,8 @@
 //! The GenoM3 template engine.
 //!
-//! A template is a directory with a Tcl script `template.tcl` and sources that mix text and marked
-//! Tcl code. Tcl runs in a process of its own ([`host`]); everything templates ask about the
-//! specification, and everything they write, is answered and done here.
+//! A template is a directory with a Tcl script `template.tcl` and sources that mix text and marked Tcl code.
+//! Tcl runs in a process of its own ([`host`]); the engine answers its questions about the specification and
+//! writes its files.
 //!
 //! Rules: "Templates" chapter of the GenoM3 manual.
 
@@ -66,80 +66,80 @@ pub(crate) fn component_digests(spec: &Spec, component: u32) -> Vec<(Option<Stri
     own.into_iter().chain(services).collect()
 }
 
-/// Why a question of a template fails.
+/// The reason why a question of a template fails.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Failure {
     /// A Tcl error.
     Error(String),
     /// `template fatal`: ends every level.
     Fatal(String),
-    /// The run cannot go on.
+    /// The run cannot continue.
     Stop(String),
 }
 
-/// What to run and how.
+/// A template to run, and its settings.
 pub struct Run<'a> {
     /// All access to files.
     pub disk: Arc<dyn Disk>,
     /// Absolute path of the template.
     pub dir: PathBuf,
-    /// Everything after the template's name, unread.
+    /// The words after the template's name, not parsed.
     pub args: Vec<String>,
-    /// Where templates are found.
+    /// The directories with templates.
     pub search: &'a SearchPath,
     /// Absolute path of the tool.
     pub program: String,
     /// General options as `dotgen genom cmdline` shows them.
     pub cmdline: String,
-    /// Print what happens, and traces of errors.
+    /// True to print progress, and traces of errors.
     pub verbose: bool,
-    /// Keep temporary files.
+    /// True to keep temporary files.
     pub debug: bool,
-    /// Directory for temporary files; that of the system by default.
+    /// Directory for temporary files; by default the system's.
     pub tmpdir: Option<PathBuf>,
-    /// What the template may use up.
+    /// The resource limits of the template.
     pub limits: Limits,
-    /// Directory where relative paths start; empty for the current one.
+    /// Base directory of relative paths; empty for the current one.
     pub base: PathBuf,
-    /// Directory where the names of inputs start (`-C`), as given; empty for [`Run::base`].
+    /// Base directory of the names of inputs (`-C`), as given; empty for [`Run::base`].
     pub input_path: String,
-    /// Starts the interpreter.
+    /// Starts the interpreter process.
     pub processes: Arc<dyn Processes>,
-    /// Keeps the template from what is not its business; `None` lets it do what its user can.
+    /// The confinement of the template; `None` gives it all rights of its user.
     pub confined: Option<&'a Confined>,
 }
 
-/// What a confined run may do. It starts no program, has no network, reads its template and its inputs, and
-/// writes nothing itself: its results are kept.
+/// The rights of a confined run. It starts no program, has no network, reads only its template and its
+/// inputs, and writes nothing itself: the engine keeps its results.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Confined {
-    /// Folders in which its results may be.
+    /// Folders for its results.
     pub results: Vec<PathBuf>,
     /// The confirmation of hidden files and of executable ones.
     pub confirmed: Confirmed,
 }
 
-/// The confirmation of results that act later: hidden files and files that are executable.
+/// The confirmation of results that act later: hidden files and executable files.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Confirmed {
     /// Only these files, by absolute path.
     Only(Vec<PathBuf>),
-    /// All that a person chooses: results are shown and marked before they are written.
+    /// All that the user selects: results are shown and marked before they are written.
     Shown,
     /// All: the template is part of dotgen.
     All,
 }
 
-/// The end of a run.
+/// The result of a run.
 #[derive(Debug)]
 pub struct Outcome {
-    /// Exit status: 0, that of the template's `exit`, or 2.
+    /// Exit status: 0, the status of the template's `exit`, or 2.
     pub status: i32,
-    /// What was written, if it was kept.
+    /// The written files, if they were kept.
     pub sink: OutputSink,
     /// The error that ended the run; already printed.
     pub error: Option<String>,
-    /// Where in the files of the template that was, if it is known.
+    /// The place of the error in the files of the template, if known.
     pub place: Option<TemplatePlace>,
 }
 
@@ -150,7 +150,7 @@ pub struct TemplatePlace {
     pub file: PathBuf,
     /// Line, from 1.
     pub line: u32,
-    /// What is wrong there, without the place.
+    /// The error, without the place.
     pub message: String,
 }
 

@@ -1,7 +1,7 @@
-//! Templates that run have nothing wrong with them.
+//! Templates that run have no diagnostics.
 //!
-//! Those of others are not part of this repository: `golden/templates` of the shared test data, and the
-//! directories that `DOTGEN_TEST_TEMPLATES` names (separated by colons).
+//! Templates of other projects are not part of this repository: `golden/templates` of the shared test data,
+//! and the directories that `DOTGEN_TEST_TEMPLATES` names (separated by colons).
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use dotgen_analysis::diagnostic::{Diagnostic, Severity};
 use dotgen_codegen::template::check;
 use dotgen_codegen::template::files::{self, Role, SCRIPT};
 
-/// Every file below a directory with what is wrong with it, if it belongs to a template.
+/// Every file below a directory with its diagnostics, if it belongs to a template.
 fn findings(directory: &Utf8Path) -> Vec<(Utf8PathBuf, Vec<Diagnostic>)> {
     let files = walkdir::WalkDir::new(directory).into_iter().flatten();
     let files = files.filter_map(|it| Utf8PathBuf::from_path_buf(it.into_path()).ok());

@@ -1,5 +1,5 @@
-//! The template engine over templates of our own: what they print and write, and that the ones that
-//! misbehave do no harm.
+//! The template engine with our own test templates: their output and files, and the containment of templates
+//! that misbehave.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -32,7 +32,7 @@ component lamp {
 };
 "#;
 
-/// Runs a template of ours; `None` when there is no Tcl.
+/// Runs one of our test templates; `None` without Tcl.
 fn run(
     template: &str,
     args: &[&str],
@@ -48,7 +48,7 @@ fn run(
         dirs: vec![templates],
         builtin: None,
     };
-    // What is not written is confined: the results of these tests are in temporary folders.
+    // Previews are confined: the results of these tests are in temporary folders.
     let results = vec![std::env::temp_dir()];
     let confined = matches!(sink, OutputSink::Preview(_)).then_some(Confined {
         results,
@@ -82,7 +82,7 @@ fn run(
     Some((outcome, console))
 }
 
-/// The release that the expectations are of.
+/// The release of the expectations.
 fn release() -> ReleaseChoice {
     ReleaseChoice {
         release: Release::V2_99_39,
@@ -118,19 +118,19 @@ fn templates_ask_about_the_model() {
         Limits::default(),
     )
     .unwrap();
-    // An option written with `=` counts twice, so the file is left for the template all the same.
+    // An option written with `=` counts twice, so the file is still left for the template.
     assert_eq!((outcome.status, console.err.as_str()), (0, ""));
     assert!(
         text(&console.out).contains("genom::event lampStart(lamp::ids &ids, lamp::light &light)")
     );
 }
 
-/// What the template `types` prints.
+/// The output of the template `types`.
 fn types(specification: &str) -> Option<String> {
     printed("types", specification)
 }
 
-/// What a template of ours prints.
+/// The output of one of our test templates.
 fn printed(template: &str, specification: &str) -> Option<String> {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("it.gen");
@@ -338,7 +338,7 @@ fn a_preview_reaches_nothing_outside() {
     let printed = text(&console.out);
     let refused = printed.lines().filter(|line| line.ends_with(": 1")).count();
     assert_eq!(refused, 8, "{printed}");
-    // The last thing it does is to overwrite a file, which the engine refuses too.
+    // Its last action is to overwrite a file, which the engine refuses too.
     assert_eq!(outcome.status, 2);
     assert_eq!(std::fs::read_to_string(&kept).unwrap(), "old\n");
     assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 1);

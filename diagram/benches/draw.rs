@@ -45,8 +45,8 @@ fn layout_and_render(bencher: Bencher, states: usize) {
     bencher.bench(|| svg(&graph, &layout(&graph), Theme::Auto));
 }
 
-/// A system of `n` components: each writes two ports and reads two of the components before it, and one
-/// of a component after it, as controllers do.
+/// A system of `n` components. Each writes two ports, reads two ports of the components before it and one of
+/// a component after it, as controllers do.
 fn system(n: usize) -> Graph {
     let mut graph = Graph {
         direction: Direction::Right,

@@ -15,19 +15,19 @@ use serde::{Deserialize, Serialize};
 
 use crate::graph::{Direction, Edge, Graph, Line, LineStyle, Node, Origin, Shape};
 
-/// What to show besides states, codels and transitions.
+/// Optional content besides states, codels and transitions.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Options {
     /// Execution times.
     pub wcet: bool,
-    /// The share of the period that they take, with a shade.
+    /// The share of the period that execution times take, as a shade.
     pub load: bool,
     /// Per state, the longest sum of execution times from there to the next pause or the end.
     pub paths: bool,
-    /// Per codel, how many others it excludes.
+    /// Per codel, the number of codels it excludes.
     pub locks: bool,
-    /// States that the reader goes through, in order; the way that takes longest is marked.
+    /// States that the reader selects, in order; the longest path through them is marked.
     pub way: Vec<String>,
 }
 
@@ -100,7 +100,7 @@ fn reached<'m>(model: &fsm::Machine<'m>) -> FxHashSet<&'m str> {
     reached
 }
 
-/// Where the exclusions of a machine's codels are found.
+/// Lookup of the exclusions of a machine's codels.
 struct Locks<'a> {
     spec: &'a Spec,
     component: &'a Component,
@@ -108,7 +108,7 @@ struct Locks<'a> {
 }
 
 impl Locks<'_> {
-    /// Names of what a codel excludes, each once.
+    /// Names of the codels that a codel excludes, each once.
     fn of(&self, index: u32) -> Vec<String> {
         let codel = CodelRef {
             owner: self.owner,
@@ -176,7 +176,7 @@ impl Machine<'_> {
         }
         if self.options.paths {
             let several = states.len() > 1;
-            // A codel goes on the same way whatever state triggered it.
+            // The transitions of a codel do not depend on the state that triggered it.
             for state in states.iter().take(1) {
                 let of = if several { "each " } else { "" };
                 if let Some(text) = self.turn(state) {
@@ -263,7 +263,7 @@ impl Machine<'_> {
         }
     }
 
-    /// The node of a state, made when no codel has it: the end, or an undefined state.
+    /// The node of a state, created if no codel has the state: the end, or an undefined state.
     fn target(&mut self, state: &str, src: Src) -> String {
         if let Some(id) = self.node_of.get(state) {
             return id.clone();
@@ -294,7 +294,7 @@ impl Machine<'_> {
         state.to_owned()
     }
 
-    /// The longest turn from a state, in words.
+    /// The description of the longest turn from a state.
     fn turn(&self, state: &str) -> Option<String> {
         Some(match self.model.longest_turn(state)? {
             Turn::Bounded {
@@ -307,7 +307,7 @@ impl Machine<'_> {
         })
     }
 
-    /// Marks the longest way through the states that were chosen, and says how long it is.
+    /// Marks the longest path through the selected states and adds its length.
     fn way(&mut self) {
         let way = self.options.way.clone();
         let named: Vec<&str> = way.iter().map(String::as_str).collect();
@@ -352,7 +352,7 @@ impl Machine<'_> {
         self.graph.notes.push(in_words(&named, &found));
     }
 
-    /// What is said below the picture.
+    /// The text below the picture.
     fn notes(&mut self, owner: Owner, task: Option<&dotgen_analysis::model::Task>) {
         let Locks {
             spec, component, ..
@@ -387,7 +387,7 @@ impl Machine<'_> {
         }
     }
 
-    /// Where the machine begins, and where it goes when interrupted.
+    /// Adds the entries of the machine: its start and its reaction to an interrupt.
     fn entries(&mut self) {
         let entries = [
             (
@@ -433,7 +433,7 @@ impl Machine<'_> {
                 ..Edge::default()
             });
         }
-        // Markers come first, so that a reader who tabs through the picture starts at the entry.
+        // Markers come first, so that the tab key reaches the entry first.
         let markers = self
             .graph
             .nodes
@@ -462,7 +462,7 @@ fn heat(share: Seconds) -> Option<String> {
     Some(format!("heat-{level}"))
 }
 
-/// A way in a line: `start → level: at most 3 ms of execution`.
+/// A path in one line: `start → level: at most 3 ms of execution`.
 fn in_words(named: &[&str], way: &Way) -> String {
     let named = named.join(" → ");
     match way {

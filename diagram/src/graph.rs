@@ -1,4 +1,4 @@
-//! What a picture shows, before anything has a place.
+//! The content of a picture, before layout.
 
 use dotgen_analysis::model::Src;
 use serde::{Deserialize, Serialize};
@@ -10,7 +10,7 @@ pub struct Graph {
     pub title: String,
     /// Reading direction.
     pub direction: Direction,
-    /// Nodes, in the order in which they were declared (the layout keeps it where it can).
+    /// Nodes, in order of declaration (the layout keeps the order if possible).
     pub nodes: Vec<Node>,
     /// Edges.
     pub edges: Vec<Edge>,
@@ -38,29 +38,29 @@ pub struct Node {
     pub shape: Shape,
     /// Lines of text, top to bottom.
     pub lines: Vec<Line>,
-    /// Words that say what kind of node it is; the theme gives each a look.
+    /// Words for the kind of node; the theme styles each.
     pub classes: Vec<String>,
     /// One sentence for tooltips and screen readers.
     pub description: String,
-    /// What it stands for in the text.
+    /// The declaration it stands for in the text.
     pub origin: Option<Origin>,
     /// Further names the node answers to (the states of a codel).
     pub names: Vec<String>,
-    /// Which rank it stands in, counted from 0 in the reading direction. Counts only when every node has
-    /// one and no edge joins two nodes of one rank; otherwise the layout ranks by the edges.
+    /// The rank, counted from 0 in the reading direction. It is used only if every node has one and no edge
+    /// joins two nodes of one rank; otherwise the layout derives ranks from the edges.
     pub column: Option<usize>,
-    /// Nodes of one group and column stand together, in a frame with this name.
+    /// The group. Nodes of one group and column are next to each other, in a frame with this name.
     pub group: Option<String>,
-    /// Of nodes that can be opened and closed: which they are.
+    /// For a node that can be opened and closed: true if it is open.
     pub open: Option<bool>,
-    /// Names of what is in it, listed or not: by these it is found.
+    /// Names of its content, listed or not, for search.
     pub holds: Vec<String>,
 }
 
 /// A place in the text of one of the specifications a picture is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 pub struct Origin {
-    /// Which specification, counted from 0 in the order in which they were given.
+    /// Index of the specification, from 0 in the order in which they were given.
     pub part: usize,
     /// The place.
     pub src: Src,
@@ -75,15 +75,15 @@ pub enum Shape {
     Box,
     /// Rectangle with a header line under the first line of text.
     Card,
-    /// Double-bordered pill: where a machine ends.
+    /// Double-bordered pill: the end of a machine.
     Final,
-    /// Small filled disc: where a machine begins.
+    /// Small filled disc: the start of a machine.
     Initial,
-    /// Small ring: where an interrupted machine goes on.
+    /// Small ring: the entry of an interrupted machine.
     Interrupt,
     /// A port.
     Octagon,
-    /// A pill: something that is shared.
+    /// A pill: a shared resource.
     Pill,
 }
 
@@ -92,9 +92,9 @@ pub enum Shape {
 pub struct Line {
     /// The text.
     pub text: String,
-    /// How it is set.
+    /// The style of the text.
     pub style: LineStyle,
-    /// What it stands for in the text, where that is not what its node stands for.
+    /// The declaration it stands for in the text, if it differs from the node's.
     pub origin: Option<Origin>,
 }
 
@@ -108,13 +108,13 @@ impl Line {
         }
     }
 
-    /// The same, standing for a place of its own.
+    /// The line with an origin of its own.
     pub fn at(self, origin: Option<Origin>) -> Line {
         Line { origin, ..self }
     }
 }
 
-/// How a line of text is set.
+/// The styles of a line of text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LineStyle {
@@ -139,13 +139,13 @@ pub struct Edge {
     pub classes: Vec<String>,
     /// One sentence for tooltips and screen readers.
     pub description: String,
-    /// What it stands for in the text.
+    /// The declaration it stands for in the text.
     pub origin: Option<Origin>,
     /// Arrow heads at both ends.
     pub both_ways: bool,
 }
 
-/// The class of what a reader follows: a way through a machine, a chain of data.
+/// The class of elements that a reader follows: a path through a machine, a chain of data.
 pub const MARKED: &str = "marked";
 
 /// Adds the class, once.
@@ -156,7 +156,7 @@ fn mark(classes: &mut Vec<String>) {
 }
 
 impl Node {
-    /// Shows that it is followed.
+    /// Marks the node as followed.
     pub(crate) fn mark(&mut self) {
         mark(&mut self.classes);
     }
@@ -170,7 +170,7 @@ impl Edge {
 }
 
 impl Graph {
-    /// Whether something needs the looks of what is marked.
+    /// Returns true if a node or edge is marked.
     pub(crate) fn has_marks(&self) -> bool {
         let marks = |it: &String| it == MARKED || it == "contended";
         self.nodes.iter().any(|it| it.classes.iter().any(marks))

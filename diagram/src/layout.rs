@@ -1,12 +1,12 @@
-//! Gives every node, edge and label of a graph its place.
+//! Computes the place of every node, edge and label of a graph.
 //!
-//! The classic layered method (Sugiyama, Tagawa and Toda 1981), one module a step: make the graph
-//! acyclic, give nodes ranks, split long edges, order each rank to avoid crossings, assign
-//! coordinates. Edge labels and self loops are part of the problem, not an afterthought: a label
-//! is a node of a rank between its ends, a loop is part of the width of its node. Edges run straight
-//! through the ranks they cross and bend only between ranks, so they never pass behind a node.
+//! The classic layered method (Sugiyama, Tagawa and Toda 1981), one module a step: make the graph acyclic,
+//! give nodes ranks, split long edges, order each rank to avoid crossings, assign coordinates. Edge labels
+//! and self loops are part of the problem, not an afterthought: a label is a node of a rank between its ends,
+//! a loop is part of the width of its node. Edges run straight through the ranks they cross and bend only
+//! between ranks, so they never pass behind a node.
 //!
-//! The method works top to bottom; pictures that read left to right are laid out on their side.
+//! The method works top to bottom; for pictures that read left to right, x and y are exchanged.
 
 mod acyclic;
 mod moved;
@@ -68,7 +68,7 @@ impl Rect {
         }
     }
 
-    /// Its centre.
+    /// The centre of the rectangle.
     pub fn center(self) -> Point {
         Point {
             x: self.x + self.width / 2.0,
@@ -87,7 +87,7 @@ impl Rect {
         }
     }
 
-    /// Whether two rectangles share more than a border.
+    /// Returns true if two rectangles share more than a border.
     pub fn overlaps(self, other: Rect) -> bool {
         const SLACK: f64 = 0.01;
         self.x + self.width > other.x + SLACK
@@ -96,7 +96,7 @@ impl Rect {
             && other.y + other.height > self.y + SLACK
     }
 
-    /// Whether this rectangle lies inside another.
+    /// Returns true if this rectangle lies inside another.
     pub fn inside(self, outer: Rect) -> bool {
         self.x >= outer.x
             && self.y >= outer.y
@@ -114,7 +114,7 @@ impl Rect {
     }
 }
 
-/// Where everything of a graph is. Indexes are those of the graph.
+/// The places of all elements of a graph, in pixels. Indexes are those of the graph.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Layout {
     /// Width of the picture.
@@ -134,24 +134,24 @@ pub struct Layout {
 /// The frame round a group of nodes.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Frame {
-    /// What stands on top, inside.
+    /// The text at the top of the frame, inside.
     pub name: String,
     /// The outline.
     pub rect: Rect,
 }
 
-/// Where an edge runs.
+/// The path of an edge.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct EdgePath {
     /// A chain of cubic Bézier curves: the first point, then three points for each curve. Empty for an
     /// edge to a node that does not exist.
     pub points: Vec<Point>,
-    /// Box of its label, when it has one.
+    /// Box of its label, if it has one.
     pub label: Option<Rect>,
 }
 
 impl EdgePath {
-    /// Exchanges the coordinates.
+    /// Exchanges x and y.
     fn transposed(self) -> EdgePath {
         EdgePath {
             points: self.points.into_iter().map(Point::transposed).collect(),
@@ -160,15 +160,15 @@ impl EdgePath {
     }
 }
 
-/// Room between a frame and the nodes in it.
+/// Space between a frame and the nodes in it, in pixels.
 const FRAME_PADDING: f64 = 8.0;
-/// Height of the name of a frame.
+/// Height of the name of a frame, in pixels.
 pub const LABEL_HEIGHT: f64 = 20.0;
 
-/// Room around the drawing.
+/// Space around the drawing, in pixels.
 const MARGIN: f64 = 12.0;
 
-/// Places a graph. Deterministic; total for any graph (edges to unknown nodes are left out).
+/// Places a graph. Deterministic and total: edges to unknown nodes are left out.
 pub fn layout(graph: &Graph) -> Layout {
     let sideways = graph.direction == Direction::Right;
     let turn = |(w, h): (f64, f64)| if sideways { (h, w) } else { (w, h) };
@@ -198,7 +198,7 @@ pub fn layout(graph: &Graph) -> Layout {
     order::order(&mut ranked);
     let mut places = position::positions(&ranked, if sideways { 18.0 } else { 26.0 });
     position::pack_groups(&ranked, 14.0, &mut places);
-    // Columns are joined by many edges, which need room to fan out.
+    // Columns are joined by many edges, which need space to fan out.
     let gap = match (ranked.columns, sideways) {
         (true, _) => 80.0,
         (_, true) => 25.0,

@@ -1,8 +1,8 @@
-//! Which codels exclude which, and through what.
+//! The codels that exclude each other, and the resources that cause it.
 //!
-//! Two codels that share a resource would need an edge each; ten codels of two tasks that share
-//! one, twenty-five. So the resource is a node of its own, and a codel has one edge to each resource
-//! that makes it wait. Codels of one task stand together; two of them never exclude each other.
+//! Two codels that share a resource would need an edge each; ten codels of two tasks that share one,
+//! twenty-five. So the resource is a node of its own, and a codel has one edge to each resource that makes it
+//! wait. Codels of one task are next to each other; two of them never exclude each other.
 
 use dotgen_analysis::model::mutex::{self, Excluded, Shared};
 use dotgen_analysis::model::{
@@ -13,7 +13,7 @@ use rustc_hash::FxHashMap;
 use crate::fsm::owner_name;
 use crate::graph::{Direction, Edge, Graph, Line, LineStyle, Node, Origin, Shape};
 
-/// Who holds a lock: a codel, or a client that reads or sets an attribute.
+/// The holder of a lock: a codel, or a client that reads or sets an attribute.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 enum Holder {
     Codel(CodelRef),
@@ -81,7 +81,7 @@ impl Exclusions<'_> {
         let component = self.component;
         let entry = self.uses.entry((holder, resource)).or_default();
         if let Some(param) = params(component, holder).get(param as usize) {
-            // An attribute's direction is seen from its client: what comes in is written.
+            // An attribute's direction is relative to its client: inputs are written.
             let (reads, writes) = match (param.dir, holder) {
                 (ParamDir::In, Holder::Codel(_)) | (ParamDir::Out, Holder::Attribute(_)) => {
                     (true, false)
@@ -119,7 +119,8 @@ impl Exclusions<'_> {
             return graph;
         }
         let mut holders: Vec<Holder> = self.uses.keys().map(|it| it.0).collect();
-        // By task, so that what never excludes each other stands together; the control task first.
+        // By task, so that holders that never exclude each other are next to each other; the control task
+        // first.
         holders.sort_by_key(|it| (task(component, *it), *it));
         holders.dedup();
         let columns = self.columns(&holders);
@@ -148,7 +149,7 @@ impl Exclusions<'_> {
                 holder_name(component, holder),
                 used.excluded.join(", ")
             );
-            // Arrows show where the data goes.
+            // Arrows show the direction of the data.
             let (from, to) = if used.writes {
                 (codel, resource)
             } else {
@@ -177,24 +178,24 @@ impl Exclusions<'_> {
         graph
     }
 
-    /// The column of each of the holders, which stand in order of their tasks. Columns with even numbers are
-    /// of holders, those between of what they share; there are more of them the more holders there are, so
-    /// that the picture stays about as wide as high.
+    /// The column of each of the holders, which are in order of their tasks. Even columns are for holders,
+    /// odd ones for the shared resources between them. The number of columns grows with the number of
+    /// holders, so that the picture stays about as wide as it is high.
     fn columns(&self, holders: &[Holder]) -> Vec<usize> {
-        /// Holders that two columns have room for.
+        /// Maximum number of holders in two columns.
         const TWO_COLUMNS: usize = 30;
         let component = self.component;
         let sides = match holders.len() {
             0..=TWO_COLUMNS => 2,
-            // Where a column of holders is about four times as wide as one of them is high, with what is
-            // shared.
+            // A column of holders, with its shared resources, is about four times as wide as one holder is
+            // high.
             many => (many as f64 / 4.0).sqrt().ceil() as usize,
         };
         let room = match sides {
             2 => holders.len(),
             _ => holders.len().div_ceil(sides),
         };
-        // Tasks stay together, but for those that are too many for a column.
+        // Tasks stay together, unless they have too many holders for one column.
         let mut groups: Vec<(usize, &[Holder])> = Vec::new();
         let mut first = 0;
         for group in holders.chunk_by(|a, b| task(component, *a) == task(component, *b)) {
@@ -203,7 +204,7 @@ impl Exclusions<'_> {
                 first += part.len();
             }
         }
-        // The largest first, each to the side that has least.
+        // The largest first, each to the emptier side.
         groups.sort_by_key(|it| std::cmp::Reverse(it.1.len()));
         let mut count = vec![0; sides];
         let mut columns = vec![0; holders.len()];
@@ -215,7 +216,7 @@ impl Exclusions<'_> {
         columns
     }
 
-    /// The column of each resource: between its holders, where the ways to them are shortest.
+    /// The column of each resource: between its holders, where the paths to them are shortest.
     fn middles(&self, holders: &[Holder], columns: &[usize]) -> Vec<usize> {
         let last = columns.iter().copied().max().unwrap_or(0).max(2);
         let mut taken: FxHashMap<usize, usize> = FxHashMap::default();

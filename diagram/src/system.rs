@@ -1,7 +1,7 @@
 //! Components, their ports, and the data that flows between them.
 //!
-//! A component is a card with its tasks and services, a port an octagon beside it; data flows from
-//! the writer through the port to every reader.
+//! A component is a card with its tasks and services, a port an octagon next to it; data flows from the
+//! writer through the port to every reader.
 
 pub use dotgen_analysis::model::system::{Connection, Part};
 use std::collections::BTreeMap;
@@ -12,24 +12,24 @@ use dotgen_analysis::model::{ParamSource, PortDir, Seconds, Src, Task};
 use crate::graph::{Direction, Edge, Graph, Line, LineStyle, Node, Origin, Shape};
 use dotgen_analysis::quantity;
 
-/// What to show.
+/// The content of the picture.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
     /// Title of the picture.
     pub title: String,
-    /// Connections that are known; the others are found by type and name.
+    /// Known connections; the others are found by type and name.
     pub connections: Vec<Connection>,
-    /// At most this many services are listed in a component (0: none).
+    /// Maximum number of services listed in a component (0: none).
     pub services: usize,
-    /// Say which services interrupt which.
+    /// True to show the services that interrupt each other.
     pub interrupts: bool,
-    /// Say at each port which codels exclude each other there, and how long one of them can hold it.
+    /// True to show, at each port, the codels that exclude each other there and the longest time that one of
+    /// them holds it.
     pub locks: bool,
     /// Components that were opened (all of their ports, tasks and services are listed) or closed (they are
-    /// counted). Of the others there is a summary, or in large systems the counts.
+    /// counted). Other components have a summary, or in large systems only the counts.
     pub opened: BTreeMap<String, bool>,
-    /// Chains of data that are of interest, each with the ports on its way as `component.port`, and what is
-    /// known of it.
+    /// Chains of data to show, each with the ports on its path as `component.port`, and its result.
     pub chains: Vec<Chain>,
 }
 
@@ -37,19 +37,19 @@ pub struct Options {
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Chain {
     /// Ports that it passes, from the first to the last, as component and port. Between them it takes the
-    /// shortest way there is.
+    /// shortest path.
     pub ports: Vec<(String, String)>,
-    /// What is known of it, in a line.
+    /// The result for the chain, in one line.
     pub says: String,
 }
 
-/// Components up to which a system shows a summary of each; those of larger ones are closed.
+/// Maximum number of components for which a system shows summaries; in larger systems components are closed.
 const SUMMARIES: usize = 12;
 
-/// How much of a component is shown.
+/// The amount of detail of a component.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Detail {
-    /// How much there is.
+    /// Counts only.
     Closed,
     /// Tasks, and the first services.
     Summary,
@@ -191,7 +191,7 @@ fn card(part: &Part, options: &Options, detail: Detail) -> Node {
     }
 }
 
-/// How many tasks, services and ports there are.
+/// The numbers of tasks, services and ports.
 fn counts(part: &Part, between: &str) -> String {
     let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
     let component = part.component;
@@ -212,7 +212,7 @@ fn task(task: &Task) -> Line {
     Line::new(LineStyle::Detail, format!("task {} · {rate}", task.name))
 }
 
-/// Tasks, and as many services as were asked for.
+/// Tasks, and the first services up to the option's limit.
 fn summary(part: &Part, options: &Options, lines: &mut Vec<Line>) {
     let component = part.component;
     lines.extend(component.tasks.iter().map(task));
@@ -232,7 +232,7 @@ fn summary(part: &Part, options: &Options, lines: &mut Vec<Line>) {
     }
 }
 
-/// Ports, tasks and services, each leading to its own place.
+/// Ports, tasks and services, each linked to its own place.
 fn everything(part: &Part, lines: &mut Vec<Line>) {
     let component = part.component;
     for port in &component.ports {
@@ -275,7 +275,7 @@ fn interrupts(part: &Part, lines: &mut Vec<Line>) {
     }
 }
 
-/// What uses the data of an output port, in any component.
+/// The users of the data of an output port, in any component.
 #[derive(Default)]
 struct Users {
     /// `component.codel`
@@ -284,7 +284,8 @@ struct Users {
     longest: Option<Seconds>,
 }
 
-/// Says at each output port that codels of several components use how many of them take turns there.
+/// Adds to each output port that codels of several components use the number of codels that exclude each
+/// other there.
 fn locks(system: &System, graph: &mut Graph) {
     let mut users: BTreeMap<PortRef, Users> = BTreeMap::new();
     for (number, part) in system.parts.iter().enumerate() {
@@ -325,7 +326,7 @@ fn locks(system: &System, graph: &mut Graph) {
     }
 }
 
-/// Marks the way of a chain, and says below what is known of it.
+/// Marks the path of a chain, and adds its result below.
 fn follow(system: &System, chain: &Chain, graph: &mut Graph) {
     let data = |(component, port): &(String, String)| {
         let part = system.part(component)?;
@@ -351,7 +352,7 @@ fn follow(system: &System, chain: &Chain, graph: &mut Graph) {
     graph.notes.push(chain.says.clone());
 }
 
-/// The nodes on a shortest way from one to another, without the first; empty if there is none.
+/// The nodes on a shortest path from one to another, without the first; empty if there is none.
 fn shortest(graph: &Graph, from: &str, to: &str) -> Vec<String> {
     let mut before: BTreeMap<&str, &str> = BTreeMap::new();
     let mut queue = std::collections::VecDeque::from([from]);

@@ -1,8 +1,8 @@
 //! Widths of text without a font.
 //!
-//! The picture must be the same on a robot without fonts and in an editor with any. Widths come
-//! from a small table that is slightly wider than common sans-serif faces, so text fits its box
-//! whatever face draws it; monospaced text is 0.61 em a character.
+//! The picture must be the same on a robot without fonts and in an editor with any. Widths come from a small
+//! table that is slightly wider than common sans-serif faces, so text fits its box with any face; monospaced
+//! text is 0.61 em a character.
 
 use crate::graph::LineStyle;
 
@@ -11,7 +11,7 @@ use crate::graph::LineStyle;
 pub struct Metrics {
     /// Font size.
     pub size: f64,
-    /// Distance of baselines.
+    /// Distance of baselines, in pixels.
     pub height: f64,
     /// Monospaced.
     pub mono: bool,
@@ -20,7 +20,7 @@ pub struct Metrics {
 }
 
 impl LineStyle {
-    /// How lines of this style are set.
+    /// The metrics of lines of this style.
     pub fn metrics(self) -> Metrics {
         match self {
             LineStyle::Title => Metrics {
@@ -45,7 +45,7 @@ impl LineStyle {
     }
 }
 
-/// How edge labels are set.
+/// The metrics of edge labels.
 pub const LABEL: Metrics = Metrics {
     size: 11.0,
     height: 15.0,
@@ -53,7 +53,7 @@ pub const LABEL: Metrics = Metrics {
     bold: false,
 };
 
-/// How notes below the picture are set.
+/// The metrics of the notes below the picture.
 pub const NOTE: Metrics = Metrics {
     size: 11.0,
     height: 16.0,
@@ -73,7 +73,7 @@ pub fn width(text: &str, metrics: Metrics) -> f64 {
     em * metrics.size
 }
 
-/// East Asian scripts and emoji, roughly: twice as wide.
+/// Returns true for East Asian scripts and emoji, approximately: they are twice as wide.
 fn is_wide(c: char) -> bool {
     c >= '\u{1100}' && !('\u{2000}'..'\u{2E80}').contains(&c)
 }
@@ -100,7 +100,7 @@ mod tests {
         assert!(width("exec", m) < width("execute", m));
         assert!(width("iii", m) < width("mmm", m));
         assert!((width("", m)).abs() < f64::EPSILON);
-        // A monospaced line depends on the number of characters only.
+        // The width of a monospaced line depends only on the number of characters.
         let code = LineStyle::Code.metrics();
         assert!((width("iii", code) - width("mmm", code)).abs() < 1e-9);
     }

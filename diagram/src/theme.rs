@@ -2,22 +2,22 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Which colours a picture carries.
+/// The colours of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Theme {
-    /// Light, and dark where the viewer asks for it (`prefers-color-scheme`). For files.
+    /// Light, or dark if the viewer prefers it (`prefers-color-scheme`). For files.
     #[default]
     Auto,
     /// Dark text on light ground.
     Light,
     /// Light text on dark ground.
     Dark,
-    /// Greys on no ground: for images in an editor of any theme.
+    /// Greys without a background: for images in an editor of any theme.
     Neutral,
-    /// As `Light`, on no ground: for images on the editor's own, in a light theme.
+    /// As `Light`, without a background: for images in an editor with a light theme.
     LightClear,
-    /// As `Dark`, on no ground.
+    /// As `Dark`, without a background.
     DarkClear,
     /// The variables of a VS Code webview, so that the picture follows the editor's theme, high
     /// contrast included.
@@ -81,17 +81,17 @@ const EDITOR: Palette = Palette {
 };
 
 impl Theme {
-    /// Whether pictures have no ground.
+    /// Returns true if pictures have no background.
     pub(crate) fn is_clear(self) -> bool {
         matches!(self, Theme::LightClear | Theme::DarkClear | Theme::Neutral)
     }
 }
 
-/// What ends the style sheet of a picture that becomes an image: its fonts have one weight each.
+/// The end of the style sheet of a picture that becomes an image: its fonts have one weight each.
 #[cfg(feature = "png")]
 pub(crate) const RASTER_STYLE: &str = ".title{font-weight:400}\n</style>";
 
-/// A palette on no ground.
+/// A palette without a background.
 const fn clear(of: Palette) -> Palette {
     Palette {
         ground: "none",
@@ -113,7 +113,7 @@ pub(crate) fn timeline_style(theme: Theme) -> String {
     in_colours(theme, timeline_rules)
 }
 
-/// The additional rules of pictures in which something is marked: a way, a chain, what is taken in turns.
+/// The additional rules of pictures with marked elements: a path, a chain, a lock.
 pub(crate) fn mark_style(theme: Theme) -> String {
     in_colours(theme, mark_rules)
 }

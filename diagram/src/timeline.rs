@@ -1,7 +1,7 @@
-//! Timelines: who ran, who waited, when.
+//! Timelines: intervals of execution and waiting.
 //!
-//! One lane a core or task, bars for what lasts, marks for what happens at an instant. Times are
-//! integers in one unit, so a timeline of the verifier is drawn exactly.
+//! One lane for each core or task, bars for intervals, marks for instants. Times are integers in one unit, so
+//! a timeline of the verifier is drawn exactly.
 
 use std::fmt::Write;
 
@@ -25,39 +25,39 @@ pub struct Timeline {
     pub end: u64,
     /// Lanes, top to bottom.
     pub lanes: Vec<Lane>,
-    /// Lines of text below.
+    /// Lines of text below the picture.
     pub notes: Vec<String>,
 }
 
 /// One row.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Lane {
-    /// Shown at its left.
+    /// Text at its left.
     pub name: String,
-    /// What lasts.
+    /// Intervals.
     pub bars: Vec<Bar>,
-    /// What happens at an instant.
+    /// Instants.
     pub marks: Vec<Mark>,
 }
 
-/// Something that lasts.
+/// An interval.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Bar {
-    /// Begins.
+    /// Start, in the timeline's unit.
     pub from: u64,
-    /// Ends (not before it begins).
+    /// End, in the timeline's unit (not before the start).
     pub to: u64,
-    /// Short text, shown when there is room.
+    /// Short text, shown if there is space.
     pub label: String,
     /// One sentence for tooltips and screen readers.
     pub description: String,
-    /// What it is.
+    /// The kind.
     pub kind: BarKind,
-    /// What a click leads to: opaque to this crate.
+    /// The target of a click: opaque to this crate.
     pub link: Option<String>,
 }
 
-/// What a bar stands for.
+/// The kinds of bars.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BarKind {
@@ -67,24 +67,24 @@ pub enum BarKind {
     WaitCore,
     /// Waiting for a lock.
     WaitLock,
-    /// Too late.
+    /// Time after the deadline.
     Overrun,
 }
 
-/// Something that happens at an instant.
+/// An event at an instant.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Mark {
-    /// When.
+    /// The instant, in the timeline's unit.
     pub at: u64,
     /// One sentence for tooltips and screen readers.
     pub description: String,
-    /// What it is.
+    /// The kind.
     pub kind: MarkKind,
-    /// What a click leads to: opaque to this crate.
+    /// The target of a click: opaque to this crate.
     pub link: Option<String>,
 }
 
-/// What a mark stands for.
+/// The kinds of marks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MarkKind {
@@ -102,7 +102,7 @@ const LANE: f64 = 28.0;
 const BAR: f64 = 18.0;
 const TOP: f64 = 34.0;
 const MARGIN: f64 = 12.0;
-/// Width of the time axis.
+/// Width of the time axis, in pixels.
 const SPAN: f64 = 760.0;
 
 /// Draws a timeline. Deterministic.
@@ -178,7 +178,7 @@ pub fn svg(timeline: &Timeline, theme: Theme) -> String {
         );
         for bar in &lane.bars {
             let (from, to) = (x(bar.from), x(bar.to.max(bar.from)));
-            // What takes no time still has to be seen.
+            // A bar of no duration must be visible too.
             let w = (to - from).max(2.0);
             let class = match bar.kind {
                 BarKind::Run => "run",
@@ -262,7 +262,7 @@ fn open(out: &mut String, class: &str, link: Option<&str>, description: &str) {
 }
 
 impl Timeline {
-    /// What happens from an instant on.
+    /// The timeline from an instant on.
     pub fn since(mut self, start: u64) -> Timeline {
         self.start = start;
         for lane in &mut self.lanes {
@@ -273,7 +273,7 @@ impl Timeline {
     }
 }
 
-/// Round instants for the axis: 1, 2 or 5 times a power of ten, some ten of them at most.
+/// Round instants for the axis: 1, 2 or 5 times a power of ten, about ten of them at most.
 fn axis(start: u64, end: u64) -> Vec<u64> {
     let mut step = 1;
     while (end - start) / step > 10 {
@@ -288,8 +288,8 @@ fn axis(start: u64, end: u64) -> Vec<u64> {
         .collect()
 }
 
-/// The unit for the numbers of an axis, and how many of the timeline's units it has: a greater one where all
-/// instants are whole in it.
+/// The unit for the numbers of an axis, and its length in the timeline's units: a larger unit if all instants
+/// are whole numbers of it.
 fn shown_in<'u>(unit: &'u str, instants: &[u64]) -> (&'u str, u64) {
     let (mut unit, mut per) = (unit, 1);
     for (small, large) in [("us", "ms"), ("ms", "s")] {

@@ -1,7 +1,7 @@
-//! One thing done a number of times, for whoever counts instructions: `cargo xtask bench` runs this in
-//! valgrind.
+//! Runs one operation a given number of times, so that its instructions can be counted: `cargo xtask bench`
+//! runs this program in valgrind.
 //!
-//! Arguments: `lex` or `parse`, and the number of rounds. Prints the tokens of one round.
+//! Arguments: `lex` or `parse`, and the number of rounds. Prints the number of tokens of one round.
 
 use std::hint::black_box;
 

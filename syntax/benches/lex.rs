@@ -57,7 +57,7 @@ component arm{i} {{
     text
 }
 
-/// The same, with macros for the sizes and the declaration of ports.
+/// A specification as in [`plain`], with macros for the sizes and the declaration of ports.
 fn with_macros(components: usize) -> String {
     let text = plain(components)
         .replace("[6]", "[JOINTS]")

@@ -1,8 +1,8 @@
-//! What the benchmarks read.
+//! The input of the benchmarks.
 
 use std::fmt::Write;
 
-/// A specification like published ones, of so many components of about 30 lines.
+/// Returns a specification with this many components of about 30 lines each.
 pub(crate) fn specification(components: usize) -> String {
     let mut text = String::from("/* Licence and purpose. */\n#pragma require \"idl >= 1.0\"\n");
     for i in 0..components {

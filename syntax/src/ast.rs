@@ -1,8 +1,8 @@
 //! Typed view of the tree.
 //!
-//! Every accessor returns an `Option` or an iterator, since any part may be missing while someone is
-//! typing. The nodes are generated from `genom.ungram`; [`ext`] adds what the grammar file cannot
-//! say. A token that came out of a macro has no text in the tree: read texts through the
+//! Every accessor returns an `Option` or an iterator, since any part may be missing in incomplete text. The
+//! nodes are generated from `genom.ungram`; [`ext`] adds the accessors that the grammar file cannot express.
+//! A token that comes out of a macro has no text in the tree: read texts through the
 //! [`ExpansionMap`](crate::ExpansionMap) of the tree, as the methods with a `map` parameter do.
 
 mod ext;

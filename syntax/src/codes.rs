@@ -17,13 +17,13 @@ pub struct Code {
     pub severity: Severity,
     /// The meaning, in one sentence.
     pub meaning: &'static str,
-    /// The reason for the rule, or what goes wrong.
+    /// The reason for the rule, or the consequence of breaking it.
     pub why: &'static str,
-    /// Advice on how to mend the text.
+    /// Advice on how to correct the text.
     pub fix: &'static str,
     /// A text that triggers it.
     pub example: &'static str,
-    /// The example as it should be; empty if no text can show that.
+    /// The corrected example; empty if no text can show the correction.
     pub corrected: &'static str,
     /// Set if the reference compiler reports it too.
     pub reference: bool,

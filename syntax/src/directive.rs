@@ -1,8 +1,8 @@
 //! A `#…` line as a typed value.
 //!
-//! Purely textual: nothing is expanded or evaluated here, and every part carries the raw tokens it was
-//! written with, so that editor features can point at it. What is wrong with a directive is
-//! decided where it takes effect, in `preproc::walk`.
+//! Purely textual: nothing is expanded or evaluated here, and every part carries its raw tokens, so that
+//! editor features can point at it. Errors in a directive are found where the directive takes effect, in
+//! `preproc::walk`.
 
 use std::ops::Range;
 
@@ -22,17 +22,18 @@ pub struct Directive {
     pub first: u32,
     /// One past the last raw token; the line end is excluded.
     pub end: u32,
-    /// Byte range of these tokens. For a `_Pragma` that comes out of a macro, that of the call.
+    /// Byte range of these tokens. For a `_Pragma` that comes out of a macro, the range of the call.
     pub range: TextRange,
     /// The word after `#`, if there is one.
     pub keyword: Option<Name>,
-    /// What it says.
+    /// The content of the directive.
     pub kind: DirectiveKind,
-    /// Its word, or that of its pragma, is misspelt; `kind` is what was meant.
+    /// Set if the word of the directive, or of its pragma, is misspelt; `kind` is the intended one.
     pub misspelt: Option<Misspelt>,
-    /// Whether it is in live text. A conditional directive is live when the text around its conditional is.
+    /// True in active text. A conditional directive is active if the text around its conditional is.
     pub active: bool,
-    /// For live `#if`, `#ifdef`, `#ifndef`, `#elif` and `#else`: whether the text after it is live.
+    /// For active `#if`, `#ifdef`, `#ifndef`, `#elif` and `#else`: true if the text after the directive is
+    /// active.
     pub taken: Option<bool>,
 }
 
@@ -41,11 +42,11 @@ pub struct Directive {
 pub struct Name {
     /// The word, without splices.
     pub text: SmolStr,
-    /// Where it is written.
+    /// The range of the word in the text.
     pub range: TextRange,
 }
 
-/// What a directive says. Token ranges are indexes into the raw tokens of the file.
+/// The content of a directive. Token ranges are indexes into the raw tokens of the file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum DirectiveKind {
     /// `#include`
@@ -62,9 +63,9 @@ pub enum DirectiveKind {
     Ifdef(Operand),
     /// `#ifndef NAME`
     Ifndef(Operand),
-    /// `#else`, with the tokens that should not be there.
+    /// `#else`, with the superfluous tokens after it.
     Else(Range<u32>),
-    /// `#endif`, with the tokens that should not be there.
+    /// `#endif`, with the superfluous tokens after it.
     Endif(Range<u32>),
     /// `#error TEXT`
     Error(SmolStr),
@@ -83,24 +84,24 @@ pub enum DirectiveKind {
 /// The name after `#undef`, `#ifdef` or `#ifndef`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Operand {
-    /// `None` if there is no name.
+    /// `None` if the name is missing.
     pub name: Option<Name>,
-    /// What follows the name (or stands in its place).
+    /// The tokens after the name, or in its place.
     pub rest: Range<u32>,
 }
 
-/// What follows `#include`.
+/// The operand of `#include`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct IncludeOperand {
-    /// How the file is named.
+    /// The form of the file name.
     pub form: IncludeForm,
     /// The operand as written, with its delimiters; empty at the end of the directive if missing.
     pub range: TextRange,
-    /// What follows a quoted or angled name and should not be there.
+    /// The superfluous tokens after a quoted or angled name.
     pub rest: Range<u32>,
 }
 
-/// How an `#include` names its file.
+/// The forms of a file name after `#include`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum IncludeForm {
     /// `"path"`
@@ -114,7 +115,7 @@ pub enum IncludeForm {
 /// A `#define` as written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Define {
-    /// `None` if there is no name.
+    /// `None` if the name is missing.
     pub name: Option<Name>,
     /// `None` for an object-like macro.
     pub params: Option<Params>,
@@ -122,8 +123,7 @@ pub struct Define {
     pub body: Range<u32>,
     /// No blank between the name of an object-like macro and its body.
     pub glued: bool,
-    /// Ordinal among all `#define`s of the file, live or not; see
-    /// [`MacroSite`](crate::preproc::MacroSite).
+    /// Index among all `#define`s of the file, active or not; see [`MacroSite`](crate::preproc::MacroSite).
     pub ordinal: u32,
 }
 
@@ -147,18 +147,18 @@ pub struct Pragma {
     pub args: Vec<PragmaArg>,
     /// Written as `_Pragma("…")`.
     pub operator: bool,
-    /// The first word is misspelt; `name` is what was meant.
+    /// Set if the first word is misspelt; `name` is the intended word.
     pub misspelt: Option<Misspelt>,
 }
 
 /// One word of a pragma.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PragmaArg {
-    /// Its text; quotes removed, `\"` replaced by `"`.
+    /// The text; quotes removed, `\"` replaced by `"`.
     pub text: SmolStr,
-    /// Was written between quotes.
+    /// True if the word was written between quotes.
     pub quoted: bool,
-    /// Where it is written, quotes included. In a `_Pragma`, that of the string.
+    /// The range of the word, quotes included. In a `_Pragma`, the range of the string.
     pub range: TextRange,
 }
 
@@ -168,7 +168,7 @@ const WORDS: [&str; 13] = [
     "warning", "line", "pragma",
 ];
 
-/// The words of pragmas that mean something here.
+/// The words of pragmas that dotgen knows.
 const PRAGMAS: [&str; 7] = [
     "require",
     "requires",
@@ -179,18 +179,18 @@ const PRAGMAS: [&str; 7] = [
     "once",
 ];
 
-/// A word of a directive that comes close to one that means something. The directive is read as that one.
+/// A misspelt word of a directive. The directive is read as the known word nearest to it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Misspelt {
     /// The word as it is written.
     pub word: Name,
-    /// The word that was meant.
+    /// The intended word.
     pub meant: &'static str,
 }
 
 impl Directive {
-    /// Reads the directive whose `#` is the raw token `first`. `defines` counts the `#define`s met so
-    /// far in the file.
+    /// Reads the directive whose `#` is the raw token `first`. `defines` is the number of `#define`s before
+    /// it in the file.
     pub fn parse(text: &str, raw: &RawTokens, first: usize, defines: &mut u32) -> Directive {
         let mut end = first;
         while !matches!(raw.kind(end), NEWLINE | EOF) {
@@ -249,7 +249,7 @@ impl Directive {
 }
 
 impl Pragma {
-    /// Splits the content of a `_Pragma` string into words; `range` is that of the string.
+    /// Splits the content of a `_Pragma` string into words; `range` is the range of the string.
     pub(crate) fn from_operator(literal: &str, range: TextRange) -> Pragma {
         let mut content = String::new();
         let mut chars = unquote(literal).chars().peekable();
@@ -329,7 +329,7 @@ impl Line<'_> {
         }
     }
 
-    /// Kind of the next token after blanks, which are passed.
+    /// Skips blanks and returns the kind of the next token.
     fn peek(&mut self) -> SyntaxKind {
         self.skip_trivia();
         self.next_kind()
@@ -422,8 +422,8 @@ impl Line<'_> {
                     rest: self.rest(),
                 }
             }
-            // The name of the file is taken from the text: it need not be made of tokens, there
-            // may even be a `//` in it.
+            // The file name is taken from the text, since it need not consist of tokens: it may even contain
+            // `//`.
             _ if spelled.starts_with('<') && spelled.contains('>') => {
                 let len = spelled.find('>').unwrap_or(0);
                 let path = spelled.get(1..len).unwrap_or("");
@@ -504,8 +504,7 @@ impl Line<'_> {
         params
     }
 
-    /// The words of a pragma. To those that mean something to the reference compiler, comments are
-    /// words as any other.
+    /// The words of a pragma. In pragmas that the reference compiler knows, comments count as words.
     fn pragma_words(&mut self) -> Vec<PragmaArg> {
         let words = self.split_words(false);
         let name = words.first().map_or("", |it| it.text.as_str());

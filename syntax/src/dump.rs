@@ -1,4 +1,4 @@
-//! Trees as text, for people: tests and `dotgen tree`.
+//! Trees as text, for tests and `dotgen tree`.
 
 use std::fmt::Write as _;
 

@@ -1,9 +1,9 @@
-//! Files as text, without loss: bytes that are no UTF-8 are kept through every edit.
+//! Files as text, without loss: bytes that are not UTF-8 are kept through every edit.
 //!
-//! A byte that is no part of valid UTF-8 becomes one scalar of a private-use plane, its *escape* (after
-//! Python's `surrogateescape`, PEP 383). Text that holds such scalars already is escaped byte by byte, so
-//! every byte string has exactly one text, and [`encode`] gives it back. Escapes are for edits alone: what
-//! people or other programs are shown goes through [`shown`].
+//! A byte that is not part of valid UTF-8 becomes one scalar of a private-use plane, its *escape* (after
+//! Python's `surrogateescape`, PEP 383). Text that already holds such scalars is escaped byte by byte, so
+//! every byte string has exactly one text, and [`encode`] restores the bytes. Escapes are for edits only:
+//! text for display or for other programs goes through [`shown`].
 
 #[cfg(test)]
 mod tests;
@@ -13,7 +13,7 @@ use std::borrow::Cow;
 /// The escape of byte 0, which needs none. Those in use are U+10F780 to U+10F7FF.
 const BASE: u32 = 0x10_F700;
 
-/// The escape of a byte that is no ASCII.
+/// The escape of a byte that is not ASCII.
 fn escape_of(byte: u8) -> char {
     char::from_u32(BASE + u32::from(byte)).unwrap_or(char::REPLACEMENT_CHARACTER)
 }
@@ -24,16 +24,16 @@ pub fn escaped_byte(c: char) -> Option<u8> {
     u8::try_from(byte).ok().filter(|it| !it.is_ascii())
 }
 
-/// Whether a text holds escapes, and where the first is.
+/// Returns the offset of the first escape in a text, in bytes; `None` if the text holds none.
 pub fn first_escape(text: &str) -> Option<usize> {
-    // All escapes begin with this byte, and hardly anything else does.
+    // All escapes begin with this byte, which is rare in other text.
     if !text.as_bytes().contains(&0xf4) {
         return None;
     }
     text.find(|c| escaped_byte(c).is_some())
 }
 
-/// The text of a file, with escapes where it is no UTF-8.
+/// The text of a file, with escapes for the bytes that are not UTF-8.
 pub fn decode(bytes: Vec<u8>) -> String {
     let bytes = match String::from_utf8(bytes) {
         Ok(text) if first_escape(&text).is_none() => return text,
@@ -48,7 +48,8 @@ pub fn decode(bytes: Vec<u8>) -> String {
     out
 }
 
-/// Text that is no file (typed by somebody, or sent by a client), to go into the text of one.
+/// Escapes a text that does not come from a file (typed by a user or sent by a client), so that it can be
+/// inserted into the text of a file.
 pub fn escape(text: &str) -> Cow<'_, str> {
     if first_escape(text).is_none() {
         return text.into();
@@ -67,7 +68,7 @@ pub fn escape(text: &str) -> Cow<'_, str> {
     out.into()
 }
 
-/// The bytes of a text: what [`decode`] was given, where it was not edited.
+/// The bytes of a text: the inverse of [`decode`].
 pub fn encode(text: &str) -> Cow<'_, [u8]> {
     if first_escape(text).is_none() {
         return text.as_bytes().into();
@@ -83,8 +84,8 @@ pub fn encode(text: &str) -> Cow<'_, [u8]> {
     out.into()
 }
 
-/// The text as people and other programs may see it: without escapes, with U+FFFD for what is no UTF-8. Never
-/// to be written to a file.
+/// The text for display and for other programs: without escapes, with U+FFFD for bytes that are not UTF-8.
+/// Must never be written to a file.
 pub fn shown(text: &str) -> Cow<'_, str> {
     match encode(text) {
         Cow::Borrowed(_) => text.into(),
@@ -92,7 +93,7 @@ pub fn shown(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// The text as Tcl reads such a file: bytes that are no UTF-8 are Latin-1.
+/// The text as Tcl reads the file: bytes that are not UTF-8 are Latin-1.
 pub fn latin1(text: &str) -> Cow<'_, str> {
     if first_escape(text).is_none() {
         return text.into();
@@ -101,7 +102,7 @@ pub fn latin1(text: &str) -> Cow<'_, str> {
     chars.collect::<String>().into()
 }
 
-/// How lines end.
+/// The kinds of line end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LineEnd {
     /// `\n`
@@ -112,7 +113,7 @@ pub enum LineEnd {
 }
 
 impl LineEnd {
-    /// That of most lines of a text; `\n` for a text of one line.
+    /// The line end of most lines of a text; `\n` for a text of one line.
     pub fn of(text: &str) -> LineEnd {
         let all = text.bytes().filter(|it| *it == b'\n').count();
         let crlf = text.matches("\r\n").count();
@@ -122,7 +123,7 @@ impl LineEnd {
         }
     }
 
-    /// The characters.
+    /// The characters of the line end.
     pub fn as_str(self) -> &'static str {
         match self {
             LineEnd::Lf => "\n",

@@ -1,11 +1,11 @@
-//! What the zero-width tokens of a tree stand for.
+//! Texts and origins of the zero-width tokens of a tree.
 //!
-//! A token that exists only after macro expansion is in the tree with an empty text, so that the
-//! text of the tree is the text of the file. Its spelling and origin are kept here, found by the
-//! place of the token in the tree: the indexes of its ancestors among their siblings, and its own.
+//! A token that exists only after macro expansion is in the tree with an empty text, so that the text of the
+//! tree is the text of the file. Its spelling and origin are kept here, found by the place of the token in
+//! the tree: the indexes of its ancestors among their siblings, and its own.
 //!
-//! Two empty tokens of one kind at one offset compare equal as `SyntaxToken`s: never use equality or
-//! node pointers to tell them apart.
+//! Two empty tokens of one kind at one offset compare equal as `SyntaxToken`s: never use equality or node
+//! pointers to distinguish them.
 
 use smol_str::SmolStr;
 
@@ -31,12 +31,12 @@ struct Entry {
 }
 
 impl ExpansionMap {
-    /// Whether the file uses no macro.
+    /// Returns true if the file uses no macro.
     pub fn is_empty(&self) -> bool {
         self.tokens.is_empty()
     }
 
-    /// The text of a token: its own, or what the macro put there.
+    /// The text of a token: its own, or the text from the macro.
     pub fn text(&self, token: &SyntaxToken) -> SmolStr {
         match self.entry(token) {
             Some(entry) => entry.token.text.clone(),
@@ -49,12 +49,12 @@ impl ExpansionMap {
         self.entry(token).map(|it| &it.token)
     }
 
-    /// Where the spelling of a virtual token comes from.
+    /// The origin of the spelling of a virtual token.
     pub fn origin(&self, token: &SyntaxToken) -> Option<&Origin> {
         self.entry(token).map(|it| &it.token.origin)
     }
 
-    /// The place to show for a token: its range, or the macro call that produced it.
+    /// The range to report for a token: its own, or the macro call that produced it.
     pub fn range(&self, token: &SyntaxToken) -> TextRange {
         self.entry(token)
             .map_or_else(|| token.text_range(), |it| it.call)
@@ -90,7 +90,7 @@ impl ExpansionMap {
             .chain(token.parent_ancestors().map(|it| it.index()))
             .map(|it| it as u32)
             .collect();
-        // The root is in no list of siblings.
+        // The root is not in any list of siblings.
         path.pop();
         path.reverse();
         let found = self

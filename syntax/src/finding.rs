@@ -1,18 +1,18 @@
-//! Findings: what is wrong, as data, and the words for it.
+//! Findings: errors and warnings as data, with their messages.
 //!
-//! A family of findings is an enum, one variant for each thing that can be wrong, with what it is about
-//! in its fields. [`findings`](crate::findings) declares it together with the code and the wording of
-//! each variant, so that one place has all that is ever said of it. Words are made from the data when a
-//! finding is shown; nothing reads them back.
+//! A family of findings is an enum, with one variant for each possible error and the details of the error in
+//! its fields. [`findings`](crate::findings) declares it together with the code and the wording of each
+//! variant, so that all messages about a finding are in one place. Messages are made from the data when a
+//! finding is shown; nothing parses them.
 
 use std::fmt;
 
-/// What is said of a finding.
+/// The message of a finding.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Wording {
-    /// What is wrong, and where the reference compiler says something: what it says.
+    /// The error itself; if the reference compiler reports it too, the words of that compiler.
     pub what: String,
-    /// What to do about it, or why it is so.
+    /// Advice on how to correct it, or the reason for it.
     pub advice: Option<String>,
 }
 
@@ -50,14 +50,14 @@ macro_rules! findings {
         }
 
         impl $Family {
-            /// The stable identifier under which users know it.
+            /// The stable identifier of the finding, as shown to users.
             pub fn code(&self) -> &'static str {
                 match self {
                     $( Self::$Variant { .. } => $code ),*
                 }
             }
 
-            /// The words for it.
+            /// The message of the finding.
             #[allow(unused_variables, reason = "not every field is part of the text")]
             pub fn wording(&self) -> $crate::finding::Wording {
                 match self {

@@ -1,14 +1,14 @@
 //! The formatter: changes of blanks and line breaks only.
 //!
-//! The tokens of a tree are printed one after the other; between two of them the [`rules`] say
-//! whether there is nothing, a blank, or a line break. What an author has laid out on purpose stays:
-//! line breaks in lists, columns in which neighbouring lines agree, the unit of indentation, the place
-//! of a brace. Comments, directives, inactive text and macro calls are printed as they are. A
-//! declaration that does not parse is left alone, so the rest of a half-typed file can be formatted.
-//! Where a brace is missing, what belongs to what is a guess: such a file is left alone as a whole.
+//! The tokens of a tree are printed one after the other; between two of them the [`rules`] choose nothing, a
+//! blank, or a line break. Deliberate layout stays: line breaks in lists, columns in which neighbouring lines
+//! agree, the unit of indentation, the place of a brace. Comments, directives, inactive text and macro calls
+//! are printed as they are. A declaration that does not parse is left alone, so the rest of an incomplete
+//! file can be formatted. If a brace is missing, the structure of the file is a guess: the whole file is left
+//! alone.
 //!
-//! Formatting makes no line longer than [`Options::width`] that was not, and formatting twice is
-//! formatting once.
+//! Formatting never makes a line longer than [`Options::width`] that was not longer before, and formatting is
+//! idempotent.
 
 mod chunks;
 mod columns;
@@ -22,32 +22,32 @@ use crate::{SyntaxNode, TextRange, TextSize};
 use print::Printer;
 pub use unit::{Unit, unit_of};
 
-/// Columns of a tabulator, unless the unit of indentation says otherwise.
+/// Width of a tabulator in columns, unless the unit of indentation specifies another.
 pub const TAB: usize = 8;
 
-/// Blanks a level, where neither an option nor the file itself says so.
+/// Indentation of one level in blanks, if neither an option nor the file itself specifies one.
 pub const DEFAULT_UNIT: Unit = Unit::Spaces(2);
 
-/// The choices that a project has.
+/// The formatting options of a project.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Options {
-    /// White space of one level; `None`: as the file has it.
+    /// White space of one level; `None` keeps the unit of the file.
     pub unit: Option<Unit>,
-    /// White space of one level in a file that has none yet.
+    /// White space of one level in a file that has no indentation yet.
     pub otherwise: Unit,
-    /// Columns that a line should not exceed.
+    /// Maximum length of a line, in columns.
     pub width: usize,
-    /// What becomes of columns.
+    /// The treatment of columns.
     pub align: Align,
 }
 
-/// What becomes of words that stand in a column with those of the lines around.
+/// The treatment of words that are in one column with words of neighbouring lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Align {
-    /// They stay in one.
+    /// The words stay in one column.
     #[default]
     Keep,
-    /// One blank is enough. Trailing comments stay in their columns.
+    /// Columns are reduced to one blank. Trailing comments stay in their columns.
     None,
 }
 
@@ -62,27 +62,27 @@ impl Default for Options {
     }
 }
 
-/// Some editors put it at the beginning of a text.
+/// Some editors put a byte order mark at the beginning of a text.
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
 /// Replacement of blanks and line breaks.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TextEdit {
-    /// What is replaced; it holds white space only.
+    /// The replaced range; it holds white space only.
     pub range: TextRange,
     /// White space.
     pub new_text: String,
 }
 
-/// Whether every brace of a text has its other half.
+/// Returns true if every brace of a text has its partner.
 pub fn is_paired(root: &SyntaxNode) -> bool {
     chunks::is_paired(root)
 }
 
-/// The edits that bring a tree in shape, in text order, disjoint.
+/// The edits that format a tree, in text order, disjoint.
 ///
-/// `broken` are the ranges of syntax errors: the declarations that hold them are left as they are.
-/// With `within`, only edits that touch that range are returned. Without, there are none for a text
+/// `broken` are the ranges of syntax errors: the declarations that hold them are left as they are. With
+/// `within`, only edits that touch that range are returned. Without `within`, there are no edits for a text
 /// whose braces are not paired.
 pub fn format(
     root: &SyntaxNode,
@@ -96,7 +96,7 @@ pub fn format(
     let text = root.text().to_string();
     let chunks = chunks::chunks(root, broken);
     let mut edits = Printer::new(&text, &chunks, options).print();
-    // A byte order mark goes with what is behind it.
+    // A byte order mark belongs to the text behind it.
     if text.starts_with(BYTE_ORDER_MARK) {
         let behind = TextSize::of(BYTE_ORDER_MARK);
         edits.retain(|edit| edit.range.start() > behind);

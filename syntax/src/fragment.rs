@@ -1,6 +1,6 @@
-//! What a file can hold.
+//! The kinds of content of a file.
 
-/// What a text holds: a whole specification, or the inside of one kind of body, when the file is
+/// The content of a text: a whole specification, or the inside of one kind of body for a file that is
 /// included there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Fragment {

@@ -46,7 +46,7 @@ pub enum SyntaxKind {
     /// A string or character literal without end.
     OPEN_STRING,
 
-    // Punctuation (digraphs and operator words have the kind of what they stand for).
+    // Punctuation (digraphs and operator words have the kind of the token they stand for).
     L_CURLY,
     R_CURLY,
     L_BRACK,
@@ -78,7 +78,7 @@ pub enum SyntaxKind {
     HASH,
     /// `##` or `%:%:`
     HASH2,
-    /// A character that starts no token.
+    /// A character that does not start a token.
     STRAY,
 
     // Reserved words.
@@ -162,12 +162,12 @@ pub enum SyntaxKind {
 
     /// End of the input (never in a tree).
     EOF,
-    /// First kind that is not a token; also stands for a node that was given up (never in a tree).
+    /// First kind that is not a token; also stands for an abandoned node (never in a tree).
     TOMBSTONE,
 
-    // Nodes; `genom.ungram` says what each holds.
+    // Nodes; `genom.ungram` defines the content of each.
     SOURCE_FILE,
-    /// Text that fits no rule.
+    /// Text that does not match a rule.
     ERROR,
     BODY,
     NAME,

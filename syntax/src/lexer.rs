@@ -1,12 +1,12 @@
 //! Text to raw tokens: total and lossless.
 //!
-//! Every byte of the text belongs to exactly one token, whatever the text is; what starts no token
-//! is [`SyntaxKind::STRAY`], a literal or comment without end is one token of its own kind. Errors
-//! are reported later, where it is known whether the text is active.
+//! Every byte of the text belongs to exactly one token, for any text. A character that does not start a token
+//! is [`SyntaxKind::STRAY`]; a literal or comment without an end is one token of its own kind. Errors are
+//! reported later, when it is known whether the text is active.
 //!
-//! Contextual keywords are identifiers here. A backslash that ends a line joins it with the next
-//! one, even inside a token (language reference, 2.1): texts that have such splices are lexed
-//! without them, and the splices are put back afterwards.
+//! Contextual keywords are identifiers here. A backslash that ends a line joins it with the next one, even
+//! inside a token (language reference, 2.1): texts with such splices are lexed without them, and the splices
+//! are put back afterwards.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -73,7 +73,7 @@ impl RawTokens {
         }
     }
 
-    /// Whether the token `i` is broken by a backslash at the end of a line.
+    /// Returns true if the token `i` is broken by a backslash at the end of a line.
     #[inline]
     pub fn has_splice(&self, i: usize) -> bool {
         !self.spliced.is_empty() && self.spliced.binary_search(&(i as u32)).is_ok()
@@ -108,8 +108,8 @@ pub fn lex(text: &str) -> RawTokens {
     }
 }
 
-/// Whether the token is a word for the preprocessor: an identifier, a reserved word or an operator
-/// word. Names of macros are taken among these.
+/// Returns true if the token is a word for the preprocessor: an identifier, a reserved word or an operator
+/// word. Macro names are words.
 #[inline]
 pub fn is_word(kind: SyntaxKind, text: &str) -> bool {
     match kind {
@@ -287,8 +287,8 @@ fn lex_plain(text: &str) -> RawTokens {
         ends: Vec::with_capacity(text.len() / 4),
         spliced: Vec::new(),
     };
-    // After a string without end there is no telling where the next ones end: they then end with
-    // their line, which also keeps the whole linear.
+    // After a string without an end, the ends of the following strings are unknown: these strings then end
+    // with their line. This also keeps lexing linear.
     let mut strings_span_lines = true;
     let mut line = Line::Start;
     let mut lexer = Token::lexer(text);
@@ -338,7 +338,7 @@ fn lex_plain(text: &str) -> RawTokens {
     tokens
 }
 
-/// How far into an `#include` a line is. The name of a file does not span lines, other strings may.
+/// The position in an `#include` line. The name of a file does not span lines, other strings may.
 #[derive(Clone, Copy, PartialEq)]
 enum Line {
     Start,
@@ -347,8 +347,8 @@ enum Line {
     Other,
 }
 
-/// Length of a literal after its opening quote, and whether it is closed. One that is not closed
-/// ends with its line.
+/// Length of a literal after its opening quote in bytes, and true if it is closed. A literal that is not
+/// closed ends with its line.
 fn literal(rest: &str, quote: u8, spans_lines: bool) -> (usize, bool) {
     let bytes = rest.as_bytes();
     let mut line_end = None;
@@ -383,7 +383,7 @@ fn is_line_end(byte: u8) -> bool {
     matches!(byte, b'\n' | b'\r')
 }
 
-/// Length of the splice `bytes` starts with, 0 if it starts with none.
+/// Length in bytes of the splice that `bytes` starts with; 0 without a splice.
 fn splice_len(bytes: &[u8]) -> usize {
     match bytes {
         [b'\\', b'\r', b'\n', ..] => 3,
@@ -392,7 +392,7 @@ fn splice_len(bytes: &[u8]) -> usize {
     }
 }
 
-/// The text without its splices, and where they were: offset in the result, and length.
+/// The text without its splices, and the splices as pairs of offset in the result and length, in bytes.
 fn unsplice(text: &str) -> (String, Vec<(usize, usize)>) {
     let mut clean = String::with_capacity(text.len());
     let mut splices = Vec::new();

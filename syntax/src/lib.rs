@@ -30,7 +30,7 @@ pub use rowan::{
     GreenNode, GreenNodeData, NodeOrToken, TextRange, TextSize, TokenAtOffset, WalkEvent,
 };
 
-/// The language tag of our trees.
+/// The language tag of the trees.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum GenomLanguage {}
 

@@ -1,13 +1,13 @@
 //! Byte offsets to lines and columns, and back, in the three encodings of LSP.
 //!
-//! Lines end with `\n`, `\r\n` or a lone `\r`, as LSP wants. Everything counts from zero.
+//! Lines end with `\n`, `\r\n` or a lone `\r`, as LSP requires. Lines and columns count from 0.
 //!
-//! The bytes that an encoding saves are kept as running sums at each character that is not ASCII, so
-//! that a conversion is two binary searches, whatever the length of the line.
+//! The bytes that an encoding saves are kept as running sums at each character that is not ASCII, so a
+//! conversion is two binary searches for any length of line.
 
 use rowan::TextSize;
 
-/// What a column counts.
+/// The unit of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum PositionEncoding {
     /// Bytes.
@@ -137,7 +137,7 @@ impl LineIndex {
         let &(start, len) = self.lines.get(position.line as usize)?;
         let first = self.wide.partition_point(|it| it.end <= start);
         let saved_before = self.saved(first, encoding);
-        // Where the characters of this line end, in columns.
+        // The ends of the characters of this line, in columns.
         let column_end = |i: usize| {
             self.wide
                 .get(first + i)

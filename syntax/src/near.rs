@@ -1,8 +1,7 @@
 //! "Did you mean": the declared name nearest to a misspelt one.
 
-/// The candidate that a misspelling of `name` most likely stands for, if one is near enough.
-/// Among equally near ones the alphabetically first, so that the answer does not depend on the
-/// order of the candidates.
+/// The candidate nearest to `name`, if one is near enough. Of equally near candidates, the alphabetically
+/// first is returned, so that the result does not depend on their order.
 pub fn nearest<'n>(name: &str, candidates: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
     let limit = (name.chars().count() / 3).clamp(1, 3);
     candidates

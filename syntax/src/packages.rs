@@ -1,10 +1,10 @@
-//! Packages that specifications require: their names, and what brings them.
+//! Packages that specifications require: their names, and the packages that install them.
 //!
 //! Components, interfaces and GenoM3 itself come from [robotpkg](http://robotpkg.openrobots.org), whose
-//! binary packages for Debian and Ubuntu have its names behind `robotpkg-`. Other packages come from the
-//! system.
+//! binary packages for Debian and Ubuntu have the robotpkg name after `robotpkg-`. Other packages come from
+//! the system.
 
-/// Debian's names where they do not follow from those of pkg-config.
+/// Debian names that cannot be derived from the pkg-config name.
 const DEBIAN: [(&str, &str); 4] = [
     ("opencv", "libopencv-dev"),
     ("opencv4", "libopencv-dev"),
@@ -12,12 +12,12 @@ const DEBIAN: [(&str, &str); 4] = [
     ("tk", "tk-dev"),
 ];
 
-/// What brings a package.
+/// The packages that install a required package.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Providers {
-    /// The package of robotpkg, with its category where that follows from the name.
+    /// The robotpkg package, with its category if that follows from the name.
     pub robotpkg: Option<String>,
-    /// The Debian package; if [`Providers::robotpkg`] is given, one of the repository of robotpkg.
+    /// The Debian package. If [`Providers::robotpkg`] is set, it comes from the robotpkg repository.
     pub debian: Option<String>,
 }
 
@@ -41,7 +41,7 @@ pub fn names(requirement: &str) -> Vec<&str> {
     out
 }
 
-/// What brings a package, as its name tells.
+/// The packages that install a required package, derived from its name.
 pub fn providers(name: &str) -> Providers {
     let robotpkg = match name {
         "genom3" => Some("architecture/genom3".to_owned()),
@@ -63,7 +63,7 @@ pub fn providers(name: &str) -> Providers {
     }
 }
 
-/// What to install for a package, in words: `` `interfaces/a-idl` of robotpkg (Debian: `robotpkg-a-idl`) ``.
+/// The installation advice for a package: `` `interfaces/a-idl` of robotpkg (Debian: `robotpkg-a-idl`) ``.
 pub fn advice(name: &str) -> String {
     let providers = providers(name);
     match (providers.robotpkg, providers.debian) {

@@ -1,5 +1,5 @@
-//! From a text to its tree: lexer, preprocessor, grammar ([`crate::parser`]), tree (`sink`). It never fails:
-//! the result is a tree that holds the whole text, and errors.
+//! From a text to its tree: lexer, preprocessor, grammar ([`crate::parser`]), tree (`sink`). Parsing never
+//! fails: the result is a tree that holds the whole text, and errors.
 
 use rowan::GreenNode;
 
@@ -22,15 +22,15 @@ pub struct Parse {
     pub errors: Vec<SyntaxError>,
     /// Texts of the tokens that come out of macros.
     pub expansion: ExpansionMap,
-    /// From here on texts seem to be taken for code and code for texts, because a quote is missing. What
-    /// does not parse there is not in `errors`.
+    /// Offset from which code and strings seem to be exchanged, because a quote is missing. Syntax errors
+    /// beyond it are not in `errors`.
     pub inside_out: Option<TextSize>,
-    /// From here on errors are not listed: there are too many.
+    /// Offset from which errors are not listed, because there are too many.
     pub unlisted: Option<TextSize>,
 }
 
 impl Parse {
-    /// Where the text does not parse: the ranges of the errors, and what lies beyond the last one listed.
+    /// The ranges that do not parse: the ranges of the errors, and the text beyond the last listed one.
     pub fn broken(&self) -> Vec<TextRange> {
         let mut broken: Vec<TextRange> = self.errors.iter().map(|it| it.range).collect();
         let from = self.inside_out.into_iter().chain(self.unlisted).min();
@@ -53,9 +53,9 @@ impl Parse {
     }
 }
 
-/// Parses one file from its raw tokens and what the preprocessor made of them.
+/// Parses one file from its raw tokens and the output of the preprocessor.
 ///
-/// `raw` and `pre` have to be of this `text`. The errors of the preprocessor are not repeated.
+/// `raw` and `pre` must belong to this `text`. The errors of the preprocessor are not repeated.
 pub fn parse(text: &str, raw: &RawTokens, pre: &Preprocessed, fragment: Fragment) -> Parse {
     let said = parser::read(text, raw, pre, fragment);
     let (green, expansion, of_directives) = sink::build(text, raw, pre, said.events);
@@ -73,8 +73,8 @@ pub fn parse(text: &str, raw: &RawTokens, pre: &Preprocessed, fragment: Fragment
     }
 }
 
-/// Parses a text on its own: its includes are not followed, and no macro is predefined beyond the
-/// standard ones. For tests and simple tools; the errors of the preprocessor are left out.
+/// Parses a text on its own: includes are not followed, and only the standard macros are predefined. For
+/// tests and simple tools; the errors of the preprocessor are left out.
 pub fn parse_text(text: &str) -> Parse {
     let raw = lexer::lex(text);
     let pre = preprocess(&"".into(), text, &raw, MacroEnv::default(), &mut NoIncludes);

@@ -1,12 +1,12 @@
-//! From tokens to what tree they make.
+//! From tokens to the structure of the tree.
 //!
-//! The grammar (`grammar`) reads the kinds of the real and virtual tokens of a file (`input`) and
-//! says what tree they make as a list of events (`event`); [`crate::sink`] builds it, with all text
-//! that the grammar never saw put back. Parsing never fails: the result is a tree that holds the
-//! whole text, and errors.
+//! The grammar (`grammar`) reads the kinds of the real and virtual tokens of a file (`input`) and describes
+//! the tree as a list of events (`event`). [`crate::sink`] builds the tree from them and puts back all text
+//! that the grammar does not read. Parsing never fails: the result is a tree that holds the whole text, and
+//! errors.
 //!
-//! Keywords are contextual: [`Parser::at`] answers for both readings of a word, and the one that
-//! the grammar bumps is the one that goes into the tree.
+//! Keywords are contextual: [`Parser::at`] accepts both readings of a word, and the reading that the grammar
+//! bumps goes into the tree.
 
 mod event;
 mod grammar;
@@ -40,26 +40,26 @@ use crate::{
     preproc::{Element, Preprocessed},
 };
 
-/// How deep declarations, types, expressions and initializers may nest. Trees are walked and dropped
-/// recursively; nobody writes a tenth of this.
+/// Maximum nesting of declarations, types, expressions and initializers. Trees are walked and dropped
+/// recursively; real specifications nest less than a tenth of this.
 const MAX_DEPTH: u32 = 128;
 
-/// Errors kept for one file. A file with more is not a specification.
+/// Maximum number of errors kept for one file. A file with more is not a specification.
 const MAX_ERRORS: usize = 500;
 
-/// What the grammar says of a file.
+/// The result of the grammar for a file.
 pub(crate) struct Said {
-    /// How to build the tree.
+    /// The events that build the tree.
     pub(crate) events: Vec<Event>,
-    /// In text order, as far as they are kept.
+    /// The errors in text order, up to the maximum number.
     pub(crate) errors: Vec<SyntaxError>,
-    /// Where texts seem to be taken for code and code for texts.
+    /// Offset from which code and strings seem to be exchanged.
     pub(crate) inside_out: Option<TextSize>,
-    /// Where the errors begin that are not kept.
+    /// Offset from which errors are not kept.
     pub(crate) unlisted: Option<TextSize>,
 }
 
-/// Lets the grammar read a file from its raw tokens and what the preprocessor made of them.
+/// Runs the grammar on a file, given its raw tokens and the output of the preprocessor.
 pub(crate) fn read(text: &str, raw: &RawTokens, pre: &Preprocessed, fragment: Fragment) -> Said {
     let is_include = |index: u32| {
         pre.directives
@@ -83,24 +83,24 @@ pub(crate) fn read(text: &str, raw: &RawTokens, pre: &Preprocessed, fragment: Fr
     }
 }
 
-/// Something wrong with the text.
+/// A syntax error.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct SyntaxError {
-    /// What is wrong.
+    /// The error as data.
     pub kind: Parsing,
     /// Error, or warning.
     pub severity: Severity,
-    /// Whether the text ends there.
+    /// True if the text ends there.
     pub at_end: bool,
     /// The macro that the text comes out of.
     pub in_macro: Option<SmolStr>,
-    /// Where, in bytes of this file.
+    /// The range of the error, in bytes of this file.
     pub range: TextRange,
-    /// Another place that explains it, and what is there.
+    /// Another range that explains the error, and its description.
     pub related: Option<(TextRange, &'static str)>,
-    /// The brace that is missing before it, with what goes with it: `{`, `}` or `};`.
+    /// The brace that is missing before the error, with its semicolon: `{`, `}` or `};`.
     pub missing: Option<&'static str>,
-    /// What makes the text fit, where the grammar can tell.
+    /// The change that makes the text fit, if the grammar knows one.
     pub repair: Option<Repair>,
 }
 
@@ -113,7 +113,7 @@ impl SyntaxError {
         }
     }
 
-    /// What was found, what was expected and what to do.
+    /// The message: the token found, the one expected and the correction.
     pub fn wording(&self) -> Wording {
         let mut wording = self.kind.wording();
         if let Some(name) = &self.in_macro {
@@ -124,8 +124,8 @@ impl SyntaxError {
     }
 }
 
-/// Reads the words of a `#pragma wcet` after `wcet`: the name of a codel and a duration. What is
-/// missing is left to those who read the tree; what is too much is reported.
+/// Reads the words of a `#pragma wcet` after `wcet`: the name of a codel and a duration. Missing words are
+/// left to the users of the tree; superfluous ones are reported.
 pub(crate) fn parse_wcet_pragma(
     text: &str,
     raw: &RawTokens,
@@ -139,7 +139,7 @@ pub(crate) fn parse_wcet_pragma(
     (events, locate(&input, errors))
 }
 
-/// Puts errors where they belong. What a macro call expands to is wrong once, at the call.
+/// Gives errors their ranges. An error in the expansion of a macro is reported once, at the call.
 fn locate(input: &Input<'_>, errors: Vec<RawError>) -> Vec<SyntaxError> {
     let mut located: Vec<SyntaxError> = Vec::with_capacity(errors.len());
     let mut last_call = None;
@@ -178,30 +178,30 @@ struct RawError {
     kind: Parsing,
     token: usize,
     at_end: bool,
-    /// Another token that explains it, and what it is.
+    /// Index of another token that explains the error, and its description.
     related: Option<(usize, &'static str)>,
     missing: Option<&'static str>,
-    /// It is reported right behind the token before.
+    /// True to report the error right behind the token before.
     behind: bool,
     repair: Option<RawRepair>,
 }
 
-/// The state of the grammar: a position in the input and what has been said so far.
+/// The state of the grammar: a position in the input and the events so far.
 pub(crate) struct Parser<'i> {
     input: &'i Input<'i>,
     pos: usize,
     events: Vec<Event>,
     errors: Vec<RawError>,
-    /// Token of the last error: what follows from it is not reported again.
+    /// Token of the last error. Further errors at this token are not reported.
     last_error: Option<usize>,
     /// Open constructs that may nest.
     depth: u32,
-    /// Bodies that were ended without their `}`; as many `}` too many follow from them.
+    /// Number of bodies that ended without their `}`. As many superfluous `}` follow from them.
     unclosed: u32,
-    /// What belongs in a body whose first line is missing was reported; its `}` is to come.
+    /// True after a report of a body whose first line is missing and whose `}` is still to come.
     headless: bool,
-    /// Where a text over several lines ends before something that cannot follow it: its quotes are
-    /// those of two texts.
+    /// Token of a string over several lines before something that cannot follow it: its quotes belong to two
+    /// strings.
     inside_out: Option<usize>,
     /// Bodies around the current token.
     open: u32,
@@ -209,7 +209,7 @@ pub(crate) struct Parser<'i> {
     item: usize,
     /// Inside `< >` of a type, where `>>` may be two closing brackets.
     in_angles: bool,
-    /// A word that is read as the keyword that it is near to.
+    /// A misspelt word that is read as a keyword: its token and the keyword.
     respelt: Option<(usize, SyntaxKind)>,
     /// Look-aheads since the last token was consumed.
     fuel: Cell<u32>,
@@ -256,23 +256,23 @@ impl<'i> Parser<'i> {
         self.contextual_at(self.pos)
     }
 
-    /// Whether the current token is, or may be read as, this kind.
+    /// Returns true if the current token is, or may be read as, this kind.
     pub(crate) fn at(&self, kind: SyntaxKind) -> bool {
         self.nth_at(0, kind)
     }
 
-    /// Whether the token `n` further on is, or may be read as, this kind.
+    /// Returns true if the token `n` further on is, or may be read as, this kind.
     pub(crate) fn nth_at(&self, n: usize, kind: SyntaxKind) -> bool {
         self.burn();
         self.kind_at(self.pos + n) == kind || self.contextual_at(self.pos + n) == kind
     }
 
-    /// Whether the current token is, or may be read as, one of these kinds.
+    /// Returns true if the current token is, or may be read as, one of these kinds.
     pub(crate) fn at_ts(&self, kinds: TokenSet) -> bool {
         self.nth_at_ts(0, kinds)
     }
 
-    /// Whether the token `n` further on is, or may be read as, one of these kinds.
+    /// Returns true if the token `n` further on is, or may be read as, one of these kinds.
     pub(crate) fn nth_at_ts(&self, n: usize, kinds: TokenSet) -> bool {
         self.burn();
         kinds.contains(self.kind_at(self.pos + n))
@@ -293,8 +293,8 @@ impl<'i> Parser<'i> {
         }
     }
 
-    /// Whether an `#include` stands right before the current token, so that what is missing here may
-    /// come from another file.
+    /// Returns true if an `#include` is right before the current token, so that missing text may come from
+    /// another file.
     pub(crate) fn is_after_include(&self) -> bool {
         self.input.is_after_include(self.pos)
     }
@@ -306,7 +306,7 @@ impl<'i> Parser<'i> {
         Marker::new(position)
     }
 
-    /// Consumes the current token under this kind, if it is or may be read as it.
+    /// Consumes the current token under this kind, if it is or may be read as this kind.
     pub(crate) fn eat(&mut self, kind: SyntaxKind) -> bool {
         let found = self.at(kind);
         if found {
@@ -315,7 +315,7 @@ impl<'i> Parser<'i> {
         found
     }
 
-    /// Consumes the current token, known to be or to be readable as this kind.
+    /// Consumes the current token, which must be or be readable as this kind.
     pub(crate) fn bump(&mut self, kind: SyntaxKind) {
         let found = self.eat(kind);
         debug_assert!(found, "not at {kind:?}");
@@ -353,7 +353,8 @@ impl<'i> Parser<'i> {
         found
     }
 
-    /// Like [`Parser::expect`]. Where one of `followers` is here, just this token is missing.
+    /// Like [`Parser::expect`]. If the current token is one of `followers`, only the expected token is
+    /// missing.
     pub(crate) fn expect_before(&mut self, kind: SyntaxKind, followers: TokenSet) -> bool {
         let found = self.eat(kind);
         if !found && self.expected(&quoted(kind)) && self.at_ts(followers) {
@@ -365,14 +366,14 @@ impl<'i> Parser<'i> {
         found
     }
 
-    /// Reports the current token: something else was expected. Like all that report, says whether it did:
-    /// nothing is reported twice at one token.
+    /// Reports that something else was expected at the current token. Returns false, like all methods that
+    /// report, if an error was already reported at the token.
     pub(crate) fn expected(&mut self, what: &str) -> bool {
         let (what, found) = (what.into(), self.describe_current().into());
         self.error_here(Parsing::Expected { what, found })
     }
 
-    /// Reports the current token: something else was expected, with a sentence that helps.
+    /// Reports that something else was expected at the current token, with a sentence of advice.
     pub(crate) fn expected_because(&mut self, what: &str, help: &'static str) -> bool {
         let (what, found) = (what.into(), self.describe_current().into());
         self.error_here(Parsing::ExpectedBecause { what, found, help })
@@ -402,7 +403,7 @@ impl<'i> Parser<'i> {
         true
     }
 
-    /// Reports a token that the grammar goes on from as if nothing was wrong.
+    /// Reports a token after which the grammar continues as if it was correct.
     pub(crate) fn push_error(&mut self, token: usize, kind: Parsing) {
         let kind = match self.errors.len() {
             ..MAX_ERRORS => kind,
@@ -444,30 +445,30 @@ impl<'i> Parser<'i> {
         self.pos
     }
 
-    /// Has the current token taken for reported, since an error before covers it.
+    /// Marks the current token as reported, since an earlier error covers it.
     pub(crate) fn mark_reported(&mut self) {
         self.last_error = self.last_error.max(Some(self.pos));
     }
 
-    /// Whether the current token has been reported already.
+    /// Returns true if the current token has been reported already.
     pub(crate) fn is_reported(&self) -> bool {
         self.last_error.is_some_and(|last| last >= self.pos)
     }
 
-    /// Whether more `}` follow than bodies are open: a `{` is missing somewhere.
+    /// Returns true if more `}` follow than bodies are open: a `{` is missing somewhere.
     pub(crate) fn has_spare_brace(&self) -> bool {
         let closing = self.input.closing(self.pos);
         closing.is_some_and(|it| it > self.open + self.unclosed)
     }
 
-    /// Whether fewer `}` follow than bodies are open: one is missing somewhere.
+    /// Returns true if fewer `}` follow than bodies are open: a `}` is missing somewhere.
     pub(crate) fn lacks_brace(&self) -> bool {
         let closing = self.input.closing(self.pos);
         closing.is_some_and(|it| it < self.open)
     }
 
-    /// Enters a construct that may nest. Too deep, it is reported and its text is passed without
-    /// structure; the caller then leaves at once.
+    /// Enters a construct that may nest. If it is nested too deeply, the error is reported and the text is
+    /// skipped without structure; the caller then returns at once.
     pub(crate) fn enter(&mut self) -> bool {
         if self.depth < MAX_DEPTH {
             self.depth += 1;
@@ -483,7 +484,7 @@ impl<'i> Parser<'i> {
         self.depth -= 1;
     }
 
-    /// Passes tokens into one flat `ERROR` node, up to the end of the construct around.
+    /// Skips tokens into one flat `ERROR` node, up to the end of the construct around.
     pub(crate) fn swallow(&mut self) {
         let (m, start) = (self.start(), self.pos);
         let (mut open, mut braces) = (0u32, 0u32);
@@ -510,7 +511,7 @@ impl<'i> Parser<'i> {
         m.complete_unless_empty(self, passed, ERROR);
     }
 
-    /// What the current token is, for messages.
+    /// Description of the current token, for messages.
     pub(crate) fn describe_current(&self) -> String {
         let kind = self.current();
         match kind {
@@ -531,12 +532,12 @@ impl<'i> Parser<'i> {
         }
     }
 
-    /// Has the texts from here on taken for code, after an error at the current token or before.
+    /// Marks strings and code as exchanged from here, after an error at the current token or before.
     pub(crate) fn turn_inside_out(&mut self) {
         self.inside_out.get_or_insert(self.pos);
     }
 
-    /// Whether the token before the current one is a literal that goes over a line end.
+    /// Returns true if the token before the current one is a literal that spans a line end.
     pub(crate) fn is_after_long_literal(&self) -> bool {
         self.pos.checked_sub(1).is_some_and(|before| {
             self.input.kind(before) == STRING && self.input.text(before).contains(['\n', '\r'])
@@ -558,7 +559,7 @@ impl<'i> Parser<'i> {
         self.input.text(self.pos + n).into_owned()
     }
 
-    /// Catches grammar loops that do not advance.
+    /// Detects grammar loops that do not advance.
     fn burn(&self) {
         let burnt = self.fuel.get() + 1;
         self.fuel.set(burnt);

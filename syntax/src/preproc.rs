@@ -1,11 +1,11 @@
 //! The C preprocessor, as far as `.gen` files have one (language reference, section 2).
 //!
-//! `preprocess` walks the raw tokens of one file, in order, with the macro
-//! environment at its start, and says what each token is for. It never copies included text: an
-//! active `#include` is handed to the host, which answers with the environment after it.
+//! `preprocess` walks the raw tokens of one file, in order, with the macro environment at its start, and
+//! classifies each token. It never copies included text: an active `#include` is passed to the host, which
+//! returns the environment after it.
 //!
-//! The parser reads the `Real` and `Virtual` elements only; the tree builder writes every raw token
-//! exactly once, so that the text of a tree is the text of the file.
+//! The parser reads the `Real` and `Virtual` elements only; the tree builder writes every raw token exactly
+//! once, so that the text of a tree is the text of the file.
 
 mod body;
 mod cond;
@@ -27,14 +27,14 @@ pub use host::{Host, IncludeError, IncludeRequest, NoIncludes, Required};
 pub use output::{ActiveInclude, MacroUse, PpError, Preprocessed, Severity};
 pub use walk::preprocess;
 
-/// What the preprocessor makes of the next raw tokens of a file, in text order.
+/// The preprocessor's reading of the next raw tokens of a file, in text order.
 ///
 /// `first..end` are indexes into the raw tokens; consecutive elements cover them all without gap.
 /// [`Element::Virtual`] covers none.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Element {
-    /// One token that the grammar skips: white space, a comment, a splice, or a character that starts
-    /// no token (reported in the errors).
+    /// One token that the grammar skips: white space, a comment, a splice, or a character that does not start
+    /// a token (reported in the errors).
     Trivia(u32),
     /// One token passed on as it is.
     Real(u32),
@@ -72,15 +72,15 @@ pub enum Element {
 pub struct VirtualToken {
     /// Kind after re-lexing (pasting and stringizing included).
     pub kind: SyntaxKind,
-    /// Its text.
+    /// The text.
     pub text: SmolStr,
-    /// Where its spelling comes from.
+    /// The origin of its spelling.
     pub origin: Origin,
     /// No blank before it in the expansion (matters for units glued to numbers).
     pub glued: bool,
 }
 
-/// Where the spelling of a virtual token comes from.
+/// The origin of the spelling of a virtual token.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Origin {
     /// A token of an argument written at the call: index of the raw token in this file.
@@ -91,8 +91,8 @@ pub enum Origin {
     Synthetic,
 }
 
-/// Where a macro was defined: the `ordinal`-th `#define` of a file. `None` in [`MacroSite::file`]
-/// means the command line or a predefined macro.
+/// The definition of a macro: the `ordinal`-th `#define` of a file. `None` in [`MacroSite::file`] means the
+/// command line or a predefined macro.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct MacroSite {
     /// Path of the file as the host names it.

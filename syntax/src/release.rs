@@ -1,8 +1,8 @@
-//! Releases of GenoM3, and everything in which they differ.
+//! Releases of GenoM3, and all differences between them.
 //!
-//! A [`Release`] is a version number, ordered as versions are. What changed between releases is one
-//! table, [`CHANGES`]: each line names what changed and since when. Code asks [`Release::has`] for the
-//! name; nothing compares numbers elsewhere. `docs/releases.md` shows the table to users.
+//! A [`Release`] is a version number, ordered as versions are. The changes between releases are one table,
+//! [`CHANGES`]: each line has the name of the change and its first release. Code calls [`Release::has`] with
+//! the name; nothing else compares version numbers. `docs/releases.md` shows the table to users.
 
 use std::{fmt, str::FromStr};
 
@@ -19,7 +19,7 @@ pub struct Release {
 impl Release {
     /// The oldest release whose differences are known; older ones are read as this one.
     pub const V2_99_39: Release = Release::new(2, 99, 39);
-    /// A stack for all of a component, bounded sequences that can be assigned in C.
+    /// A stack size for a whole component, bounded sequences that can be assigned in C.
     pub const V2_99_40: Release = Release::new(2, 99, 40);
     /// The newest release that dotgen was compared with.
     pub const V2_99_41: Release = Release::new(2, 99, 41);
@@ -31,7 +31,7 @@ impl Release {
     pub const V2_99_44: Release = Release::new(2, 99, 44);
     /// Known by its list of changes only.
     pub const V2_99_45: Release = Release::new(2, 99, 45);
-    /// The first of the third series; known by what it generated. Its list of changes ends with 2.99.45.
+    /// The first of the third series; known by its generated code. Its list of changes ends with 2.99.45.
     pub const V3: Release = Release::new(3, 0, 0);
 
     /// The oldest release that dotgen knows.
@@ -45,13 +45,13 @@ impl Release {
         }
     }
 
-    /// Whether what this release does was compared with it, run by run. What is said of the others follows
-    /// from their lists of changes and from what they generated.
+    /// Returns true if the behaviour of this release was compared with dotgen, run by run. Statements about
+    /// the others follow from their lists of changes and from their generated code.
     pub fn is_verified(self) -> bool {
         matches!(self, Release::V2_99_39 | Release::V2_99_41)
     }
 
-    /// Whether a change is part of this release.
+    /// Returns true if a change is part of this release.
     pub fn has(self, change: Change) -> bool {
         self >= change.since()
     }
@@ -98,7 +98,7 @@ impl fmt::Display for Release {
     }
 }
 
-/// Why a text is not the number of a release.
+/// The error for a text that is not the number of a release.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NoRelease(String);
 
@@ -117,7 +117,7 @@ impl std::error::Error for NoRelease {}
 impl FromStr for Release {
     type Err = NoRelease;
 
-    /// Reads two or three numbers with points between them.
+    /// Reads two or three numbers separated by points.
     fn from_str(text: &str) -> Result<Release, NoRelease> {
         let fail = || NoRelease(text.to_owned());
         let mut numbers = text.trim().split('.').map(|it| {
@@ -151,20 +151,20 @@ impl<'de> Deserialize<'de> for Release {
 /// The parts of GenoM3 that change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Area {
-    /// What is accepted.
+    /// The accepted texts.
     Language,
-    /// What a specification means.
+    /// The meaning of a specification.
     Model,
     /// The C and C++ mapping.
     Mapping,
-    /// Digests, which tell clients whether they fit.
+    /// Digests, which clients use to check compatibility.
     Digest,
-    /// The templates that come with it.
+    /// The templates that come with GenoM3.
     Templates,
 }
 
 impl Area {
-    /// As the manual's table says it.
+    /// The name of the area in the manual's table.
     pub fn name(self) -> &'static str {
         match self {
             Area::Language => "language",
@@ -179,20 +179,20 @@ impl Area {
 /// A line of the table of changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Entry {
-    /// Its name in code.
+    /// The name in code.
     pub change: Change,
     /// The first release that has it.
     pub since: Release,
     /// The part that changes.
     pub area: Area,
-    /// How it is before, and how it is from then on.
+    /// The behaviour before the change, and after it.
     pub what: &'static str,
 }
 
-/// Makes the names of the changes and the table of the same lines.
+/// Generates the names of the changes and the table from the same lines.
 macro_rules! changes {
     ($($name:ident: $since:ident, $area:ident, $what:literal;)*) => {
-        /// The changes between releases, by name; [`CHANGES`] says what each is.
+        /// The changes between releases, by name; [`CHANGES`] describes each.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
         pub enum Change {
             $(#[doc = $what] $name,)*

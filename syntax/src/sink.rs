@@ -1,11 +1,10 @@
 //! Builds the tree from the events of the grammar and the elements of the preprocessor.
 //!
-//! Every raw token is written exactly once, so the text of the tree is the text of the file. What
-//! the grammar never saw goes where it reads best: comments right above a declaration belong to it,
-//! directives and inactive text stay in the body around, and a macro call stands inside the
-//! outermost node that begins with its expansion, so that this node has a place in the text. The
-//! tokens that a macro call expands to are written with an empty text; the [`ExpansionMap`] holds
-//! what they stand for.
+//! Every raw token is written exactly once, so the text of the tree is the text of the file. Text that the
+//! grammar does not read goes to fixed places: comments right above a declaration belong to it, directives
+//! and inactive text stay in the body around, and a macro call is inside the outermost node that begins with
+//! its expansion, so that this node has a place in the text. The tokens that a macro call expands to are
+//! written with an empty text; the [`ExpansionMap`] holds their spellings.
 
 mod builder;
 mod directive;
@@ -21,7 +20,7 @@ use crate::{
     preproc::{Element, Preprocessed},
 };
 
-/// Builds the tree. Also returns what is wrong inside directives.
+/// Builds the tree. Also returns the errors inside directives.
 pub(crate) fn build(
     text: &str,
     raw: &RawTokens,
@@ -43,7 +42,7 @@ pub(crate) fn build(
     for i in 0..events.len() {
         match events[i] {
             Event::Start { .. } => {
-                // Nodes found out later to begin here stand around this one.
+                // Later nodes that also begin here enclose this one.
                 let mut at = i;
                 while let Event::Start {
                     kind,
@@ -90,12 +89,12 @@ struct Sink<'a> {
     call: TextRange,
     builder: TreeBuilder,
     expansion: ExpansionMap,
-    /// What is wrong inside directives.
+    /// Errors inside directives.
     errors: Vec<SyntaxError>,
 }
 
 impl Sink<'_> {
-    /// Begins a node: what stands before it and does not belong to it is written outside.
+    /// Begins a node. Elements before it that do not belong to it are written outside.
     fn start_node(&mut self, kind: SyntaxKind) {
         let first = self.next;
         let end = first
@@ -147,7 +146,7 @@ impl Sink<'_> {
         }
     }
 
-    /// Whether the grammar does not read this element.
+    /// Returns true if the grammar does not read this element.
     fn is_passed(&self, element: &Element) -> bool {
         match element {
             Element::Real(i) => !is_read(self.raw.kind(*i as usize)),
@@ -209,7 +208,7 @@ impl Sink<'_> {
         TextRange::new(TextSize::new(start), TextSize::new(end))
     }
 
-    /// Where, among the elements before a virtual token, the call it comes from stands.
+    /// The index, among the elements before a virtual token, of the call it comes from.
     fn leading_call(&self, first: usize, end: usize) -> usize {
         (first..end)
             .rev()
@@ -217,8 +216,8 @@ impl Sink<'_> {
             .unwrap_or(end)
     }
 
-    /// Where, among the elements before a declaration, the comments right above it begin. A comment
-    /// behind something else on its line belongs to that; an empty line or a directive separates.
+    /// The index, among the elements before a declaration, of the first comment right above it. A comment
+    /// that follows something on its line belongs to that; an empty line or a directive separates.
     fn attached_comments(&self, first: usize, end: usize) -> usize {
         let kind = |i: usize| match &self.pre.elements[i] {
             Element::Trivia(raw) => self.raw.kind(*raw as usize),
@@ -252,7 +251,7 @@ impl Sink<'_> {
     }
 }
 
-/// Whether comments right above such a node belong to it.
+/// Returns true if comments right above a node of this kind belong to it.
 fn takes_comments(kind: SyntaxKind) -> bool {
     matches!(
         kind,

@@ -1,4 +1,4 @@
-//! A brace that somebody forgot is one mistake, and all other declarations are understood.
+//! A missing brace is reported as one mistake, and all other declarations are understood.
 
 use std::path::{Path, PathBuf};
 
@@ -27,7 +27,7 @@ fn specifications(folder: &Path, out: &mut Vec<PathBuf>) {
     out.sort();
 }
 
-/// Texts that are right: the examples, and published specifications if they lie beside the project.
+/// Correct texts: the examples, and published specifications if they are next to the project.
 fn texts() -> Vec<(String, String)> {
     let mut found = Vec::new();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
@@ -43,7 +43,7 @@ fn texts() -> Vec<(String, String)> {
         .collect()
 }
 
-/// What a text declares, in order.
+/// The names that a text declares, in order.
 fn names(parse: &Parse) -> Vec<String> {
     let names = parse.syntax().descendants().filter_map(Name::cast);
     names
@@ -65,8 +65,8 @@ fn braces(parse: &Parse, kind: SyntaxKind) -> Vec<usize> {
         .collect()
 }
 
-/// Takes each brace of a kind out of every text, with `more` of the text that follows it, and lists
-/// those that are not understood as one mistake.
+/// Removes each brace of a kind from every text, with `more` of the text that follows it, and lists the
+/// removals that are not reported as one mistake.
 fn check_without_each(kind: SyntaxKind, more: &str) {
     let (mut all, mut bad) = (0, Vec::new());
     for (path, text) in texts() {
@@ -107,7 +107,7 @@ fn a_forgotten_closing_brace_and_semicolon_are_one_error() {
     check_without_each(SyntaxKind::R_CURLY, ";");
 }
 
-/// A file whose structure is a guess is not brought in shape.
+/// A file whose structure is a guess is not formatted.
 #[test]
 fn a_text_with_a_forgotten_brace_is_not_formatted() {
     let text = "component c {\n  task t {\n  period   5 ms;\n  port in n p;\n};\n";

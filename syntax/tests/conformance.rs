@@ -1,5 +1,5 @@
-//! The syntax layer against the conformance suite and the specifications of the shared corpus, where
-//! they are there.
+//! The syntax layer against the conformance suite and the specifications of the shared corpus, if they are
+//! present.
 
 use std::path::{Path, PathBuf};
 
@@ -78,7 +78,7 @@ fn conformance_of_the_syntax_layer() {
     let mut checked = 0;
     for (name, case) in expected.as_object().expect("an object of cases") {
         let text = read(&dir.join(case["file"].as_str().expect("file")));
-        // What needs other files or definitions is for the layers above.
+        // Texts that need other files or definitions are tested in the layers above.
         if text.contains("#include") || text.contains("#pragma require") || case["args"].is_array()
         {
             continue;
@@ -151,7 +151,7 @@ fn truncations_keep_their_text() {
         for file in files {
             let text = read(&file);
             let raw = lexer::lex(&text);
-            // Every token where that is cheap, else a regular sample of them.
+            // Every token in small files, a regular sample of tokens in others.
             let step = 1 + raw.len() / 300;
             for i in (0..raw.len()).step_by(step) {
                 let cut = &text[..raw.range(i).start];

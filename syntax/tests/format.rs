@@ -147,7 +147,7 @@ fn comments_stay() {
     );
 }
 
-/// Whether something is broken must not depend on the white space around it.
+/// The white space around a declaration must not decide whether the declaration is broken.
 #[test]
 fn a_broken_declaration_beside_a_brace_settles_at_once() {
     check(
@@ -204,7 +204,7 @@ fn a_line_end_with_a_joined_line_in_it_stays() {
     }
 }
 
-/// The line end that a file should have would become part of the comment.
+/// The line end at the end of the file would become part of the comment.
 #[test]
 fn a_comment_that_is_continued_by_nothing() {
     check(
@@ -303,7 +303,7 @@ fn real_files_keep_their_tokens_and_settle_at_once() {
 
 #[test]
 fn damaged_files_keep_their_tokens() {
-    // A simple generator is enough: what matters is that the damage is the same in every run.
+    // A simple generator is enough: only the reproducibility of the damage matters.
     let mut state = 0x2545_F491_4F6C_DD1D_u64;
     let mut random = move |below: usize| {
         state ^= state << 13;
@@ -362,7 +362,7 @@ fn damaged_files_keep_their_tokens() {
     }
 }
 
-/// Lines of a text that formatting changes, and lines over the width before and after.
+/// The number of lines that formatting changes, and the lines over the width before and after.
 fn changes(text: &str) -> (usize, usize, usize, usize) {
     let once = formatted(text);
     let over = |text: &str| text.lines().filter(|it| it.chars().count() > 80).count();

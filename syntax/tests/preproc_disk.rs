@@ -1,5 +1,5 @@
-//! The preprocessor on real files: the shared conformance suite and corpus, and a C preprocessor to
-//! compare with. Each part is skipped, loudly, where what it needs is missing.
+//! The preprocessor on real files: the shared conformance suite and corpus, and a C preprocessor for
+//! comparison. Each part is skipped, with a message, if its files or programs are missing.
 
 use std::{
     collections::BTreeSet,
@@ -29,7 +29,7 @@ struct Disk {
     open: Vec<Utf8PathBuf>,
     /// File, line from 1, and report.
     reports: Vec<(Utf8PathBuf, u32, PpError)>,
-    /// What is live, by the innermost call.
+    /// Active text, by the innermost call.
     live: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! Whatever the text: no panic, no lost text, no quadratic time, no stack overflow.
+//! For any text: no panic, no lost text, no quadratic time, no stack overflow.
 
 use std::path::Path;
 
@@ -39,7 +39,7 @@ fn check(text: &str) -> Parse {
     parse
 }
 
-/// Our own texts: right, wrong and with macros.
+/// Texts of this project: correct, wrong and with macros.
 fn fixtures() -> Vec<String> {
     let mut texts = Vec::new();
     for kind in ["inline", "ok", "err"] {
@@ -61,7 +61,7 @@ fn fixtures() -> Vec<String> {
     texts
 }
 
-/// Pieces that change the structure of what follows them.
+/// Pieces that change the structure of the text after them.
 const PIECES: &[&str] = &[
     "{",
     "}",

@@ -72,7 +72,7 @@ fn report(component: &Component, codel: CodelRef, exclusion: &Exclusion, found: 
     found.push(diagnostic);
 }
 
-/// Whether a codel can run while services do: the first and the last codels of a task cannot.
+/// Returns true if a codel can run while services do: the first and the last codels of a task cannot.
 fn runs_meanwhile(component: &Component, codel: CodelRef) -> bool {
     let Owner::Task(task) = codel.owner else {
         return true;

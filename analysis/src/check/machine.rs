@@ -33,7 +33,7 @@ impl Owner<'_> {
 }
 
 pub(super) fn check(spec: &Spec, component: &Component, found: &mut Vec<Finding>) {
-    // Interfaces may leave their machines to be completed by whoever imports them.
+    // Interfaces may leave their machines to be completed by importing components.
     if component.kind != ComponentKind::Component {
         return;
     }
@@ -63,11 +63,11 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
     if machine.is_empty() {
         return;
     }
-    // Without its yields, which is a syntax error, nothing can be said about what is reached.
+    // Without its yields, which is a syntax error, the reachable states are unknown.
     let complete = machine.codels.iter().all(|(_, it)| !it.yields.is_empty());
     let mut reached = machine.reachable("start");
     let from_stop = machine.reachable("stop");
-    // With a codel of its own, `ether` is a state as any other, and nothing ends the machine.
+    // With a codel of its own, `ether` is a state like any other, and the machine has no end.
     let ends = from_stop.contains("ether") && machine.codel("ether").is_none();
     if let Some((_, stop)) = machine.codel("stop")
         && complete
@@ -109,7 +109,7 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
                 && !is_misnamed(codel)
                 && let Some(state) = codel.triggers.first()
             {
-                // The codel before is the first that is offered to lead here.
+                // The codel before is the first candidate for a transition to this one.
                 let in_cycle = before.is_some_and(|before| {
                     let is_before = |it: &str| before.triggers.iter().any(|s| s.name == it);
                     machine.reaches_without_pause(&state.name, is_before)
@@ -187,8 +187,8 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
     }
 }
 
-/// States of codels that nothing leads to, with the state that several transitions lead to and no codel
-/// implements, where the names are near: the name of the former is misspelt.
+/// States of unreachable codels, each with a similarly named state that several transitions lead to and that
+/// has no codel: the name of the former is misspelt.
 fn misnamed<'m>(machine: &Machine<'m>) -> BTreeMap<(&'m Name, Src), &'m Name> {
     let used: Vec<&Name> = machine
         .codels
@@ -215,7 +215,7 @@ fn misnamed<'m>(machine: &Machine<'m>) -> BTreeMap<(&'m Name, Src), &'m Name> {
     out
 }
 
-/// The exception of this name, if there is one and the owner does not declare that it throws it.
+/// The exception of this name, if there is one and the owner does not declare it in its `throws`.
 fn thrown_elsewhere(spec: &Spec, owner: &Owner<'_>, name: &str) -> Option<TypeId> {
     let is_it = |ty: &Type| {
         matches!(ty.kind, TypeKind::Exception { .. })

@@ -1,4 +1,4 @@
-//! Declared and never used.
+//! Declarations that are never used.
 
 use crate::{
     finding::{Finding, codels::Using},

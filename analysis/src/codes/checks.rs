@@ -1,7 +1,7 @@
 //! Every diagnostic code of specifications, by family.
 //!
-//! The codes are those of the language reference, section 19; further ones, which the reference
-//! compiler does not have, are marked with [`ours`].
+//! The codes are those of the language reference, section 19; additional codes, which the reference compiler
+//! does not have, are marked with [`ours`].
 
 mod advice;
 mod codels;
@@ -22,9 +22,9 @@ pub struct Code {
     pub severity: Severity,
     /// The meaning, in one sentence.
     pub meaning: &'static str,
-    /// The reason for the rule, or what goes wrong.
+    /// The reason for the rule, or the consequence of breaking it.
     pub why: &'static str,
-    /// Advice on how to mend the text.
+    /// Advice on how to correct the text.
     pub fix: &'static str,
     /// Set if the reference compiler reports it too.
     pub reference: bool,

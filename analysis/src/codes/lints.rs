@@ -2,7 +2,7 @@
 
 use crate::diagnostic::Severity;
 
-/// A rule as its users know it.
+/// A rule as shown to users.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LintCode {
     /// Stable name, as shown and as used in configuration and suppressions.
@@ -11,9 +11,9 @@ pub struct LintCode {
     pub severity: Severity,
     /// Set if it is reported unless configured otherwise.
     pub on: bool,
-    /// It says that something is missing, so it waits until the specification is accepted.
+    /// Set if the rule reports something missing, so it runs only if the specification is accepted.
     pub absence: bool,
-    /// The marked text can be removed; editors fade it.
+    /// Set if the marked text can be removed; editors fade it.
     pub unnecessary: bool,
     /// The meaning, in one sentence.
     pub meaning: &'static str,
@@ -21,9 +21,9 @@ pub struct LintCode {
     pub why: &'static str,
     /// A specification that triggers it.
     pub example: &'static str,
-    /// The example as it should be; empty if no text can show that.
+    /// The corrected example; empty if no text can show the correction.
     pub corrected: &'static str,
-    /// Advice on how to mend the text.
+    /// Advice on how to correct the text.
     pub fix: &'static str,
 }
 
@@ -32,9 +32,9 @@ pub fn find(id: &str) -> Option<&'static LintCode> {
     CODES.iter().find(|it| it.id == id)
 }
 
-/// A comment that allows what is not reported.
+/// A comment that allows a code that is not reported.
 pub const UNUSED_SUPPRESSION: &str = "lint/unused-suppression";
-/// A comment that allows something without saying why.
+/// A comment that allows a code without a reason.
 pub const NO_REASON: &str = "lint/no-reason";
 
 /// All rules.

@@ -1,5 +1,5 @@
-//! The findings of verification. `dotgen_timing` computes them and the editor shows them; they stand here so
-//! that the manual and the configuration see one table.
+//! The findings of verification. `dotgen_timing` computes them and the editor shows them; they are listed
+//! here so that the manual and the configuration have one table.
 
 use crate::codes::lints::LintCode;
 use crate::diagnostic::Severity;
@@ -26,7 +26,7 @@ const fn code(
     }
 }
 
-/// All of them.
+/// All verification codes.
 pub const CODES: &[LintCode] = &[
     code(
         "timing/deadline-miss",

@@ -1,8 +1,9 @@
-//! Stand-ins for files that are not found: the least that makes the names resolve that a specification uses,
-//! as it uses them.
+//! Stand-ins for files that are not found: the minimal declarations that make the names used by a
+//! specification resolve, in the way they are used.
 //!
-//! A stand-in says of itself that it is none of the real files. It lies outside of the sources, where every
-//! unit of the folder looks last (`.dotgen/standins`); the real file comes first as soon as it is installed.
+//! A stand-in states in its text that it is not the real file. It is outside of the sources, in the folder
+//! that every unit of the directory searches last (`.dotgen/standins`); the real file takes precedence as
+//! soon as it is installed.
 
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -19,18 +20,18 @@ use crate::unit::STANDINS;
 /// The first words of every stand-in.
 const MARK: &str = "/* Stand-in written by dotgen";
 
-/// A file to be written.
+/// A file to write.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StandIn {
-    /// The include that it is for, as written.
+    /// The include it is for, as written.
     pub include: String,
     /// The file that includes it.
     pub by: Utf8PathBuf,
-    /// Byte offsets of the include there.
+    /// Byte offsets of the include in that file.
     pub at: Range<usize>,
-    /// Where it goes.
+    /// The path to write it to.
     pub path: Utf8PathBuf,
-    /// Its text.
+    /// The text.
     pub text: String,
 }
 
@@ -40,8 +41,8 @@ pub fn folder(specification: &Utf8Path) -> Utf8PathBuf {
     beside.join(STANDINS)
 }
 
-/// Stand-ins for all included files that are not found. Each name goes to the file that it seems to be of,
-/// the others to the first one.
+/// Stand-ins for all included files that are not found. Each name goes to the file with the most similar
+/// path, the others to the first one.
 pub fn stand_ins(root: &Utf8Path, needs: &Dependencies, spec: &Spec) -> Vec<StandIn> {
     let missing: Vec<&Include> = needs
         .includes
@@ -106,7 +107,7 @@ pub fn stand_ins(root: &Utf8Path, needs: &Dependencies, spec: &Spec) -> Vec<Stan
             } => {
                 let provided = brings(spec, gap, false).map(|it| (it, false));
                 let used = brings(spec, gap, true).map(|it| (it, true));
-                // Remote services come from what is used.
+                // Remote services are derived from the used interfaces.
                 let from = match kind {
                     Some(SourceKind::Remote) => used.or(provided),
                     _ => first_of(spec, gap),
@@ -151,13 +152,13 @@ pub fn stand_ins(root: &Utf8Path, needs: &Dependencies, spec: &Spec) -> Vec<Stan
     files.collect()
 }
 
-/// The first interface that is not known of those that a component imports, and whether it only uses it.
+/// The first unknown interface among those that a component imports, and true if the component only uses it.
 fn first_of<'s>(spec: &'s Spec, gap: &Gap) -> Option<(&'s Name, bool)> {
     imports(spec, gap).next()
 }
 
-/// The first interface that is not known of those that a component uses, or of those that it provides or
-/// extends.
+/// The first unknown interface among those that a component uses if `used`, otherwise among those that it
+/// provides or extends.
 fn brings<'s>(spec: &'s Spec, gap: &Gap, used: bool) -> Option<&'s Name> {
     imports(spec, gap)
         .find(|it| it.1 == used)
@@ -173,8 +174,8 @@ fn imports<'s>(spec: &'s Spec, gap: &Gap) -> impl Iterator<Item = (&'s Name, boo
     })
 }
 
-/// The parameters of a service as a stand-in can declare them: what declares it again has to have the same.
-/// `None` when one has a type that the stand-in cannot name.
+/// The parameters of a service as a stand-in can declare them: a repeated declaration must have the same
+/// parameters. `None` if one has a type that the stand-in cannot name.
 fn params(spec: &Spec, service: &Service) -> Option<Vec<String>> {
     let declared = service.params.iter().filter(|it| it.dir != ParamDir::Local);
     let one = |it: &Param| {
@@ -209,8 +210,8 @@ fn params(spec: &Spec, service: &Service) -> Option<Vec<String>> {
     declared.map(one).collect()
 }
 
-/// How much a name looks like one of a file: the number of words of the path in it; `None` unless it has the
-/// last one.
+/// The similarity of a name to a file path: the number of words of the path in the name; `None` unless it
+/// contains the last word.
 fn likeness(name: &str, path: &str) -> Option<usize> {
     let path = Utf8Path::new(path);
     let stem = path.file_stem()?;
@@ -248,7 +249,7 @@ fn file(include: &str, tree: &Module) -> String {
     out
 }
 
-/// What is declared under a name.
+/// The kind of declaration for a name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Declared {
     /// A struct with these members.
@@ -257,12 +258,12 @@ enum Declared {
     Exception,
 }
 
-/// What a module, an interface or a file declares.
+/// The declarations of a module, an interface or a file.
 #[derive(Debug, Default)]
 struct Module {
     modules: Vec<(String, Module)>,
     declared: Vec<(String, Declared)>,
-    /// It is an interface, with these sources of data.
+    /// Set for an interface, with its ports, services and ids members.
     interface: Option<Vec<(Name, SourceKind, bool)>>,
     /// Tasks that activities name.
     tasks: Vec<Name>,
@@ -311,7 +312,7 @@ impl Module {
         }
     }
 
-    /// A member of a type, and what is below it.
+    /// Adds a member of a type, and the members below it.
     fn member(&mut self, ty: &str, path: &[PathElement]) {
         self.declare(ty, Declared::Type(Vec::new()));
         let found = self.declared.iter_mut().find(|it| it.0 == ty);
@@ -326,7 +327,8 @@ impl Module {
         }
     }
 
-    /// A port, service or member of the ids of an interface. `used`: ports have the other direction there.
+    /// Adds a port, service or ids member of an interface. With `used`, ports have the opposite direction in
+    /// the interface.
     fn source(&mut self, name: &Name, kind: Option<SourceKind>, dir: ParamDir, used: bool) {
         let Some(sources) = &mut self.interface else {
             return;
@@ -338,7 +340,7 @@ impl Module {
         }
     }
 
-    /// A local variable of a service.
+    /// Adds a local variable of a service.
     fn local(&mut self, service: &Service, params: Vec<String>, name: &Name) {
         let all = &mut self.declared_again;
         let at = match all.iter().position(|it| it.name == service.name) {
@@ -360,7 +362,7 @@ impl Module {
 
     fn write(&self, out: &mut String, depth: usize) {
         let indent = "  ".repeat(depth);
-        // Exceptions and types first: interfaces of the same file may use them.
+        // Exceptions and types come first: interfaces of the same file may use them.
         for (name, declared) in &self.declared {
             match declared {
                 Declared::Constant => {
@@ -404,7 +406,7 @@ impl Module {
             let word = match it.kind {
                 ServiceKind::Function => "function",
                 ServiceKind::Activity => "activity",
-                // It has no local variables.
+                // Attributes have no local variables.
                 ServiceKind::Attribute => continue,
             };
             let (name, params) = (&it.name, it.params.join(", "));
@@ -448,7 +450,7 @@ fn write_struct(
     let _ = writeln!(out, "{indent}}};");
 }
 
-/// A member, with the type that the paths below it need.
+/// Writes a member, with the type that the paths below it need.
 fn write_member(out: &mut String, name: &str, paths: &[Vec<PathElement>], depth: usize) {
     let indent = "  ".repeat(depth);
     let mut inner: Vec<(Name, Vec<Vec<PathElement>>)> = Vec::new();

@@ -20,7 +20,7 @@ use crate::{
     },
 };
 
-/// Where an execution time is written.
+/// The place of an execution time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum TimePlace {
     /// In the `wcet` of a codel.
@@ -35,7 +35,7 @@ impl<'a> Elaborator<'a> {
         self.codels.get(name).map(|it| it.def)
     }
 
-    /// A codel written in the current body.
+    /// Adds a codel written in the current body.
     pub(super) fn codel_here(
         &mut self,
         index: u32,
@@ -140,7 +140,7 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// Checks the parameters of a codel that cannot be where it is, and notes what they refer to.
+    /// Checks the parameters of a codel at a place that does not allow it, and records their references.
     pub(super) fn misplaced_params(
         &mut self,
         index: u32,
@@ -151,7 +151,7 @@ impl<'a> Elaborator<'a> {
         self.codel_params(index, owner, decl, kind);
     }
 
-    /// The parameters, and whether all could be resolved.
+    /// The parameters, and true if all could be resolved.
     fn codel_params(
         &mut self,
         index: u32,
@@ -189,7 +189,7 @@ impl<'a> Elaborator<'a> {
         (params, complete)
     }
 
-    /// Notes a use of a codel name, which must agree with the earlier ones.
+    /// Records a use of a codel name, which must agree with the earlier ones.
     fn register_codel(&mut self, name: &Name, decl: &CodelDecl, params: &[Param], complete: bool) {
         let at = self.src(name.ptr);
         let signature: Option<Vec<_>> =
@@ -210,7 +210,7 @@ impl<'a> Elaborator<'a> {
             return;
         };
         let (def, first) = (known.def, known.src);
-        // A codel that is imported means what it means there from then on, and is not compared.
+        // An imported codel keeps its meaning at the point of import, and is not compared.
         if known.signature.is_none() || (self.importing.is_some() && complete) {
             known.signature = signature.clone();
         }
@@ -253,8 +253,8 @@ impl<'a> Elaborator<'a> {
 
     // States
 
-    /// Creates the states that imported codels mention, in the order in which the reference compiler
-    /// does. Their types, and so generated code, have that order, and the place of their codel.
+    /// Creates the states that imported codels mention, in the order of the reference compiler. Their types,
+    /// and so generated code, have that order, and the place of their codel.
     pub(super) fn import_states(&mut self, index: u32, codels: Vec<CodelSource<'a>>) {
         for codel in codels {
             let Some(name) = &codel.decl.name else {
@@ -322,8 +322,7 @@ impl<'a> Elaborator<'a> {
         states
     }
 
-    /// The type object of a state, created when it is mentioned for the first time, with the place
-    /// `created`.
+    /// The type object of a state, created at its first mention, with the place `created`.
     fn event(&mut self, index: u32, name: &Name, paused: bool, created: Src) -> TypeId {
         let at = self.src(name.ptr);
         let state = &self.components[index as usize];
@@ -340,7 +339,7 @@ impl<'a> Elaborator<'a> {
                 event
             }
         };
-        // A state and its paused form are the same thing for whoever looks for it.
+        // A state and its paused form have one definition.
         let other = self.scopes.get(other).names.get(&name.text);
         let def = self.type_defs[event.0 as usize].or_else(|| self.type_defs[other?.0 as usize]);
         match def {

@@ -121,7 +121,7 @@ impl<'a> Elaborator<'a> {
             Some(&pause) => pause,
             None => {
                 if let Some(clash) = self.scopes.clash(scope, &pause_name, true) {
-                    // The component is called `pause`, or its module has such a name.
+                    // The component is called `pause`, or its module has a member of that name.
                     self.report_clash(scope, &pause_name, at, clash);
                 }
                 self.scopes
@@ -220,7 +220,7 @@ impl<'a> Elaborator<'a> {
         let at = self.src(keyword);
         let first = self.components[index as usize].ids.is_none();
         let Some(scope) = self.open_ids(index, at) else {
-            // The name `ids` is taken; read the members all the same, for their references.
+            // The name `ids` is taken; the members are still read, for their references.
             let scope = self.scopes.open(
                 self.scope,
                 &Text::new_static("ids"),
@@ -234,7 +234,7 @@ impl<'a> Elaborator<'a> {
             return;
         };
         let def = self.scopes.get(scope).def;
-        // The ids can be used as a type once there are some.
+        // The ids can be used as a type once they have members.
         let (outer, name) = (
             self.components[index as usize].scope,
             Text::new_static("ids"),
@@ -253,7 +253,7 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// The scope of the ids, created with the ids themselves when there are none yet.
+    /// The scope of the ids, created with the ids themselves if there are none yet.
     pub(super) fn open_ids(&mut self, index: u32, at: Src) -> Option<ScopeId> {
         let state = &self.components[index as usize];
         if let Some(scope) = state.ids {
@@ -298,8 +298,8 @@ impl<'a> Elaborator<'a> {
         lost.insert(name.clone());
     }
 
-    /// Whether a name that is not found in a component may be missing because of something that was
-    /// reported already.
+    /// Returns true if a name that is not found in a component may be missing because of an error that was
+    /// already reported.
     pub(super) fn is_excused(&self, index: u32, name: &Text) -> bool {
         let state = &self.components[index as usize];
         state.incomplete || state.lost.contains(name)
@@ -365,8 +365,8 @@ impl<'a> Elaborator<'a> {
         self.add_port(index, port, false, def, at);
     }
 
-    /// Adds a port to a component, with its type object. `used`: it is that of a used interface, turned
-    /// around, so that it has a type of its own.
+    /// Adds a port to a component, with its type object. With `used`, the port is the reverse of a port of a
+    /// used interface, so it has a type of its own.
     pub(super) fn add_port(
         &mut self,
         index: u32,

@@ -38,7 +38,7 @@ pub(super) fn string_content(literal: &str) -> String {
 }
 
 impl<'a> Elaborator<'a> {
-    /// The value of an expression. Every operator and name that is wrong is reported.
+    /// The value of an expression. Every wrong operator and name is reported.
     pub(super) fn eval(&mut self, expr: &'a Expr) -> Const {
         let at = self.src(expr.ptr);
         match &expr.kind {
@@ -156,7 +156,7 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// A value that must be a non-negative integer; `None` when it is not, which was reported.
+    /// A value that must be a non-negative integer; `None` if it is not, which was reported.
     pub(super) fn positive(&mut self, expr: &'a Expr, what: &'static str) -> Option<u64> {
         let value = self.eval(expr);
         if value == Const::Unknown {
@@ -178,7 +178,7 @@ impl<'a> Elaborator<'a> {
     }
 }
 
-/// The value of an integer literal, and whether it is octal with decimal digits.
+/// The value of an integer literal, and true if it is octal with decimal digits.
 fn parse_integer(text: &str) -> Option<(i128, bool)> {
     let digits = text.trim_end_matches(['u', 'U', 'l', 'L']);
     let fits = |it: u64| i128::from(it);
@@ -201,7 +201,7 @@ fn parse_integer(text: &str) -> Option<(i128, bool)> {
     }
 }
 
-/// Whether the content of a character literal is one character or one escape.
+/// Returns true if the content of a character literal is one character or one escape.
 fn is_one_character(content: &str) -> bool {
     let mut chars = content.chars();
     match (chars.next(), chars.next()) {

@@ -1,5 +1,5 @@
-//! The state of an elaboration, and what every part of it needs: places, diagnostics, declarations
-//! and references.
+//! The state of an elaboration, and the operations that all parts of it share: places, diagnostics,
+//! declarations and references.
 
 use crate::finding::role::Role;
 use std::{cell::Cell, sync::Arc};
@@ -18,11 +18,11 @@ use crate::{
     model::{Body, Name as Text, Spec, Src, Type, TypeId, TypeKind},
 };
 
-/// Deepest nesting of includes that is followed. The preprocessor allows 100; this only keeps a
-/// malformed input from recursing for ever.
+/// Maximum nesting of includes. The preprocessor allows 100; this limit only stops the recursion on malformed
+/// input.
 const MAX_INCLUDE_DEPTH: usize = 128;
 
-/// Most suggestions of near names for one unit.
+/// Maximum number of suggestions of near names for one unit.
 const MAX_HINTS: u32 = 100;
 
 /// An elaboration in progress.
@@ -43,12 +43,12 @@ pub(super) struct Elaborator<'a> {
 
     /// By [`TypeId`]: the definition of a type object.
     pub(super) type_defs: Vec<Option<DefId>>,
-    /// By [`TypeId`]: place in the order of creation, which differs from the id for the ids only.
+    /// By [`TypeId`]: place in the order of creation, which differs from the id only for the ids.
     pub(super) type_order: Vec<u32>,
     /// Members of ids that were imported, and the members they are copies of.
     pub(super) origins: FxHashMap<TypeId, TypeId>,
     next_order: u32,
-    /// Forward declarations, with the file they stand in.
+    /// Forward declarations, with the file of each.
     pub(super) forwards: Vec<Forward>,
 
     /// Parallel to [`Spec::components`].
@@ -58,28 +58,28 @@ pub(super) struct Elaborator<'a> {
 
     /// Interfaces of `#pragma provides` so far.
     pub(super) pragma_provides: Vec<u32>,
-    /// Interfaces of `#pragma provides` that are not known.
+    /// Unknown interfaces of `#pragma provides`.
     pub(super) pragma_unknown: Vec<Text>,
     pub(super) pragma_wcet: Vec<PragmaWcet>,
 
-    /// What only newer releases accept, and what is required of the release.
+    /// Uses of features that only newer releases accept, and the releases that `requires` properties name.
     pub(super) newer: Newer,
 
     diagnostics: Vec<Finding>,
     reported: FxHashSet<(Src, Kind)>,
     reported_at: FxHashSet<(&'static str, Src)>,
-    /// Suggestions that may still be searched: it takes time, and a text with that many unknown
-    /// names is not misspelt.
+    /// Number of suggestions that may still be searched: a search takes time, and a text with very many
+    /// unknown names is not misspelt.
     hints: Cell<u32>,
-    /// Imports of an interface that the component has already, about which something was reported.
+    /// Repeated imports of one interface for which an error was reported.
     repeated_imports: FxHashSet<Src>,
     references: Vec<Reference>,
-    /// Names in lists of services that are recorded already: bodies may end several times.
+    /// Names in lists of services that are already recorded: bodies may end several times.
     pub(super) listed: FxHashSet<Src>,
     pub(super) definitions: Vec<Definition>,
     pub(super) closings: Vec<Closing>,
-    /// Set while contents of an interface are resolved again for an importing component: their
-    /// names were recorded when the interface was read.
+    /// Set while contents of an interface are resolved again for an importing component: their names were
+    /// recorded when the interface was read.
     pub(super) importing: Option<Importing>,
 }
 
@@ -88,8 +88,8 @@ pub(super) struct Elaborator<'a> {
 pub(super) struct Importing {
     /// The interface's name in the importing property.
     pub(super) at: Src,
-    /// Why the component has this interface already, so that much of it clashes: only the first
-    /// clash is reported.
+    /// The reason why the component already has this interface. Its contents clash; only the first clash is
+    /// reported.
     pub(super) again: Option<&'static str>,
 }
 
@@ -98,7 +98,7 @@ pub(super) struct Importing {
 pub(super) struct Forward {
     pub(super) ty: TypeId,
     pub(super) file: u32,
-    /// Something of that name was declared later but could not complete it, which was reported.
+    /// True if a later declaration of the name could not complete it, which was reported.
     pub(super) excused: bool,
 }
 
@@ -141,7 +141,7 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// What is known in the end.
+    /// The result of the elaboration.
     pub(super) fn into_elaborated(self) -> Elaborated {
         Elaborated {
             spec: Arc::new(self.spec),
@@ -152,7 +152,7 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// Hands each item to `visit`, following includes in place.
+    /// Passes each item to `visit`, following includes in place.
     pub(super) fn for_each(
         &mut self,
         items: &'a [Item],
@@ -207,9 +207,8 @@ impl<'a> Elaborator<'a> {
 
     // Diagnostics
 
-    /// Reports a problem, once. While an interface is imported, problems are reported at its name in
-    /// the importing property, unless they are problems of the interface itself, which were
-    /// reported when it was read.
+    /// Reports a problem, once. While an interface is imported, problems are reported at its name in the
+    /// importing property, except problems of the interface itself, which were reported when it was read.
     pub(super) fn report(&mut self, mut finding: Finding) {
         if let Some(importing) = self.importing
             && importing.at != finding.at
@@ -238,14 +237,14 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// Takes the last finding back, if it has this code: something worse is to be reported of the same thing.
+    /// Removes the last finding if it has this code: a worse error is reported for the same text.
     pub(super) fn retract(&mut self, code: &str) {
         if self.diagnostics.last().is_some_and(|it| it.code() == code) {
             self.diagnostics.pop();
         }
     }
 
-    /// What was probably meant by a name that means nothing; `at` is its token.
+    /// The probable meaning of an unknown name; `at` is its token.
     pub(super) fn near<'n>(
         &self,
         at: Src,
@@ -257,12 +256,12 @@ impl<'a> Elaborator<'a> {
         dotgen_syntax::near::nearest(name, candidates).map(|it| Near::new(at, it))
     }
 
-    /// Reports a problem that has one place only.
+    /// Reports a problem that has only one place.
     pub(super) fn error(&mut self, at: Src, kind: impl Into<Kind>) {
         self.report(Finding::new(kind, at));
     }
 
-    /// Reports a name that means nothing.
+    /// Reports an unknown name.
     pub(super) fn unresolved(&mut self, at: Src, kind: impl Into<Kind>, near: Option<Near>) {
         self.report(Finding::new(kind, at).near(near));
     }
@@ -309,12 +308,12 @@ impl<'a> Elaborator<'a> {
         self.next_order += 1;
     }
 
-    /// A type for what could not be resolved.
+    /// A type in the place of an unresolved one.
     pub(super) fn unknown(&mut self, src: Src) -> TypeId {
         self.anonymous(TypeKind::Unknown, src)
     }
 
-    /// Whether an error about this type was reported already.
+    /// Returns true if an error about this type was already reported.
     pub(super) fn is_unknown(&self, id: TypeId) -> bool {
         matches!(
             self.spec.ty(self.spec.resolve_alias(id)).kind,
@@ -357,19 +356,19 @@ impl<'a> Elaborator<'a> {
         self.definitions[def.0 as usize].entity = Some(entity);
     }
 
-    /// Puts a type object into a scope, or reports why it cannot be there.
+    /// Adds a type object to a scope, or reports the reason why it cannot be there.
     pub(super) fn declare(&mut self, scope: ScopeId, name: &Name, ty: TypeId) -> bool {
         let at = self.src(name.ptr);
         self.declare_at(scope, &name.text, at, ty)
     }
 
-    /// As [`Self::declare`], for a name that is written elsewhere.
+    /// Like [`Self::declare`], for a name that is written elsewhere.
     pub(super) fn declare_at(&mut self, scope: ScopeId, name: &Text, at: Src, ty: TypeId) -> bool {
         let clash = self.scopes.clash(scope, name, false);
         if let Some(clash) = clash {
             self.report_clash(scope, name, at, clash);
         }
-        // Where nothing else has the name, it is remembered for its uses.
+        // If the name is not taken, it is recorded for its uses.
         if matches!(clash, None | Some(Clash::Enclosing)) {
             let names = &mut self.scopes.get_mut(scope).names;
             names.insert(name.clone(), ty);
@@ -377,7 +376,7 @@ impl<'a> Elaborator<'a> {
         clash.is_none()
     }
 
-    /// Reports why a name cannot be declared.
+    /// Reports the reason why a name cannot be declared.
     pub(super) fn report_clash(&mut self, scope: ScopeId, name: &Text, at: Src, clash: Clash) {
         if let Clash::Name(previous) = clash
             && let Some(forward) = self.forward_of(previous)
@@ -444,14 +443,14 @@ impl<'a> Elaborator<'a> {
         self.report(diagnostic);
     }
 
-    /// What is known about a forward declaration.
+    /// The forward declaration of a type, if it is one.
     pub(super) fn forward_of(&mut self, ty: TypeId) -> Option<&mut Forward> {
         // In order of creation.
         let found = self.forwards.binary_search_by_key(&ty, |it| it.ty);
         self.forwards.get_mut(found.ok()?)
     }
 
-    /// Where a type object was declared, if a text did.
+    /// The declaration of a type object, if it was declared in a text.
     pub(super) fn type_place(&self, ty: TypeId) -> Option<Src> {
         let def = self.type_defs[ty.0 as usize]?;
         Some(self.definitions[def.0 as usize].src)
@@ -472,7 +471,7 @@ impl<'a> Elaborator<'a> {
         result
     }
 
-    /// Runs `inside` as if reading another visit.
+    /// Runs `inside` in the context of another visit.
     pub(super) fn in_visit<R>(&mut self, visit: u32, inside: impl FnOnce(&mut Self) -> R) -> R {
         let outer = std::mem::replace(&mut self.visit, visit);
         let result = inside(self);

@@ -8,7 +8,7 @@ use crate::{
     model::{Spec, TypeId, TypeKind, Value},
 };
 
-/// Why a value does not convert.
+/// The reason why a value does not convert.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Misfit {
     /// The type holds no constants.
@@ -19,18 +19,18 @@ pub(super) enum Misfit {
     Range,
 }
 
-/// Whether a type holds the value of a constant.
+/// Returns true if a type can hold the value of a constant.
 pub(crate) fn holds(spec: &Spec, ty: TypeId, value: &Value) -> bool {
     convert(spec, &from_value(value), ty).is_ok()
 }
 
-/// The value as the declared type holds it.
+/// Converts the value to the declared type.
 pub(super) fn convert(spec: &Spec, value: &Const, ty: TypeId) -> Result<Value, Misfit> {
     let last = types::look_through(spec, ty);
     let kind = &spec.ty(last).kind;
     let integer = |min: i128, max: i128, signed: bool| {
         let value = match value {
-            // The complement of an unsigned number takes the width of its type.
+            // The complement of an unsigned number has the width of its type.
             Const::Int {
                 value,
                 signed: false,
@@ -86,7 +86,7 @@ pub(super) fn convert(spec: &Spec, value: &Const, ty: TypeId) -> Result<Value, M
     }
 }
 
-/// What is wrong with a value that does not convert.
+/// The error for a value that does not convert.
 pub(super) fn explain_misfit(
     spec: &Spec,
     misfit: Misfit,

@@ -37,7 +37,7 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// A statement that may stand in modules and components too. Says whether it was one.
+    /// A statement that may stand in modules and components too. Returns true if it was one.
     pub(super) fn idl_statement(&mut self, item: &'a Item) -> bool {
         match item {
             Item::Module {
@@ -316,7 +316,7 @@ impl<'a> Elaborator<'a> {
             }
             None => self.define(def_kind, &name.text, at, node, None),
         };
-        // Where nothing else has the name, it is remembered for its uses.
+        // If the name is not taken, it is recorded for its uses.
         let declared = matches!(clash, None | Some(Clash::Enclosing));
         let scope = self
             .scopes
@@ -452,6 +452,6 @@ pub(super) struct Inside {
     at: Src,
     /// The forward declaration that it completes.
     completes: Option<TypeId>,
-    /// Whether its name was accepted.
+    /// True if its name was accepted.
     declared: bool,
 }

@@ -1,4 +1,4 @@
-//! What is settled at the end of the input (language reference, sections 1.4 and 8.1).
+//! The work at the end of the input (language reference, sections 1.4 and 8.1).
 
 use crate::finding::role::Role;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use crate::release::Change;
 use crate::unit::is_standin;
 
 impl Elaborator<'_> {
-    /// Ends an elaboration: settles what had to wait for the end of the input.
+    /// Ends an elaboration: does all work that needs the complete input.
     pub(super) fn finish(mut self) -> Elaborated {
         self.settle();
         let order = std::mem::take(&mut self.type_order);
@@ -23,7 +23,7 @@ impl Elaborator<'_> {
         result
     }
 
-    /// Notes the types that stand-ins declare.
+    /// Records the types that stand-ins declare.
     fn note_open_types(&mut self) {
         let visits = self.visits;
         let is_standin: Vec<bool> = visits
@@ -68,7 +68,7 @@ impl Elaborator<'_> {
         self.report_newer();
     }
 
-    /// What is suspicious about a component, as far as its declarations were understood.
+    /// The lints of a component, as far as its declarations were resolved.
     fn lint(&mut self, index: usize) {
         if !self.components[index].tasks.iter().any(|it| it.incomplete) {
             for lint in crate::check::lints(&self.spec.components[index]) {
@@ -143,7 +143,7 @@ impl Elaborator<'_> {
     fn settle_clock_rate(&mut self, index: usize) {
         let component = &self.spec.components[index];
         let Some(rate) = &component.clock_rate else {
-            // One that could not be evaluated is still given.
+            // A clock-rate that could not be evaluated is still given.
             if !self.components[index].given.contains_key("clock-rate") {
                 self.default_clock_rate(index);
             }
@@ -206,7 +206,7 @@ fn gcd(mut a: i128, mut b: i128) -> i128 {
     a
 }
 
-/// Whether a time is a multiple of a clock-rate, to a millionth of a tick.
+/// Returns true if a time is a multiple of a clock-rate, to a millionth of a tick.
 fn is_multiple(time: Seconds, rate: Seconds) -> bool {
     let zero = Ratio::from_integer(0);
     if rate == zero {
@@ -220,7 +220,7 @@ fn is_multiple(time: Seconds, rate: Seconds) -> bool {
 
 /// Puts the types in their order of creation.
 ///
-/// Types are numbered as they are made, so only the ids can be out of order: they move to the end
+/// Types are numbered in order of construction, so only the ids can be out of order: they move to the end
 /// each time members are added.
 fn order_types(result: &mut Elaborated, order: &[u32]) {
     if order.is_sorted() {

@@ -1,6 +1,6 @@
-//! Words of other languages for what this one calls otherwise.
+//! Words of other languages, with their equivalents in this one.
 
-/// The type that C, C++ or ROS calls by another name.
+/// The equivalent of a type of C, C++ or ROS.
 pub(super) fn type_of(name: &str) -> Option<&'static str> {
     Some(match name {
         "bool" | "Bool" | "Boolean" | "bool_t" | "BOOL" => "boolean",
@@ -18,7 +18,7 @@ pub(super) fn type_of(name: &str) -> Option<&'static str> {
     })
 }
 
-/// The type that C++ calls by a name in `std`.
+/// The equivalent of a type in `std` of C++.
 pub(super) fn standard_type(name: &str) -> Option<&'static str> {
     Some(match name {
         "std::string" => "string",
@@ -35,12 +35,12 @@ pub(super) fn standard_type(name: &str) -> Option<&'static str> {
     })
 }
 
-/// Types that every text has.
+/// Types that are always available.
 pub(super) const TYPES: [&str; 8] = [
     "boolean", "octet", "char", "string", "short", "long", "float", "double",
 ];
 
-/// The constant that other languages call by another name.
+/// The equivalent of a constant of other languages.
 pub(super) fn constant_of(name: &str) -> Option<&'static str> {
     Some(match name {
         "true" | "True" => "TRUE",

@@ -1,9 +1,9 @@
-//! Importing interfaces with `provides`, `uses`, `extends` and `#pragma provides` (language
-//! reference, section 15).
+//! Importing interfaces with `provides`, `uses`, `extends` and `#pragma provides` (language reference,
+//! section 15).
 //!
-//! An interface is imported as it is at that point. Codels and the parameters of attributes are
-//! resolved again, for the importing component, and only once all else is there (deviations D13 and
-//! D14). Problems are reported at the name in the importing property.
+//! An interface is imported in its state at that point. Codels and the parameters of attributes are resolved
+//! again, for the importing component, after everything else was imported (deviations D13 and D14). Problems
+//! are reported at the name in the importing property.
 
 mod remotes;
 mod services;
@@ -69,8 +69,8 @@ impl<'a> Elaborator<'a> {
             };
             list.push((interface, at));
         }
-        // The lists of an interface join those of its importer. When it is the importer's first list
-        // of this kind that is being read, what joins it is imported as well, and so twice.
+        // The lists of an interface are added to those of its importer. If the importer's first list of this
+        // kind is being read, the added entries are imported as well, and so twice.
         let which = list_of(word);
         let lists = &mut self.components[index as usize].lists;
         let first = lists[which].is_empty();
@@ -90,7 +90,7 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// The interface of that name; reports what else it is.
+    /// The interface of that name; reports an error if the name is something else.
     pub(super) fn interface(
         &mut self,
         name: &Text,
@@ -136,7 +136,8 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// `named`: the property names it, rather than an interface that the property names.
+    /// Imports an interface. `named` is true if the property names it directly, not through another
+    /// interface.
     fn import(&mut self, index: u32, interface: u32, word: &'static str, at: Src, named: bool) {
         let component = &mut self.spec.components[index as usize];
         let list = match word {
@@ -149,7 +150,7 @@ impl<'a> Elaborator<'a> {
             let theirs = self.components[interface as usize].lists[which].clone();
             union(&mut self.components[index as usize].lists[which], theirs);
         }
-        // An interface that names itself imports all it has a second time.
+        // An interface that names itself imports all its contents a second time.
         let imported = &self.components[index as usize].imported;
         let again = if interface == index {
             Some("an interface that names itself imports all it has once more")
@@ -217,7 +218,7 @@ impl<'a> Elaborator<'a> {
             from.clock_rate.clone(),
             from.stack.clone(),
         );
-        // Nobody gave what an interface has by default.
+        // Default values of an interface are not explicitly given.
         let theirs = &self.components[interface as usize].given;
         let explicit = |word: &str| theirs.contains_key(word);
         let version = version.filter(|_| explicit("version"));
@@ -262,7 +263,7 @@ impl<'a> Elaborator<'a> {
         to.stack = stack.or(to.stack.take());
     }
 
-    /// Notes that a property that does not merge is imported; reports it when it was given already.
+    /// Records that a property that does not merge is imported; reports it if it was already given.
     fn import_once(
         &mut self,
         index: u32,
@@ -310,7 +311,7 @@ impl<'a> Elaborator<'a> {
             return;
         };
         if let Some(own) = self.spec.components[index as usize].ids.filter(|_| first) {
-            // Templates are told where the members come from.
+            // Templates see the origin of the members.
             self.spec.types[own.0 as usize].src = self.spec.ty(theirs).src;
         }
         let mut added: Vec<TypeId> = Vec::new();
@@ -320,7 +321,7 @@ impl<'a> Elaborator<'a> {
             };
             let origin = self.origin(member);
             match self.scopes.clash(scope, &name, false) {
-                // One interface imported by two ways.
+                // One interface imported in two ways.
                 Some(Clash::Name(known)) if self.origin(known) == origin => {}
                 Some(clash @ (Clash::Name(_) | Clash::Scope(_))) => {
                     self.report_clash(scope, &name, at, clash);
@@ -339,7 +340,7 @@ impl<'a> Elaborator<'a> {
         self.add_to_ids(index, added);
     }
 
-    /// The member of an interface's ids that a member was copied from; itself if it was not.
+    /// The ids member of an interface that a member was copied from; itself if it was not copied.
     fn origin(&self, member: TypeId) -> TypeId {
         self.origins.get(&member).copied().unwrap_or(member)
     }

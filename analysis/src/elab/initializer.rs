@@ -49,7 +49,7 @@ impl<'a> Elaborator<'a> {
         member: Option<PathElement>,
     ) -> Option<Initializer> {
         let at = self.src(init.ptr);
-        // The members of a stand-in are made up: no value can be wrong for them.
+        // The members of a stand-in are invented: no value is wrong for them.
         if init.value.is_some() && self.is_made_up(ty) {
             return None;
         }
@@ -154,8 +154,8 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// The elements of an array or sequence. All problems are reported at the first initializer of
-    /// the braces, as the reference does.
+    /// The elements of an array or sequence. All problems are reported at the first initializer of the
+    /// braces, as in the reference compiler.
     fn elements(
         &mut self,
         parts: &'a [item_tree::Initializer],
@@ -284,8 +284,7 @@ impl<'a> Elaborator<'a> {
     }
 }
 
-/// Whether these are braces with nothing in them. They fit every type, and in a list they are not
-/// counted.
+/// Returns true for empty braces. They fit every type, and in a list they are not counted.
 fn says_nothing(init: &item_tree::Initializer) -> bool {
     init.designator.is_none()
         && matches!(&init.value, Some(item_tree::InitValue::Compound(parts))

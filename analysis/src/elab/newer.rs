@@ -1,5 +1,5 @@
-//! What only newer releases of GenoM3 accept: said as long as the specifications claim to work with older
-//! ones.
+//! Features that only newer releases of GenoM3 accept: reported if the specifications claim to work with
+//! older ones.
 
 use super::{context::Elaborator, state::Newer};
 use crate::finding::role::Role;
@@ -11,9 +11,9 @@ use crate::{
 };
 
 impl<'a> Elaborator<'a> {
-    /// Notes that something stands here that only releases with a change accept.
+    /// Records a use of a feature that only releases with a change accept.
     pub(super) fn newer(&mut self, change: Change, what: &'static str, at: Src) {
-        // Where an interface is imported, this was said in the interface.
+        // For an imported interface, this was reported in the interface.
         let known = self
             .newer
             .uses
@@ -24,8 +24,7 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// Notes the same where the release in force accepts it; where it does not, reports what is to be said
-    /// there.
+    /// Records the use if the release in force accepts it; otherwise reports the given error.
     pub(super) fn newer_or(
         &mut self,
         change: Change,
@@ -39,7 +38,7 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// Notes the releases in a `requires`.
+    /// Records the releases in a `requires`.
     pub(super) fn note_requirements(&mut self, list: &'a [Expr]) {
         for expr in list {
             let bound = super::property::text(expr).and_then(|it| Release::lower_bound(&it));
@@ -50,7 +49,7 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// Reports what the releases that the specifications claim to work with do not all accept.
+    /// Reports features that not all releases claimed by the specifications accept.
     pub(super) fn report_newer(&mut self) {
         let Newer { uses, requirements } = std::mem::take(&mut self.newer);
         let all = self.spec.components.iter().flat_map(|it| &it.requires);

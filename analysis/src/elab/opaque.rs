@@ -1,4 +1,4 @@
-//! What stands for something that could not be resolved, so that what does not depend on it goes on.
+//! Placeholders for unresolved parts, so that independent parts are still elaborated.
 
 use super::{context::Elaborator, param::direction, types::look_through};
 use crate::{
@@ -11,13 +11,13 @@ use crate::{
 };
 
 impl<'a> Elaborator<'a> {
-    /// Notes what could not be resolved.
+    /// Records an unresolved part.
     pub(super) fn lack(&mut self, missing: Missing) {
         let component = self.component;
         self.spec.gaps.push(Gap { component, missing });
     }
 
-    /// Notes a task or service that is not found and may come from an interface that is not known.
+    /// Records a task or service that is not found and may come from an unknown interface.
     pub(super) fn lack_of(&mut self, index: u32, missing: Missing) {
         let gap = Gap {
             component: Some(index),
@@ -28,7 +28,7 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// A type of which only the name is known: that of a file that was not read, most likely.
+    /// A type of which only the name is known, most likely from a file that was not read.
     pub(super) fn opaque_type(&mut self, path: &Path, at: Src) -> TypeId {
         let id = self.unknown(at);
         if let Some((last, scopes)) = path.segments.split_last() {
@@ -43,8 +43,8 @@ impl<'a> Elaborator<'a> {
         id
     }
 
-    /// What stands for a parameter of a codel that does not resolve: the function has one there all the same.
-    /// Its type is named as those of ports and remote services are, which it may be.
+    /// A placeholder for a parameter of a codel that does not resolve: the function still has this parameter.
+    /// Its type is named like the types of ports and remote services, since it may be one.
     pub(super) fn opaque_param(
         &mut self,
         index: u32,
@@ -69,7 +69,7 @@ impl<'a> Elaborator<'a> {
             path.iter().find_map(member),
             path.iter().rev().find_map(member),
         );
-        // Members of the ids are called by their last name, all else by the first.
+        // Members of the ids are named by their last name, everything else by the first.
         let whole = matches!(source, Some((it, _)) if *it != Source::Ids)
             || first.is_some_and(|it| self.local_named(index, service, &it.text).is_some());
         let own = if whole { first } else { last };
@@ -111,7 +111,7 @@ impl<'a> Elaborator<'a> {
         })
     }
 
-    /// Whether a component or service has a member of the ids, parameter, port or remote service of that
+    /// Returns true if a component or service has an ids member, parameter, port or remote service of that
     /// name.
     fn is_source(&self, index: u32, service: Option<u32>, name: &Text) -> bool {
         let state = &self.components[index as usize];
@@ -121,14 +121,14 @@ impl<'a> Elaborator<'a> {
             || state.remote_by_name.contains_key(name)
     }
 
-    /// Whether a type is declared by a stand-in, with members that nobody knows.
+    /// Returns true if a type is declared by a stand-in, with unknown members.
     pub(super) fn is_made_up(&self, ty: TypeId) -> bool {
         let last = look_through(&self.spec, ty);
         let visit = self.visits.get(self.spec.ty(last).src.visit as usize);
         visit.is_some_and(|it| is_standin(it.path.as_ref()))
     }
 
-    /// Notes what is used of a type that is not known.
+    /// Records the use of a member of an unknown type.
     pub(super) fn lack_member(&mut self, ty: TypeId, rest: &'a [PathStep]) {
         let Some(of) = self.spec.full_name(ty) else {
             return;
@@ -144,7 +144,7 @@ impl<'a> Elaborator<'a> {
         });
     }
 
-    /// Name and scope for a type inside of an unknown one, if that is what was found to be lacking last.
+    /// Name and scope for a type inside of an unknown one, if the last recorded gap was such a type.
     fn inside_unknown(&self) -> Option<(Text, Vec<Scope>)> {
         let Some(Missing::Member { of, path }) = self.spec.gaps.last().map(|it| &it.missing) else {
             return None;

@@ -47,7 +47,7 @@ pub(super) fn unary(op: UnaryOp, value: &Const) -> Option<Const> {
     })
 }
 
-/// Why a binary operation has no value.
+/// The reason why a binary operation has no value.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum BinaryProblem {
     Kinds,

@@ -1,4 +1,4 @@
-//! Parameters of codels and attributes: what they name (language reference, sections 11.1 and 12).
+//! Parameters of codels and attributes: the data they name (language reference, sections 11.1 and 12).
 
 use super::{Access, DefId, DefKind, context::Elaborator, types};
 use crate::finding::role::Role;
@@ -28,7 +28,7 @@ pub(super) fn dir_text(dir: ParamDir) -> &'static str {
     }
 }
 
-/// What a codel does with the data of a parameter.
+/// The access of a codel to the data of a parameter.
 fn codel_access(dir: Dir) -> Access {
     match dir {
         Dir::In => Access::Read,
@@ -37,7 +37,7 @@ fn codel_access(dir: Dir) -> Access {
     }
 }
 
-/// What an attribute does with the ids: `in` is what a client sends (language reference, 11.1).
+/// The access of an attribute to the ids: an `in` parameter is sent by the client (language reference, 11.1).
 fn attribute_access(dir: Dir) -> Access {
     match dir {
         Dir::In => Access::Write,
@@ -46,7 +46,7 @@ fn attribute_access(dir: Dir) -> Access {
     }
 }
 
-/// What the first name of a path means.
+/// The meaning of the first name of a path.
 #[derive(Debug, Clone, Copy)]
 enum Target {
     /// A member of the ids.
@@ -172,7 +172,7 @@ impl<'a> Elaborator<'a> {
         self.ids_param(index, member, &written)
     }
 
-    // What a name means
+    // The meaning of a name
 
     pub(super) fn ids_member(&self, index: u32, name: &str) -> Option<TypeId> {
         let scope = self.components[index as usize].ids?;

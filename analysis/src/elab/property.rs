@@ -1,4 +1,4 @@
-//! Properties: where they are legal, what they hold, how they merge (language reference, section 9).
+//! Properties: legal places, contents and merging (language reference, section 9).
 
 use crate::finding::role::Role;
 use num_rational::Ratio;
@@ -46,7 +46,7 @@ pub(super) fn keyword(kind: &PropertyKind) -> &'static str {
     }
 }
 
-/// Where a property belongs, for messages.
+/// The declaration that a property belongs to, for messages.
 pub(super) fn home(kind: &PropertyKind) -> &'static str {
     match kind {
         PropertyKind::Doc(_) => "anywhere",
@@ -75,7 +75,7 @@ pub(super) fn home(kind: &PropertyKind) -> &'static str {
     }
 }
 
-/// The text of a string expression. The grammar allows nothing else where this is used.
+/// The text of a string expression. The grammar allows only strings here.
 pub(super) fn text(expr: &Expr) -> Option<String> {
     match &expr.kind {
         ExprKind::Str(parts) => Some(parts.iter().map(|(it, _)| string_content(it)).collect()),
@@ -178,7 +178,8 @@ impl<'a> Elaborator<'a> {
         self.error(at, Declaring::LocalOutside { place });
     }
 
-    /// As [`Self::once_in_component`], for what may be repeated in newer releases: the first one counts.
+    /// Like [`Self::once_in_component`], for properties that may be repeated in newer releases: the first one
+    /// counts.
     fn first_in_component(&mut self, index: u32, word: &'static str, value: &str, at: Src) -> bool {
         if self.repeats_first(index, word, value) {
             self.newer(Change::MergedProperties, "a property that is repeated", at);
@@ -187,8 +188,8 @@ impl<'a> Elaborator<'a> {
         self.once_in_component(index, word, at)
     }
 
-    /// Whether a property of a component is given already and may be repeated: languages must then be the
-    /// same.
+    /// Returns true if a property of a component is already given and may be repeated: languages must then be
+    /// equal.
     pub(super) fn repeats_first(&self, index: u32, word: &'static str, value: &str) -> bool {
         let merges = match word {
             "version" | "email" => true,
@@ -207,7 +208,7 @@ impl<'a> Elaborator<'a> {
         first
     }
 
-    /// Notes that a property that does not merge is given; reports it when it was given already.
+    /// Records that a property that does not merge is given; reports it if it was already given.
     pub(super) fn once(
         &mut self,
         given: &mut FxHashMap<&'static str, Src>,
@@ -388,7 +389,7 @@ impl<'a> Elaborator<'a> {
         Some(self.seconds(number, unit, property))
     }
 
-    /// A quantity of time, with the constant that stands for it.
+    /// A quantity of time, with its anonymous constant.
     pub(super) fn seconds(&mut self, number: Seconds, unit: Option<Unit>, src: Src) -> Quantity {
         let value = match unit {
             Some(Unit::Ms) => number / Ratio::from_integer(1_000),
@@ -448,7 +449,7 @@ impl<'a> Elaborator<'a> {
     }
 }
 
-/// Whether a duration is an integer literal with `us` glued to it, which older tools read as an
+/// Returns true if a duration is an integer literal with `us` glued to it, which older tools read as an
 /// unsigned literal and the unit `s` (deviation D29).
 pub(super) fn glued_microseconds(duration: &Duration) -> bool {
     duration.glued
@@ -469,7 +470,7 @@ fn last_integer(expr: &Expr) -> Option<&str> {
     }
 }
 
-/// No documentation grows further: interfaces that import each other twice would double it at every
+/// Maximum length of a documentation in bytes: two interfaces that import each other would double it at every
 /// step.
 const MAX_DOC: usize = 1 << 20;
 
@@ -485,7 +486,7 @@ pub(super) fn join_doc(docs: &mut Option<String>, doc: &str) {
     }
 }
 
-/// Appends what is not there yet.
+/// Appends the elements that the list does not have yet.
 pub(super) fn union<T: PartialEq>(list: &mut Vec<T>, added: impl IntoIterator<Item = T>) {
     for it in added {
         if !list.contains(&it) {

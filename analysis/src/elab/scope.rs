@@ -19,13 +19,13 @@ pub(super) struct ScopeData {
     pub(super) name: Name,
     pub(super) kind: ScopeKind,
     pub(super) parent: Option<ScopeId>,
-    /// Everything declared in it: types, constants, members, states, ports, remotes.
+    /// The declarations in it: types, constants, members, states, ports, remotes.
     pub(super) names: FxHashMap<Name, TypeId>,
     /// The scopes directly inside.
     pub(super) children: FxHashMap<Name, ScopeId>,
-    /// The module, component or type it is the inside of.
+    /// The module, component or type that it belongs to.
     pub(super) def: Option<DefId>,
-    /// The names from the outermost scope down to this one, as types carry them.
+    /// The names from the outermost scope down to this one, as types hold them.
     pub(super) path: Vec<Scope>,
 }
 
@@ -35,14 +35,14 @@ pub(super) struct Scopes {
     all: Vec<ScopeData>,
 }
 
-/// Why a name cannot be declared in a scope.
+/// The reason why a name cannot be declared in a scope.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Clash {
-    /// Something has the name already.
+    /// The name is taken.
     Name(TypeId),
-    /// A module or component of this scope has it.
+    /// A module or component of this scope has the name.
     Scope(ScopeId),
-    /// The scope itself has it.
+    /// The scope itself has the name.
     Enclosing,
 }
 
@@ -68,8 +68,8 @@ impl Scopes {
         &mut self.all[id.0 as usize]
     }
 
-    /// Creates a scope inside `parent`, and makes it known there unless it is `detached` (because
-    /// its name was refused).
+    /// Creates a scope inside `parent`, and adds it there unless it is `detached` (because its name was
+    /// refused).
     pub(super) fn open(
         &mut self,
         parent: ScopeId,
@@ -99,8 +99,8 @@ impl Scopes {
         id
     }
 
-    /// What stands in the way of declaring `name` in `scope`. `opens_scope`: the declaration has an
-    /// inside of its own (a module, struct, union or exception).
+    /// The conflict with declaring `name` in `scope`, if any. `opens_scope`: the declaration has a scope of
+    /// its own (a module, struct, union or exception).
     pub(super) fn clash(&self, scope: ScopeId, name: &Name, opens_scope: bool) -> Option<Clash> {
         let data = self.get(scope);
         if let Some(&previous) = data.names.get(name) {
@@ -113,8 +113,8 @@ impl Scopes {
         (shares_name && (opens_scope || data.kind == ScopeKind::Module)).then_some(Clash::Enclosing)
     }
 
-    /// What the complete path names, seen from `from`: the first enclosing scope in which all of it
-    /// exists wins, unless what it names there is not `wanted`.
+    /// The type object that the complete path names, seen from `from`: the first enclosing scope that
+    /// contains the whole path wins, unless the type object there is not `wanted`.
     pub(super) fn lookup(
         &self,
         from: ScopeId,
@@ -145,8 +145,8 @@ impl Scopes {
         Some((found, through))
     }
 
-    /// The scope that the qualifiers of a path lead to, as far as they can be followed, with the
-    /// number of qualifiers followed. For error messages.
+    /// The scope that the qualifiers of a path lead to, as far as they resolve, with the number of resolved
+    /// qualifiers. For error messages.
     pub(super) fn follow(&self, from: ScopeId, absolute: bool, path: &[&Name]) -> (ScopeId, usize) {
         let Some((_, qualifiers)) = path.split_last() else {
             return (from, 0);

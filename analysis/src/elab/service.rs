@@ -105,7 +105,7 @@ impl<'a> Elaborator<'a> {
         self.container = outer;
     }
 
-    /// Whether a port or remote has the name, which is reported.
+    /// Returns true if a port or remote has the name, and reports it.
     pub(super) fn taken_by_other(&mut self, index: u32, name: &Text, at: Src) -> bool {
         let state = &self.components[index as usize];
         let component = &self.spec.components[index as usize];
@@ -133,7 +133,7 @@ impl<'a> Elaborator<'a> {
         true
     }
 
-    /// Whether the service declared before has this kind; reports it if not.
+    /// Returns true if the service declared before has this kind; reports it otherwise.
     pub(super) fn check_kind(
         &mut self,
         index: u32,
@@ -361,7 +361,7 @@ impl<'a> Elaborator<'a> {
         let said_at = self.src(service.ptr);
         let at = codel.name.as_ref().map_or(property, |it| self.src(it.ptr));
         self.report(
-            // The reference compiler sees it at the service.
+            // The reference compiler reports it at the service.
             Finding::new(kind, said_at).related(at, Role::ThisCodel),
         );
     }
@@ -374,7 +374,7 @@ impl<'a> Elaborator<'a> {
         first
     }
 
-    /// The task that an activity names; reports it when there is none.
+    /// The task that an activity names; a missing one is reported.
     fn task_named(&mut self, index: u32, task: &Name, at: Src) -> Option<u32> {
         let state = &self.components[index as usize];
         let Some(&found) = state.task_by_name.get(&task.text) else {

@@ -1,4 +1,4 @@
-//! The parameters and local variables of services, and how repeated declarations compare (language
+//! The parameters and local variables of services, and the comparison of repeated declarations (language
 //! reference, section 11.4).
 
 use super::{
@@ -15,7 +15,7 @@ use crate::{
     release::Change,
 };
 
-/// A parameter just read, with its definition's place.
+/// A new parameter, with the place of its definition.
 pub(super) struct NewParam {
     pub(super) param: Param,
     pub(super) name_src: Src,
@@ -100,8 +100,8 @@ impl<'a> Elaborator<'a> {
         Some(NewParam { param, name_src })
     }
 
-    /// The type of a parameter or local variable, unless it is something that holds no data: a port, remote
-    /// or event itself.
+    /// The type of a parameter or local variable, unless it is an object without data: a port, remote or
+    /// event.
     fn data_type(&mut self, ty: TypeId, name: &str, at: Src) -> TypeId {
         let special = matches!(
             self.spec.ty(ty).kind,
@@ -113,7 +113,7 @@ impl<'a> Elaborator<'a> {
         if !special || !self.spec.release.has(Change::SpecialParameterTypes) {
             return ty;
         }
-        // What would be said where such a type is accepted.
+        // This error replaces the general one.
         self.retract("not-a-type");
         let kind = Declaring::SpecialParam {
             name: name.into(),
@@ -168,8 +168,8 @@ impl<'a> Elaborator<'a> {
         self.compare_params(index, service, &params, at, None);
     }
 
-    /// Reports where parameters differ from those that the service has. `at` is the second
-    /// declaration; with `import`, problems are reported there.
+    /// Reports parameters that differ from those of the service. `at` is the second declaration; with
+    /// `import`, problems are reported there.
     pub(super) fn compare_params(
         &mut self,
         index: u32,
@@ -248,7 +248,7 @@ impl<'a> Elaborator<'a> {
         })
     }
 
-    /// Adds local variables, or compares them with those of the same name.
+    /// Adds local variables, or compares them with existing ones of the same name.
     pub(super) fn locals(
         &mut self,
         index: u32,
@@ -279,8 +279,8 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// Adds a local variable of the service. `again`: one of the same declaration of
-    /// the service has its name.
+    /// Adds a local variable of the service. `again`: the same declaration of the service already has a
+    /// variable of its name.
     fn add_local(&mut self, index: u32, service: u32, local: Param, src: Src, again: bool) {
         let state = &self.components[index as usize].services[service as usize];
         let known = &self.spec.components[index as usize].services[service as usize];
@@ -292,7 +292,7 @@ impl<'a> Elaborator<'a> {
         let old = &known.params[position];
         let def = state.params.get(position).copied();
         let place = old.src;
-        // A variable that an earlier declaration of the service has may be repeated.
+        // A variable from an earlier declaration of the service may be repeated.
         let same_declaration = again || old.dir != ParamDir::Local;
         if same_declaration {
             let what = if old.dir == ParamDir::Local {

@@ -1,5 +1,5 @@
-//! What an elaboration knows beyond the model: of components, tasks, services and codels as written, and of
-//! what waits for the end of the input.
+//! The state of an elaboration beyond the model: components, tasks, services and codels as written, and the
+//! work that waits for the end of the input.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -10,14 +10,14 @@ use crate::{
     release::{Change, Release},
 };
 
-/// What is known about a component beyond the model.
+/// The state of a component beyond the model.
 #[derive(Debug)]
 pub(super) struct ComponentState<'a> {
     pub(super) def: DefId,
     pub(super) scope: ScopeId,
     /// The scope of paused states.
     pub(super) pause: ScopeId,
-    /// The scope of the ids, once there are some.
+    /// The scope of the ids, once they exist.
     pub(super) ids: Option<ScopeId>,
     /// Properties that do not merge, with the place where they were given.
     pub(super) given: FxHashMap<&'static str, Src>,
@@ -35,18 +35,17 @@ pub(super) struct ComponentState<'a> {
     pub(super) remote_by_name: FxHashMap<Text, u32>,
     /// Names of ports, services and remotes that were refused: their uses are not reported again.
     pub(super) lost: FxHashSet<Text>,
-    /// An interface could not be imported, so any name may be missing.
+    /// True if an interface could not be imported, so that any name may be missing.
     pub(super) incomplete: bool,
-    /// Interfaces whose contents it has, however they came.
+    /// Interfaces whose contents it has, directly or indirectly.
     pub(super) imported: Vec<u32>,
-    /// Interfaces in its `uses`, `extends` and `provides`, and in those of the interfaces it
-    /// imports.
+    /// Interfaces in its `uses`, `extends` and `provides`, and in those of the interfaces it imports.
     pub(super) lists: [Vec<u32>; 3],
     /// Index of its last closing.
     pub(super) closing: Option<usize>,
 }
 
-/// What is known about a task beyond the model.
+/// The state of a task beyond the model.
 #[derive(Debug)]
 pub(super) struct TaskState<'a> {
     pub(super) def: DefId,
@@ -54,11 +53,11 @@ pub(super) struct TaskState<'a> {
     pub(super) given: FxHashMap<&'static str, Src>,
     /// Parallel to the codels of the task.
     pub(super) codels: Vec<CodelSource<'a>>,
-    /// It has codels that were refused, so nothing can be said about what it runs.
+    /// True if it has codels that were refused, so that its state machine is not known.
     pub(super) incomplete: bool,
 }
 
-/// What is known about a service beyond the model.
+/// The state of a service beyond the model.
 #[derive(Debug, Clone)]
 pub(super) struct ServiceState<'a> {
     pub(super) def: DefId,
@@ -100,12 +99,12 @@ pub(super) struct CodelSource<'a> {
     pub(super) kind: CodelKind,
 }
 
-/// The first use of a codel name, which all others must agree with.
+/// The first use of a codel name, with which all others must agree.
 #[derive(Debug)]
 pub(super) struct KnownCodel {
     pub(super) def: DefId,
     pub(super) src: Src,
-    /// `None` when a parameter could not be resolved.
+    /// `None` if a parameter could not be resolved.
     pub(super) signature: Option<Vec<(ParamDir, TypeId)>>,
 }
 
@@ -121,11 +120,11 @@ pub(super) struct PragmaWcet {
     pub(super) unit: Option<Unit>,
 }
 
-/// What is known of newer releases while a unit is read.
+/// The newer releases referred to by a unit.
 #[derive(Debug, Default)]
 pub(super) struct Newer {
-    /// What was used, and where.
+    /// The used changes, with a description and a place for each.
     pub(super) uses: Vec<(Change, &'static str, Src)>,
-    /// The releases that `requires` properties name, and where.
+    /// The releases that `requires` properties name, with their places.
     pub(super) requirements: Vec<(Release, Src)>,
 }

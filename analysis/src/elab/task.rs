@@ -154,7 +154,7 @@ impl<'a> Elaborator<'a> {
                     codel,
                     task: name.text.clone(),
                 };
-                // The reference compiler sees it at the task.
+                // The reference compiler reports it at the task.
                 self.report(Finding::new(kind, said_at).related(at, Role::ThisCodel));
                 self.misplaced_params(index, Owner::Task(task), decl, CodelKind::Fsm);
             }
@@ -188,7 +188,7 @@ impl<'a> Elaborator<'a> {
         first
     }
 
-    /// A delay needs a period, and is shorter.
+    /// A delay needs a period, and must be shorter.
     pub(super) fn check_delay(&mut self, index: u32, task: u32) {
         let given = &self.components[index as usize].tasks[task as usize].given;
         let period_given = given.contains_key("period");

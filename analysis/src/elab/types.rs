@@ -14,10 +14,10 @@ use crate::{
     model::{Missing, Spec, Src, TypeId, TypeKind},
 };
 
-/// Where a type is used, as far as forward declarations are concerned.
+/// The place of use of a type, as far as forward declarations are concerned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Use {
-    /// Its contents must be known.
+    /// The contents of the type must be known.
     Value,
     /// As the element of a sequence or optional.
     Element,
@@ -66,7 +66,7 @@ impl<'a> Elaborator<'a> {
             });
             return self.opaque_type(path, at);
         };
-        // The reference compiler takes whatever has the name.
+        // The reference compiler accepts any type object of the name.
         if matches!(
             self.spec.ty(ty).kind,
             TypeKind::Const { .. }
@@ -119,10 +119,10 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// What a path names, with its references recorded.
+    /// The type object that a path names, with its references recorded.
     pub(super) fn resolve_path(&mut self, path: &'a Path) -> Option<TypeId> {
         let names: Vec<_> = path.segments.iter().map(|it| &it.text).collect();
-        // Members are found by paths into values only, and hide nothing.
+        // Members are found only by paths into values, and hide no other name.
         let wanted = |ty: TypeId| {
             !matches!(
                 self.spec.ty(ty).kind,
@@ -143,7 +143,7 @@ impl<'a> Elaborator<'a> {
         Some(ty)
     }
 
-    /// Reports a path that names nothing. `types`: a type is wanted, not a constant.
+    /// Reports a path that names nothing. `types`: a type is expected, not a constant.
     pub(super) fn report_unresolved(&mut self, path: &Path, types: bool) {
         let names: Vec<_> = path.segments.iter().map(|it| &it.text).collect();
         let Some(last) = path.segments.last() else {
@@ -253,7 +253,7 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// The size of an array or a bound, with a warning when it is zero. `None` if it is not known, which was
+    /// The size of an array or a bound, with a warning if it is zero. `None` if it is not known, which was
     /// reported.
     fn size(&mut self, expr: &'a Expr, what: &'static str) -> Option<u64> {
         let at = self.src(expr.ptr);
@@ -268,7 +268,7 @@ impl<'a> Elaborator<'a> {
     }
 }
 
-/// The largest size of an array and largest bound that the reference compiler takes.
+/// The largest size of an array and largest bound that the reference compiler accepts.
 const LARGEST_SIZE: u64 = i32::MAX as u64;
 
 fn base_kind(base: BaseType) -> TypeKind {
@@ -319,14 +319,14 @@ pub(crate) fn member_named(spec: &Spec, ty: TypeId, name: &str) -> Option<TypeId
         .find(|it| spec.ty(*it).name.as_deref() == Some(name))
 }
 
-/// Whether two types are equal: aliases do not count, structs compare by their members. An unknown
-/// type equals everything, as the error about it was reported.
+/// Returns true if two types are equal: aliases do not count, structs compare by their members. An unknown
+/// type equals everything, since its error was reported.
 pub(crate) fn equal(spec: &Spec, a: TypeId, b: TypeId) -> bool {
     equal_parts(spec, a, b, &mut FxHashSet::default())
 }
 
-/// Pairs of composite types that are equal unless a difference is found elsewhere. Each is compared
-/// once, however often it occurs.
+/// Pairs of composite types that are equal unless a difference is found elsewhere. Each pair is compared only
+/// once.
 type Seen = FxHashSet<(TypeId, TypeId)>;
 
 fn equal_parts(spec: &Spec, a: TypeId, b: TypeId, seen: &mut Seen) -> bool {
@@ -412,8 +412,8 @@ fn equal_parts(spec: &Spec, a: TypeId, b: TypeId, seen: &mut Seen) -> bool {
     }
 }
 
-/// Elements may be forward declarations, through which types can be recursive: these compare by
-/// name, before aliases are looked through.
+/// Elements may be forward declarations, through which types can be recursive: these compare by name, before
+/// aliases are resolved.
 fn equal_element(spec: &Spec, a: TypeId, b: TypeId, seen: &mut Seen) -> bool {
     match (forward_target(spec, a), forward_target(spec, b)) {
         (None, None) => equal_parts(spec, a, b, seen),
@@ -424,7 +424,7 @@ fn equal_element(spec: &Spec, a: TypeId, b: TypeId, seen: &mut Seen) -> bool {
     }
 }
 
-/// What a completed forward declaration stands for.
+/// The completion of a forward declaration.
 fn forward_target(spec: &Spec, ty: TypeId) -> Option<TypeId> {
     match spec.ty(ty).kind {
         TypeKind::ForwardStruct { definition } | TypeKind::ForwardUnion { definition } => {
@@ -435,7 +435,7 @@ fn forward_target(spec: &Spec, ty: TypeId) -> Option<TypeId> {
     }
 }
 
-/// Whether a type is or holds a native type.
+/// Returns true if a type is or holds a native type.
 pub(crate) fn has_native(spec: &Spec, ty: TypeId) -> bool {
     fn search(spec: &Spec, ty: TypeId, seen: &mut FxHashSet<TypeId>) -> bool {
         let ty = spec.resolve_alias(ty);
@@ -458,7 +458,7 @@ pub(crate) fn has_native(spec: &Spec, ty: TypeId) -> bool {
     search(spec, ty, &mut FxHashSet::default())
 }
 
-/// The name by which messages call a type.
+/// The name of a type in messages.
 pub(crate) fn display(spec: &Spec, ty: TypeId) -> String {
     let data = spec.ty(ty);
     match &data.kind {

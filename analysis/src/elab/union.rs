@@ -96,7 +96,7 @@ impl<'a> Elaborator<'a> {
                 | TypeKind::Enum { .. }
                 | TypeKind::Unknown
         );
-        // What the grammar does not allow here was reported as a syntax error.
+        // Types that the grammar does not allow here were reported as a syntax error.
         if fits || !matches!(switch.kind, TypeRefKind::Named(_)) {
             return ty;
         }
@@ -190,7 +190,7 @@ impl<'a> Elaborator<'a> {
     }
 }
 
-/// Whether two labels are the same; a character may be written in single or double quotes.
+/// Returns true if two labels are equal; a character may be written in single or double quotes.
 fn same_label(a: &Label, b: &Label) -> bool {
     fn text(label: &Label) -> Option<&str> {
         match label {

@@ -8,8 +8,8 @@ use crate::model::{Seconds, TypeId};
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Const {
     Bool(bool),
-    /// `signed: false` with a negative value is the complement of an unsigned number, which takes
-    /// the width of the type it is converted to.
+    /// `signed: false` with a negative value is the complement of an unsigned number. It takes the width of
+    /// the type it is converted to.
     Int {
         value: i128,
         signed: bool,
@@ -30,7 +30,7 @@ impl Const {
         }
     }
 
-    /// What the value is, with an article.
+    /// The kind of the value, with an article.
     pub(super) fn describe(&self) -> &'static str {
         match self {
             Self::Bool(_) => "a boolean",
@@ -86,10 +86,10 @@ impl Const {
     }
 }
 
-/// No time or size is larger; it keeps exact arithmetic from overflowing.
+/// Larger than any time or size; keeps exact arithmetic from overflowing.
 const LIMIT: i128 = 1_000_000_000_000_000_000;
 
-/// The rational number that the shortest decimal text of a float stands for: 0.005 is 1/200.
+/// The rational number for the shortest decimal text of a float: 0.005 is 1/200.
 pub(super) fn exact(value: f64) -> Seconds {
     if !value.is_finite() {
         return Ratio::from_integer(if value.is_sign_negative() {
@@ -116,7 +116,7 @@ pub(super) fn exact(value: f64) -> Seconds {
     } else if power >= -30 {
         Ratio::new(digits, 10i128.pow(-power as u32))
     } else if power >= -48 {
-        // Beyond 30 decimals the rest does not matter.
+        // Beyond 30 decimals the rest is negligible.
         Ratio::new(digits / 10i128.pow((-power - 30) as u32), 10i128.pow(30))
     } else {
         Ratio::from_integer(0)

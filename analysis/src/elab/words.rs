@@ -1,4 +1,4 @@
-//! Words for what declarations are and name.
+//! Words for declarations and type objects.
 
 use crate::{
     item_tree::Path,
@@ -17,7 +17,7 @@ pub(super) fn path_text(path: &Path) -> String {
     text
 }
 
-/// What a type object is, with an article: "a constant".
+/// The kind of a type object, with an article: "a constant".
 pub(super) fn describe(spec: &Spec, ty: TypeId) -> &'static str {
     match &spec.ty(ty).kind {
         TypeKind::Enum { .. } => "an enum",

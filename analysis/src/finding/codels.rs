@@ -1,4 +1,4 @@
-//! Findings about codels: their parameters, states and what runs beside them.
+//! Findings about codels: their parameters, states and concurrency.
 
 use std::fmt;
 
@@ -14,7 +14,7 @@ use crate::{
 pub struct OwnerName {
     /// `task`, `attribute`, `function` or `activity`.
     pub kind: &'static str,
-    /// Its name.
+    /// The name.
     pub name: Name,
 }
 
@@ -144,7 +144,7 @@ findings! {
 }
 
 impl Using {
-    /// What mends it, the best first, made from the text around.
+    /// The fixes, the best first, made from the text around.
     pub(crate) fn fixes(&self, here: &FixSite<'_>) -> Vec<TextFix> {
         match self {
             Using::PausedEther => vec![here.replace("ether").plain()],

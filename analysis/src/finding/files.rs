@@ -1,4 +1,4 @@
-//! Findings about files and what of them is read.
+//! Findings about files and the parts of them that are read.
 
 use dotgen_syntax::findings;
 
@@ -8,7 +8,7 @@ use crate::{
 };
 
 findings! {
-    /// A file that cannot be read as it should be.
+    /// A problem with reading a file.
     pub enum Reading {
         "pp-input" NoFile => "no such file";
         "pp-input" Directory => "this is a directory, not a specification";
@@ -27,7 +27,7 @@ findings! {
 }
 
 impl Reading {
-    /// What mends it, made from the text around.
+    /// The fixes, made from the text around.
     pub(crate) fn fixes(&self, _: &FixSite<'_>) -> Vec<TextFix> {
         Vec::new()
     }

@@ -1,4 +1,4 @@
-//! Findings that no compiler gives: see [`crate::lint`].
+//! Findings that the reference compiler does not report: see [`crate::lint`].
 
 use std::fmt;
 
@@ -10,12 +10,12 @@ use crate::{
     model::{Name, Seconds},
 };
 
-/// A codel and whose it is.
+/// A codel and its owner.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct CodelName {
-    /// Its name.
+    /// The name.
     pub name: Name,
-    /// Its task or service.
+    /// The task or service.
     pub owner: OwnerName,
 }
 
@@ -50,7 +50,7 @@ impl fmt::Display for Share {
 pub struct Names(pub Vec<Name>);
 
 impl Names {
-    /// The verb that fits their number.
+    /// The verb form for their number.
     fn verb(&self, one: &'static str, many: &'static str) -> &'static str {
         if self.0.len() == 1 { one } else { many }
     }
@@ -70,7 +70,7 @@ impl fmt::Display for Names {
     }
 }
 
-/// Names with the verb that says that something comes late.
+/// Names with a verb, for late codels.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Late(pub Names);
 
@@ -100,7 +100,7 @@ impl fmt::Display for Untimed {
     }
 }
 
-/// States or services in a circle, shown as `a → b → a`.
+/// States or services in a cycle, shown as `a → b → a`.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Round(pub Vec<Name>);
 
@@ -113,7 +113,7 @@ impl fmt::Display for Round {
     }
 }
 
-/// Codels one after the other with their times, shown as `f 1 ms + g 2 ms`.
+/// Consecutive codels with their times, shown as `f 1 ms + g 2 ms`.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Chain(pub Vec<(Name, Option<Time>)>);
 
@@ -132,7 +132,7 @@ impl fmt::Display for Chain {
 }
 
 findings! {
-    /// Something legal that its author would want to know.
+    /// Legal text that is probably a mistake.
     pub enum Noticing {
         "port/never-read" PortNeverRead { name: Name } => "no codel reads the input port `{name}`";
         "port/never-written" PortNeverWritten { name: Name }
@@ -249,7 +249,7 @@ findings! {
 }
 
 impl Noticing {
-    /// What mends it, the best first, made from the text around.
+    /// The fixes, the best first, made from the text around.
     pub(crate) fn fixes(&self, here: &FixSite<'_>) -> Vec<TextFix> {
         match self {
             Noticing::BusyLoop { .. } => here.pause_somewhere(),

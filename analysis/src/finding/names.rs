@@ -1,4 +1,4 @@
-//! Findings about names: declared twice, not at all, or as something else.
+//! Findings about names: declared twice, not declared, or used as something else.
 
 use std::fmt;
 
@@ -9,7 +9,7 @@ use crate::{
     model::Name,
 };
 
-/// What a name should stand for.
+/// The expected kind of a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[allow(missing_docs, reason = "the words of the language")]
 pub enum Noun {
@@ -28,12 +28,12 @@ impl fmt::Display for Noun {
     }
 }
 
-/// Where the first part of a path was looked for.
+/// The scopes searched for the first part of a path.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Inside {
-    /// In the scopes around.
+    /// The enclosing scopes.
     Here,
-    /// In the scope that the part before names.
+    /// The scope named by the part before.
     Scope(Name),
 }
 
@@ -47,7 +47,7 @@ impl fmt::Display for Inside {
 }
 
 findings! {
-    /// A name that is declared twice, not at all, or as something else.
+    /// A name that is declared twice, not declared, or used as something else.
     pub enum Naming {
         "name-clash" Clash { name: Name, what: &'static str }
             => "`{name}` is already declared in this scope, as {what}";
@@ -135,7 +135,7 @@ impl Naming {
         }
     }
 
-    /// What mends it, the best first, made from the text around.
+    /// The fixes, the best first, made from the text around.
     pub(crate) fn fixes(&self, here: &FixSite<'_>) -> Vec<TextFix> {
         match self {
             Naming::ThrownTwice { .. } => {

@@ -1,4 +1,4 @@
-//! What a place has to do with a finding, as data.
+//! The role of a place that is related to a finding, as data.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use super::codels::OwnerName;
 use super::lints::{CodelName, Share};
 use crate::model::Name;
 
-/// What is at a place that is related to a finding.
+/// The role of a related place.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 #[allow(missing_docs, reason = "its words say what each is")]
 pub enum Role {
@@ -52,7 +52,7 @@ pub enum Role {
     OldValue,
     Interrupting,
     NoTime,
-    /// The service by which one gets from a service back to itself.
+    /// The service that closes a cycle of services.
     InCircle(Name),
     WrittenBy(CodelName),
     SetBy(OwnerName),
@@ -72,9 +72,9 @@ pub enum Role {
         task: Name,
         share: Share,
     },
-    /// What a name means there.
+    /// The kind of a name at the place.
     Is(Name),
-    /// A parameter can mean this.
+    /// A possible meaning of a parameter.
     Meaning(&'static str),
     /// A codel that shares data.
     Sharing {
@@ -82,7 +82,7 @@ pub enum Role {
         owner: OwnerName,
     },
     Attribute(Name),
-    /// The task or service that something belongs to, by its kind.
+    /// The owning task or service, by its kind.
     Owner(&'static str),
 }
 

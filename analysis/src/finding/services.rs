@@ -24,7 +24,7 @@ impl fmt::Display for ImportedBy {
 }
 
 findings! {
-    /// A declaration of a component that does not fit.
+    /// An invalid declaration in a component.
     pub enum Declaring {
         "prop-duplicate" PropertyTwice { word: &'static str }
             => "`{word}` is given twice", "keep one of them";
@@ -136,7 +136,7 @@ findings! {
 }
 
 impl Declaring {
-    /// What mends it, the best first, made from the text around.
+    /// The fixes, the best first, made from the text around.
     pub(crate) fn fixes(&self, here: &FixSite<'_>) -> Vec<TextFix> {
         let fix = match self {
             Declaring::ListedTwice { .. } => here.remove_part().map(TextFix::plain),

@@ -1,10 +1,10 @@
-//! What mends findings of the lexer, the preprocessor and the parser.
+//! The fixes for findings of the lexer, the preprocessor and the parser.
 
 use dotgen_syntax::{SyntaxError, finding::preprocessing::Preprocessing};
 
 use crate::fixes::{FixSite, TextFix, missing_brace};
 
-/// What mends a finding of the lexer or preprocessor.
+/// The fixes for a finding of the lexer or preprocessor.
 pub(super) fn preprocessing(it: &Preprocessing, here: &FixSite<'_>) -> Vec<TextFix> {
     match it {
         Preprocessing::Stray { .. } | Preprocessing::Control { .. } => vec![here.remove().plain()],
@@ -14,7 +14,7 @@ pub(super) fn preprocessing(it: &Preprocessing, here: &FixSite<'_>) -> Vec<TextF
     }
 }
 
-/// What mends a finding of the parser.
+/// The fixes for a finding of the parser.
 pub(super) fn parsing(it: &SyntaxError, here: &FixSite<'_>) -> Vec<TextFix> {
     let fix = match &it.repair {
         _ if it.missing.is_some() => missing_brace(here.root, it),

@@ -9,7 +9,7 @@ use crate::{
     model::Name,
 };
 
-/// What a value was written for.
+/// The purpose of a value.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Purpose {
     /// The constant of this name.
@@ -30,7 +30,7 @@ impl fmt::Display for Purpose {
     }
 }
 
-/// So many of something.
+/// A number of things, with their noun.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Count(pub usize, pub &'static str);
 
@@ -42,7 +42,7 @@ impl fmt::Display for Count {
 }
 
 findings! {
-    /// A value that cannot be, or does not fit where it stands.
+    /// An invalid value, or one that does not fit its place.
     pub enum Valuing {
         "octal-digit" OctalDigit { text: Name, value: i128 }
             => "`{text}` starts with 0, so it is read as octal, and ends at the first 8 or 9: its \
@@ -148,7 +148,7 @@ findings! {
 }
 
 impl Valuing {
-    /// What mends it, the best first, made from the text around.
+    /// The fixes, the best first, made from the text around.
     pub(crate) fn fixes(&self, here: &FixSite<'_>) -> Vec<TextFix> {
         match self {
             Valuing::GluedUnit => here.part_unit().into_iter().collect(),

@@ -1,4 +1,4 @@
-//! Braces that are missing, put where their author would write them.
+//! Missing braces, inserted at their usual places.
 
 use dotgen_syntax::{SyntaxError, SyntaxKind, SyntaxNode, SyntaxToken, TextRange, TextSize};
 
@@ -6,7 +6,7 @@ use crate::diagnostic::FixKind;
 
 use super::{TextFix, indent_of};
 
-/// The fix of a syntax error that says which brace is missing.
+/// The fix of a syntax error with a missing brace.
 pub(crate) fn missing_brace(root: &SyntaxNode, error: &SyntaxError) -> Option<TextFix> {
     let brace = error.missing?;
     // At the end of the file the last token is reported.
@@ -18,7 +18,7 @@ pub(crate) fn missing_brace(root: &SyntaxNode, error: &SyntaxError) -> Option<Te
     let (at, text) = match brace {
         "{" => (before.text_range().end(), " {".to_owned()),
         "};" => end_of_body(root, error, &before, here)?,
-        // What goes on behind it is there: `;`, or a name.
+        // The text after it is there: `;`, or a name.
         _ if starts_name(root, here) => (here, format!("{brace} ")),
         _ => (here, brace.to_owned()),
     };
@@ -29,7 +29,7 @@ pub(crate) fn missing_brace(root: &SyntaxNode, error: &SyntaxError) -> Option<Te
     })
 }
 
-/// The last token before a place that is neither blank nor comment.
+/// The last token before a place that is not a blank or comment.
 pub(super) fn token_before(root: &SyntaxNode, at: TextSize) -> Option<SyntaxToken> {
     let mut token = root.token_at_offset(at).left_biased();
     while let Some(it) = token {
@@ -47,8 +47,8 @@ fn starts_name(root: &SyntaxNode, at: TextSize) -> bool {
     token.is_some_and(|it| it.kind() == SyntaxKind::IDENT)
 }
 
-/// `};` on a line of its own, under the beginning of the declaration, behind the comment of the line before;
-/// or on that line, when the body is on one.
+/// `};` on a line of its own, at the indentation of the declaration, behind the comment of the line before;
+/// or on that line, if the body is on one line.
 fn end_of_body(
     root: &SyntaxNode,
     error: &SyntaxError,

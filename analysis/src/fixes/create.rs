@@ -1,4 +1,4 @@
-//! Declarations of what is used and declared nowhere, each at the place that the order of the file suggests.
+//! Declarations of names that are used but not declared, each at the place that fits the order of the file.
 
 use dotgen_syntax::{
     SyntaxKind, SyntaxNode, SyntaxToken, TextRange, TextSize,
@@ -10,7 +10,7 @@ use crate::diagnostic::FixKind;
 use super::{FixSite, TextFix, end_of, indent_of, starts_line};
 
 impl FixSite<'_> {
-    /// `Declare exception …`, which says nothing of members.
+    /// `Declare exception …`, without members.
     pub(crate) fn declare_exception(&self, name: &str) -> Option<TextFix> {
         self.declare(name, SyntaxKind::EXCEPTION_DECL, |name| {
             (
@@ -30,12 +30,12 @@ impl FixSite<'_> {
         })
     }
 
-    /// `Declare port …`, in the direction in which it is used, with a type of its own in front of the
-    /// component: the type of a port must have a name. What it stands for is a guess.
+    /// `Declare port …`, in the direction of its use. Its type gets a declaration of its own before the
+    /// component, since the type of a port must have a name. The definition of that type is a guess.
     pub(crate) fn declare_port(&self, name: &str) -> Option<TextFix> {
         let param: ast::PathParam = self.node(self.range)?;
         let codel = param.syntax().ancestors().find_map(ast::Codel::cast)?;
-        // Codels without states have no ports, and a word of the language is a slip.
+        // Codels without states have no ports, and a word of the language is a typing mistake.
         if codel.triggers().is_none() || is_word(name) {
             return None;
         }
@@ -66,7 +66,7 @@ impl FixSite<'_> {
         Some(fix)
     }
 
-    /// `Declare activity …`, in the last task before it, or `Declare function …`, where there is no task.
+    /// `Declare activity …`, in the last task before it, or `Declare function …`, if there is no task.
     pub(crate) fn declare_service(&self, name: &str) -> Option<TextFix> {
         let item = self.item_of_component()?;
         let mut before = std::iter::successors(item.prev_sibling(), SyntaxNode::prev_sibling);
@@ -86,14 +86,14 @@ impl FixSite<'_> {
         })
     }
 
-    /// `Declare struct …`, with the members that are used of what has that type, in front of the component.
-    /// Their types are a guess.
+    /// `Declare struct …` before the component, with the members that are used of data of that type. Their
+    /// types are a guess.
     pub(crate) fn declare_type(&self, name: &str) -> Option<TextFix> {
         let token = self.token_at(self.range)?;
         if self.broken || !is_name(name) || is_word(name) {
             return None;
         }
-        // A default value that is a number is none of a struct.
+        // The type of a numeric default value is not a struct.
         let param = self.node::<ast::TypedParam>(self.range);
         if param
             .and_then(|it| it.initializer())
@@ -101,13 +101,13 @@ impl FixSite<'_> {
         {
             return None;
         }
-        // Half a path leads elsewhere.
+        // A partial path has another meaning.
         let next = std::iter::successors(token.next_token(), SyntaxToken::next_token);
         let next = next.into_iter().find(|it| !it.kind().is_trivia());
         if next.is_some_and(|it| it.text().starts_with(':')) {
             return None;
         }
-        // Types that several components share stand outside of them; what is in a module stays there.
+        // Types that several components share are declared outside of them; types in a module stay there.
         let item = token.parent_ancestors().find(|it| {
             let around = it.parent().filter(|it| ast::Body::can_cast(it.kind()));
             let owner = around.and_then(|it| it.parent());
@@ -146,8 +146,8 @@ impl FixSite<'_> {
         )
     }
 
-    /// A declaration behind the last of its kind before the use in the same body, else in front of what uses
-    /// it.
+    /// A declaration behind the last one of its kind before the use in the same body, otherwise before the
+    /// item that uses it.
     fn declare(
         &self,
         name: &str,
@@ -155,7 +155,7 @@ impl FixSite<'_> {
         text: impl Fn(&str) -> (String, String),
     ) -> Option<TextFix> {
         let item = self.item_of_component()?;
-        // A path has to be declared where it leads, and that is not here.
+        // A path must be declared in its scope, which is not here.
         if self.broken || !is_name(name) {
             return None;
         }
@@ -198,7 +198,7 @@ impl FixSite<'_> {
     }
 }
 
-/// Members of a type that an item uses, in order: of all that is declared with it there.
+/// Members of a type that an item uses, in order, for all data declared with that type in it.
 fn members_of(item: &SyntaxNode, ty: &str) -> Vec<String> {
     let text = |it: &SyntaxNode| it.text().to_string().trim().to_owned();
     let is_ty = |it: &Option<ast::TypeSpec>| it.as_ref().is_some_and(|it| text(it.syntax()) == ty);
@@ -226,7 +226,7 @@ fn members_of(item: &SyntaxNode, ty: &str) -> Vec<String> {
     out
 }
 
-/// Where an item begins with the comments that stand right in front of it.
+/// The start of an item, including the comments right before it.
 fn before_comments(item: &SyntaxNode) -> Option<TextSize> {
     let tokens = item.descendants_with_tokens();
     let mut tokens = tokens.filter_map(|it| it.into_token());
@@ -249,7 +249,7 @@ fn before_comments(item: &SyntaxNode) -> Option<TextSize> {
     Some(at)
 }
 
-/// Whether the language has it as a word.
+/// Returns true for a word of the language.
 fn is_word(text: &str) -> bool {
     SyntaxKind::spellings().iter().any(|it| it.1 == text)
 }

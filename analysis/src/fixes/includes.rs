@@ -5,10 +5,10 @@ use dotgen_syntax::near::nearest;
 
 use crate::loader::Loader;
 
-/// Entries of a directory that are looked at.
+/// Maximum number of directory entries to compare.
 const MOST_ENTRIES: usize = 2000;
 
-/// The file that a path most likely stands for, in the first of the directories that has one.
+/// The file nearest to a path, in the first of the directories that has one.
 pub(crate) fn near_include<'d>(
     loader: &dyn Loader,
     directories: impl IntoIterator<Item = &'d Utf8Path>,
@@ -20,7 +20,7 @@ pub(crate) fn near_include<'d>(
         .filter(|it| it != path)
 }
 
-/// A path below a directory, with the parts that are not there replaced by the nearest ones that are.
+/// A path below a directory, with missing parts replaced by the nearest existing ones.
 fn below(loader: &dyn Loader, directory: &Utf8Path, path: &str) -> Option<String> {
     let mut here: Utf8PathBuf = directory.to_owned();
     let mut out: Vec<String> = Vec::new();

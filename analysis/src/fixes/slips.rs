@@ -1,4 +1,4 @@
-//! Slips of the pen: what was meant is plain, and a word or a character away.
+//! Typing mistakes: the intention is clear, and a word or a character away.
 
 use dotgen_syntax::{SyntaxNode, TextRange, TextSize, ast, ast::AstNode, parser::Repair};
 
@@ -7,7 +7,7 @@ use crate::diagnostic::FixKind;
 use super::{FixSite, TextFix, braces::token_before, end_of, with_comma};
 
 impl FixSite<'_> {
-    /// What the grammar knows to make the text fit.
+    /// The repair from the grammar.
     pub(crate) fn repair(&self, repair: &Repair) -> TextFix {
         let text = repair.text.as_str();
         let shown = text.trim();
@@ -23,7 +23,7 @@ impl FixSite<'_> {
         }
     }
 
-    /// The state `start` for a codel without one, the name of which is related.
+    /// Adds the state `start` to a codel without states; the codel's name is the related place.
     pub(crate) fn add_first_state(&self) -> Option<TextFix> {
         let at = *self.related.first()?;
         let codel: ast::CodelProperty = self.node(at)?;
@@ -35,7 +35,7 @@ impl FixSite<'_> {
             .then(|| insert(keyword.text_range().end(), "<start>"))
     }
 
-    /// A blank between a number and its unit.
+    /// Inserts a blank between a number and its unit.
     pub(crate) fn part_unit(&self) -> Option<TextFix> {
         let text = self.text(self.range);
         let number = text.find(|it: char| it.is_ascii_alphabetic());
@@ -48,7 +48,7 @@ impl FixSite<'_> {
         })
     }
 
-    /// The word `wcet` before an execution time.
+    /// Inserts the word `wcet` before an execution time.
     pub(crate) fn add_wcet_word(&self) -> TextFix {
         TextFix {
             kind: FixKind::Choice,
@@ -57,7 +57,7 @@ impl FixSite<'_> {
         }
     }
 
-    /// Another text in the place of this one.
+    /// Replaces the text by another one.
     pub(crate) fn replace(&self, text: &str) -> TextFix {
         TextFix {
             kind: FixKind::Guess,
@@ -66,12 +66,12 @@ impl FixSite<'_> {
         }
     }
 
-    /// Takes out what is here.
+    /// Removes the text.
     pub(crate) fn remove(&self) -> TextFix {
         remove(self.range, &self.text(self.range))
     }
 
-    /// Takes out what is here, which cannot be shown.
+    /// Removes the text, with a title that does not show it.
     pub(crate) fn remove_as(&self, title: &str) -> TextFix {
         TextFix {
             kind: FixKind::Guess,
@@ -80,7 +80,7 @@ impl FixSite<'_> {
         }
     }
 
-    /// Takes a part of a list out.
+    /// Removes a part of a list.
     pub(crate) fn remove_part(&self) -> Option<TextFix> {
         let part = self.part(self.range)?;
         Some(remove(with_comma(&part), &self.text(self.range)))
@@ -93,7 +93,7 @@ impl FixSite<'_> {
         self.add_property(service.syntax(), &property, format!("Add `{property}`"))
     }
 
-    /// Gives an activity the codel with which it begins.
+    /// Adds the first codel of an activity.
     pub(crate) fn add_start(&self) -> Option<TextFix> {
         let service = self.node::<ast::Service>(self.range)?;
         let name = self.text(self.range);
@@ -103,7 +103,7 @@ impl FixSite<'_> {
         self.add_property(service.syntax(), &property, title)
     }
 
-    /// The outermost node that is just what a range covers.
+    /// The outermost node that covers exactly a range.
     fn part(&self, range: TextRange) -> Option<SyntaxNode> {
         let around = self.token_at(range)?.parent_ancestors();
         let same =

@@ -1,9 +1,9 @@
-//! Repairs of syntax errors that are found by trying: small changes around an error are made in turn, and
-//! those after which the text parses best are kept.
+//! Repairs of syntax errors that are found by trial: small changes around an error are tried in turn, and the
+//! changes with the fewest remaining errors are kept.
 //!
-//! The grammar knows a repair where one follows from what it expects ([`dotgen_syntax::parser::Repair`]).
-//! Where it does not, the slips of the pen are few: a character that is missing, doubled or another one, two
-//! words in the wrong order, a word too much. All of them are tried, the likeliest first.
+//! The grammar itself knows a repair if it follows from the expected token
+//! ([`dotgen_syntax::parser::Repair`]). The other common mistakes are few: a missing, doubled or wrong
+//! character, two words in the wrong order, a superfluous word. All of them are tried, the most likely first.
 
 use std::ops::Range;
 
@@ -17,19 +17,19 @@ use dotgen_syntax::{
 use super::TextFix;
 use crate::{codes::is_environment, diagnostic::FixKind, source_map::text_range};
 
-/// Longer texts are not tried: each trial parses all of it.
+/// Maximum length of a text in bytes: each trial parses all of it.
 const MOST_BYTES: usize = 128 * 1024;
 
-/// Repairs that are kept for an error.
+/// Maximum number of repairs for an error.
 const MOST_KEPT: usize = 4;
 
-/// Tokens in front of an error at which something may be wrong.
+/// Number of tokens before an error that are candidates.
 const BEFORE: usize = 2;
 
-/// Tokens from an error on at which something may be wrong.
+/// Number of tokens from an error onwards that are candidates.
 const BEHIND: usize = 2;
 
-/// What is often left out, with the side of the error on which it is looked for first.
+/// Tokens that are often left out, with the side of the error that is tried first.
 const INSERTED: [&str; 11] = [
     ";",
     ",",
@@ -44,14 +44,14 @@ const INSERTED: [&str; 11] = [
     "codel<start> ",
 ];
 
-/// Marks that are taken for one another.
+/// Marks that are often confused.
 const MARKS: [&str; 12] = [";", ",", ":", "::", ".", "(", ")", "[", "]", "{", "}", ">"];
 
-/// A change that is tried.
+/// A change to try.
 struct Trial {
     title: String,
     edits: Vec<(Range<usize>, String)>,
-    /// The lower, the likelier.
+    /// Lower is more likely.
     cost: u32,
 }
 
@@ -85,7 +85,7 @@ pub(crate) fn repairs(text: &str, at: TextRange) -> Vec<TextFix> {
     kept.into_iter().map(fix).collect()
 }
 
-/// Number of errors of the lexer, the preprocessor and the parser, without what is included.
+/// Number of errors of the lexer, the preprocessor and the parser, without those in included files.
 fn errors_in(text: &str) -> usize {
     let raw = lex(text);
     let read = preprocess(&"".into(), text, &raw, MacroEnv::default(), &mut NoIncludes);
@@ -107,7 +107,7 @@ fn applied(text: &str, edits: &[(Range<usize>, String)]) -> String {
 struct Window<'t> {
     text: &'t str,
     raw: RawTokens,
-    /// Numbers of tokens that are no trivia, in order.
+    /// Indexes of tokens that are not trivia, in order.
     tokens: Vec<usize>,
     /// Index into `tokens` of the one at the error.
     at: usize,
@@ -131,7 +131,8 @@ impl Window<'_> {
         self.at.saturating_sub(BEFORE).min(end)..end
     }
 
-    /// The likelihood of a mistake at a token: the error itself, what is in front of it, what is behind.
+    /// The distance of a token from the error. It is 0 at the error itself; at equal distance, tokens before
+    /// the error are nearer than those after it.
     fn distance(&self, number: usize) -> u32 {
         let far = number.abs_diff(self.at) as u32;
         2 * far + u32::from(number > self.at)
@@ -165,7 +166,7 @@ fn trials(text: &str, at: TextRange) -> Vec<Trial> {
     out
 }
 
-/// What stands there is too much: a mark, a word, or all that the error is about.
+/// Removals: a mark, a word, or the whole range of the error.
 fn removals(window: &Window<'_>, at: TextRange, out: &mut Vec<Trial>) {
     let mut remove = |range: Range<usize>, cost: u32| {
         let title = format!("Remove `{}`", window.text[range.clone()].trim());
@@ -200,7 +201,7 @@ fn removals(window: &Window<'_>, at: TextRange, out: &mut Vec<Trial>) {
     }
 }
 
-/// One mark in the place of another, one kind of quotes in the place of the other, a mark of comments.
+/// Replacements of one mark by another, one kind of quotes by the other, or comment marks.
 fn replacements(window: &Window<'_>, out: &mut Vec<Trial>) {
     for number in window.around() {
         let (range, token) = (window.range(number), window.token(number));
@@ -235,7 +236,7 @@ fn replacements(window: &Window<'_>, out: &mut Vec<Trial>) {
     }
 }
 
-/// Whether two marks look alike or stand in like places.
+/// Returns true if two marks look similar or are used in similar places.
 fn is_like(a: &str, b: &str) -> bool {
     const LIKE: [&[&str]; 4] = [
         &[";", ":", ","],
@@ -246,13 +247,13 @@ fn is_like(a: &str, b: &str) -> bool {
     LIKE.iter().any(|all| all.contains(&a) && all.contains(&b))
 }
 
-/// Something is missing in front of the error, or of the token before it.
+/// Insertions before the error, or before the token before it.
 fn insertions(window: &Window<'_>, out: &mut Vec<Trial>) {
     for number in window.around().skip(1).take(BEFORE) {
         let behind = window.range(number - 1).end;
         let before = window.range(number).start;
         for (rank, what) in (0u32..).zip(INSERTED) {
-            // A word stands in front of what it belongs to, a mark behind what it ends.
+            // A word goes before the text it belongs to, a mark after the text it ends.
             let is_word = what.ends_with(' ');
             if is_word && window.is_mark(number) {
                 continue;
@@ -268,8 +269,8 @@ fn insertions(window: &Window<'_>, out: &mut Vec<Trial>) {
     }
 }
 
-/// Two neighbours in the wrong order, one word in two pieces, and the length of an array in front of the
-/// name.
+/// Exchanges: two neighbours in the wrong order, one word in two pieces, and the length of an array before
+/// the name.
 fn orders(window: &Window<'_>, out: &mut Vec<Trial>) {
     for first in window.around() {
         let Some(second) = Some(first + 1).filter(|it| *it < window.tokens.len()) else {
@@ -314,7 +315,7 @@ fn orders(window: &Window<'_>, out: &mut Vec<Trial>) {
     }
 }
 
-/// Habits from C: a pointer to characters, `typedef` in front of a structure, a comment that does not end.
+/// Constructs of C: a pointer to characters, `typedef` before a structure, a comment that does not end.
 fn habits(window: &Window<'_>, out: &mut Vec<Trial>) {
     for number in window.around() {
         let second = number + 1;
@@ -374,7 +375,7 @@ fn habits(window: &Window<'_>, out: &mut Vec<Trial>) {
     }
 }
 
-/// A range with the blank behind it, or in front of it at the end of a line.
+/// A range with the blank behind it, or before it at the end of a line.
 fn with_blank(text: &str, range: Range<usize>) -> Range<usize> {
     if text[range.end..].starts_with(' ') && text[..range.start].ends_with([' ', '\n', '(', '<']) {
         range.start..range.end + 1

@@ -1,4 +1,4 @@
-//! What editors ask of a snapshot: one method per feature, each answered by a module of [`crate::ide`].
+//! The queries of editors on a snapshot: one method per feature, each answered by a module of [`crate::ide`].
 
 use std::ops::Range;
 
@@ -27,8 +27,8 @@ impl Analysis {
         self.list(path, ide::document_symbols::document_symbols)
     }
 
-    /// Named declarations of the workspace whose name contains the characters of `query` in order,
-    /// whatever their case; best first, at most `limit`.
+    /// Named declarations of the workspace whose name contains the characters of `query` in order, ignoring
+    /// case; best first, at most `limit`.
     pub fn workspace_symbols(
         &self,
         query: &str,
@@ -59,12 +59,12 @@ impl Analysis {
         self.list(path, ide::document_links::document_links)
     }
 
-    /// Includes that lead nowhere.
+    /// Includes whose file is not found.
     pub fn missing_includes(&self, path: &Utf8Path) -> Cancellable<Vec<MissingInclude>> {
         self.list(path, ide::document_links::missing_includes)
     }
 
-    /// Packages that a file requires and that are not found.
+    /// Required packages of a file that are not found.
     pub fn missing_packages(&self, path: &Utf8Path) -> Cancellable<Vec<MissingPackages>> {
         self.list(path, ide::document_links::missing_packages)
     }
@@ -80,14 +80,14 @@ impl Analysis {
         })
     }
 
-    /// Regions left out by conditionals.
+    /// Regions excluded by conditionals.
     pub fn inactive_regions(&self, path: &Utf8Path) -> Cancellable<Vec<Range<usize>>> {
         self.list(path, |view| {
             view.pre().inactive.iter().map(|&it| bytes(it)).collect()
         })
     }
 
-    /// Where what is under the cursor is defined.
+    /// The definition of the name under the cursor.
     pub fn goto_definition(
         &self,
         at: &FilePosition,
@@ -95,7 +95,7 @@ impl Analysis {
         self.at(at, ide::goto::definition)
     }
 
-    /// Where what is under the cursor is first declared (forward declarations, first openings).
+    /// The first declaration of the name under the cursor (forward declarations, first openings).
     pub fn goto_declaration(
         &self,
         at: &FilePosition,
@@ -103,7 +103,7 @@ impl Analysis {
         self.at(at, ide::goto::declaration)
     }
 
-    /// Where the type of what is under the cursor is defined.
+    /// The definition of the type of the name under the cursor.
     pub fn goto_type_definition(
         &self,
         at: &FilePosition,
@@ -111,7 +111,7 @@ impl Analysis {
         self.at(at, ide::goto::type_definition)
     }
 
-    /// Every mention, in every unit, of what is under the cursor; by file and place.
+    /// Every mention, in every unit, of the name under the cursor; by file and place.
     pub fn references(
         &self,
         at: &FilePosition,
@@ -122,14 +122,14 @@ impl Analysis {
         })
     }
 
-    /// Every mention in this file of what is under the cursor.
+    /// Every mention in this file of the name under the cursor.
     pub fn highlights(&self, at: &FilePosition) -> Cancellable<Vec<Highlight>> {
         self.list(&at.path, |view| {
             ide::highlights::highlights(view, at.offset)
         })
     }
 
-    /// What is under the cursor.
+    /// The description of the name under the cursor.
     pub fn hover(&self, at: &FilePosition) -> Cancellable<Option<RangeInfo<Hover>>> {
         for hover in [
             ide::hover::hover,
@@ -143,14 +143,14 @@ impl Analysis {
         Ok(None)
     }
 
-    /// What may be written at a cursor, best first.
+    /// Completions at a cursor, best first.
     pub fn completions(&self, at: &FilePosition) -> Cancellable<Vec<CompletionItem>> {
         self.list(&at.path, |view| {
             ide::completion::completions(view, at.offset)
         })
     }
 
-    /// Documentation of a proposal: its [`CompletionItem::definition`] and name.
+    /// Documentation of a completion: its [`CompletionItem::definition`] and name.
     pub fn resolve_completion(
         &self,
         path: &Utf8Path,
@@ -164,7 +164,7 @@ impl Analysis {
             .flatten())
     }
 
-    /// Components that provide what is under the cursor, or the interface that declares it.
+    /// Components that provide the entity under the cursor, or the interface that declares it.
     pub fn goto_implementation(
         &self,
         at: &FilePosition,
@@ -172,7 +172,10 @@ impl Analysis {
         self.at(at, ide::implementation::implementations)
     }
 
-    /// What would be renamed at a cursor: its range and present name, or why it cannot be.
+    /// The range and present name of a rename at a cursor.
+    ///
+    /// # Errors
+    /// Returns the reason if the name cannot be renamed.
     pub fn prepare_rename(
         &self,
         at: &FilePosition,
@@ -181,9 +184,11 @@ impl Analysis {
         Ok(found.unwrap_or_else(|| Err(RenameError("The file cannot be read".to_owned()))))
     }
 
-    /// The edits that give what is under the cursor another name everywhere, or why it cannot have
-    /// that name. The parts of the work are the specifications that are looked through, and those that are
-    /// compiled with the new name.
+    /// The edits that rename the entity under the cursor everywhere. Progress counts the specifications that
+    /// are searched and those that are compiled with the new name.
+    ///
+    /// # Errors
+    /// Returns the reason if the entity cannot have that name.
     pub fn rename(
         &self,
         at: &FilePosition,
@@ -196,7 +201,7 @@ impl Analysis {
         Ok(found.unwrap_or_else(|| Err(RenameError("The file cannot be read".to_owned()))))
     }
 
-    /// The edits of include directives that follow from moving files or folders, old path first.
+    /// The edits of include directives after moving files or folders; pairs of old and new path.
     pub fn files_moved(&self, moves: &[(Utf8PathBuf, Utf8PathBuf)]) -> Cancellable<Vec<FileEdit>> {
         self.with(|db| ide::rename::files_moved(db, moves))
     }
@@ -206,17 +211,17 @@ impl Analysis {
         self.at(at, ide::call_hierarchy::prepare)
     }
 
-    /// What leads to a state, or which services interrupt one.
+    /// The states that lead to a state, or the services that interrupt one.
     pub fn incoming_calls(&self, path: &Utf8Path, key: &CallKey) -> Cancellable<Vec<Call>> {
         self.list(path, |view| ide::call_hierarchy::incoming(view, key))
     }
 
-    /// Where a state leads, or which services one interrupts.
+    /// The states that a state leads to, or the services that one interrupts.
     pub fn outgoing_calls(&self, path: &Utf8Path, key: &CallKey) -> Cancellable<Vec<Call>> {
         self.list(path, |view| ide::call_hierarchy::outgoing(view, key))
     }
 
-    /// Hints to show between the words of a range, by place.
+    /// Inlay hints of a range, by place.
     pub fn inlay_hints(
         &self,
         path: &Utf8Path,
@@ -228,12 +233,12 @@ impl Analysis {
         })
     }
 
-    /// Where lenses are, by place.
+    /// The code lenses of a file, by place.
     pub fn code_lenses(&self, path: &Utf8Path, config: &LensConfig) -> Cancellable<Vec<CodeLens>> {
         self.list(path, |view| ide::code_lens::code_lenses(view, config))
     }
 
-    /// What a lens of a file says; `None` if what it is about has gone.
+    /// The text of a code lens of a file; `None` if its declaration no longer exists.
     pub fn resolve_lens(&self, path: &Utf8Path, kind: &LensKind) -> Cancellable<Option<LensText>> {
         Ok(self
             .in_file(path, |view| ide::code_lens::resolve(view, kind))?
@@ -245,8 +250,8 @@ impl Analysis {
         self.at(at, ide::signature_help::signature_help)
     }
 
-    /// The edits that bring a file, or the part of it that touches a range, in shape; blanks and
-    /// line ends only.
+    /// The formatting edits for a file, or for the part of it that touches a range: blanks and line ends
+    /// only.
     pub fn format(
         &self,
         path: &Utf8Path,
@@ -256,7 +261,7 @@ impl Analysis {
         self.list(path, |view| ide::formatting::format(view, within, options))
     }
 
-    /// The edits that follow from typing `;`, `}` or a line end just before the cursor.
+    /// The edits after typing `;`, `}` or a line end just before the cursor.
     pub fn format_on_type(
         &self,
         at: &FilePosition,
@@ -273,7 +278,7 @@ impl Analysis {
         self.list(path, |view| ide::assists::assists(view, &range))
     }
 
-    /// The edit that gives the codel around a place another execution time (`4 ms`), if it states one.
+    /// The edit that sets the execution time (`4 ms`) of the codel around a place, if the codel states one.
     pub fn with_execution_time(
         &self,
         path: &Utf8Path,
@@ -287,8 +292,8 @@ impl Analysis {
             .flatten())
     }
 
-    /// The edit with which the task around a place has another period or delay; `None` where nothing plain
-    /// can be changed.
+    /// The edit that sets the period or delay of the task around a place; `None` if the text comes from a
+    /// macro or there is no place for it.
     pub fn with_task_time(
         &self,
         path: &Utf8Path,
@@ -303,7 +308,7 @@ impl Analysis {
             .flatten())
     }
 
-    /// The includes of a file in order; `None` if they are, or if their order matters.
+    /// Sorts the includes of a file; `None` if they are sorted, or if their order matters.
     pub fn organize_includes(&self, path: &Utf8Path) -> Cancellable<Option<Assist>> {
         Ok(self
             .in_file(path, ide::assists::organize_includes)?

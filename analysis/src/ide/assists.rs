@@ -1,8 +1,8 @@
 //! Refactorings: one file each, from a place in a file to edits.
 //!
 //! To add one: write `assists/<name>.rs` with a function from [`Cx`] to an [`Assist`], and add it to
-//! [`assists`]. Its tests give the text before and after; the text after is compiled and must have no
-//! error that was not there before.
+//! [`assists`]. Its tests give the text before and after; the text after is compiled and must have no error
+//! that the text before does not have.
 
 mod convert_wcet;
 mod designate_initializers;
@@ -31,7 +31,7 @@ use crate::{
     source_map::{bytes, offset, text_range},
 };
 
-/// Kinds of refactoring, as the LSP groups them.
+/// Kinds of refactoring, as LSP groups them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[allow(missing_docs, reason = "the names of the LSP")]
 pub enum AssistKind {
@@ -47,9 +47,9 @@ pub enum AssistKind {
 pub struct Assist {
     /// Stable identifier.
     pub id: &'static str,
-    /// What it does, in the imperative.
+    /// The action, in the imperative.
     pub title: String,
-    /// For menus.
+    /// The kind, for menus.
     pub kind: AssistKind,
     /// Edits that do not overlap.
     pub edits: Vec<FileEdit>,
@@ -83,7 +83,7 @@ pub(crate) fn assists(view: &FileView<'_>, range: &Range<usize>) -> Vec<Assist> 
     out
 }
 
-/// The includes of a file in order, wherever the cursor is.
+/// Sorts the includes of a file, for any cursor.
 pub(crate) fn organize_includes(view: &FileView<'_>) -> Option<Assist> {
     let cx = Cx { view, range: 0..0 };
     organize_includes::organize_includes(&cx, true)
@@ -112,7 +112,7 @@ impl Cx<'_, '_> {
                 .ancestors()
                 .find_map(N::cast);
         }
-        // The cursor may stand right behind the node.
+        // The cursor may be right behind the node.
         let tokens = root.token_at_offset(offset(self.range.start));
         let right = tokens.clone().right_biased().and_then(|it| it.parent());
         let left = tokens.left_biased().and_then(|it| it.parent());
@@ -120,7 +120,7 @@ impl Cx<'_, '_> {
         around.find_map(|it| it.ancestors().find_map(N::cast))
     }
 
-    /// Whether a node touches the selection.
+    /// Returns true if a node touches the selection.
     fn touches(&self, node: &SyntaxNode) -> bool {
         let range = self.node_range(node);
         range.start <= self.range.end && self.range.start <= range.end
@@ -130,7 +130,7 @@ impl Cx<'_, '_> {
         bytes(self.view.node_range(node))
     }
 
-    /// The text of a node as it is written, blanks around it left out.
+    /// The text of a node as written, without blanks around it.
     fn text(&self, node: &SyntaxNode) -> &str {
         self.slice(self.node_range(node))
     }
@@ -139,7 +139,7 @@ impl Cx<'_, '_> {
         self.view.text().get(range).unwrap_or_default()
     }
 
-    /// Whether a node is written out: no macro, no directive, no text left out in it.
+    /// Returns true if a node is written out: without macros, directives and excluded text.
     fn is_plain(&self, node: &SyntaxNode) -> bool {
         node.text_range().len() > 0.into()
             && !node.descendants().any(|it| {
@@ -166,7 +166,7 @@ impl Cx<'_, '_> {
         &rest[..rest.len() - rest.trim_start_matches([' ', '\t']).len()]
     }
 
-    /// A range with its line, if there is nothing else on it.
+    /// A range with its line, if nothing else is on the line.
     fn whole_lines(&self, range: Range<usize>) -> Range<usize> {
         let text = self.view.text();
         let start = text[..range.start].rfind('\n').map_or(0, |it| it + 1);
@@ -178,7 +178,7 @@ impl Cx<'_, '_> {
         if alone { start..end } else { range }
     }
 
-    /// A name like `base` that nothing in the unit has.
+    /// A name like `base` that is not used in the unit.
     fn unused_name(&self, base: &str) -> SmolStr {
         let elaborated = self.view.elaborated();
         let used = |name: &str| {
@@ -235,7 +235,7 @@ mod tests {
         (fixture, assists)
     }
 
-    /// What a refactoring makes of a text, which must have no new error.
+    /// Applies a refactoring to a text; the result must have no new error.
     #[track_caller]
     pub(super) fn check(id: &str, before: &str, after: &str) {
         let (mut fixture, assists) = offered(before);
@@ -253,7 +253,7 @@ mod tests {
         assert!(errors(&fixture) <= known, "{}", fixture.all_diagnostics());
     }
 
-    /// A refactoring does not apply.
+    /// Checks that a refactoring does not apply.
     #[track_caller]
     pub(super) fn refused(id: &str, text: &str) {
         let (_, assists) = offered(text);

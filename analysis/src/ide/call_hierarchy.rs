@@ -1,6 +1,6 @@
-//! Who leads to whom: states of a machine through `yield`, services through `interrupt`.
+//! Call hierarchy: states of a machine through `yield`, services through `interrupt`.
 //!
-//! An item is identified by names, not by places, so that it outlives edits in between.
+//! An item is identified by names, not by places, so that it stays valid after edits.
 
 use std::ops::Range;
 
@@ -22,7 +22,7 @@ pub struct CallKey {
     pub component: SmolStr,
     /// The task or service.
     pub owner: SmolStr,
-    /// Whether `owner` is a task.
+    /// True if `owner` is a task.
     pub task: bool,
     /// The state; `None` for the service itself.
     pub state: Option<SmolStr>,
@@ -31,21 +31,21 @@ pub struct CallKey {
 /// A state or service with its place.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CallItem {
-    /// Its name.
+    /// The name.
     pub name: String,
     /// Codel and machine.
     pub detail: String,
-    /// What it is.
+    /// The kind.
     pub kind: SymbolKind,
-    /// Where.
+    /// The file.
     pub path: Utf8PathBuf,
-    /// The name.
+    /// The range of the name.
     pub range: Range<usize>,
-    /// To ask further.
+    /// The key for further queries.
     pub key: CallKey,
 }
 
-/// A neighbour, with the mentions that make it one.
+/// A neighbour, with the mentions that connect it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Call {
     /// The neighbour.
@@ -110,12 +110,12 @@ pub(crate) fn prepare(view: &FileView<'_>, at: usize) -> Option<Vec<CallItem>> {
     (!out.is_empty()).then_some(out)
 }
 
-/// What leads here.
+/// The callers of an item.
 pub(crate) fn incoming(view: &FileView<'_>, key: &CallKey) -> Vec<Call> {
     calls(view, key, true)
 }
 
-/// Where this leads.
+/// The targets of an item.
 pub(crate) fn outgoing(view: &FileView<'_>, key: &CallKey) -> Vec<Call> {
     calls(view, key, false)
 }
@@ -177,7 +177,7 @@ fn calls(view: &FileView<'_>, key: &CallKey, incoming: bool) -> Vec<Call> {
     out
 }
 
-/// Where a service names another one in its `interrupts`.
+/// The place in the `interrupts` of a service that names another one.
 fn mention(view: &FileView<'_>, component: &Component, from: u32, to: &str) -> Option<Src> {
     let elaborated = view.elaborated();
     let from = &component.services[from as usize];

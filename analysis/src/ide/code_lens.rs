@@ -1,8 +1,7 @@
-//! Lines above declarations: the state machine of tasks and activities, and who reads and writes a port or a
-//! member of the ids.
+//! Lines above declarations: the state machine of tasks and activities, and the readers and writers of a port
+//! or a member of the ids.
 //!
-//! Where the lenses are is cheap; the places that they lead to are worked out one by one when they become
-//! visible.
+//! The places of lenses are cheap; their targets are computed one by one when they become visible.
 
 use std::ops::Range;
 
@@ -16,21 +15,21 @@ use crate::{
     source_map::bytes,
 };
 
-/// Which lenses are shown.
+/// The lenses to show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct LensConfig {
-    /// What verification says, above tasks.
+    /// Results of verification, above tasks.
     pub verdicts: bool,
     /// State machines, above tasks and activities.
     pub machines: bool,
-    /// Who reads and who writes, above ports and members of the ids.
+    /// Readers and writers, above ports and members of the ids.
     pub accesses: bool,
-    /// What the specification says of a codel, above its function.
+    /// The declaration of a codel, above its function.
     pub codels: bool,
 }
 
 impl LensConfig {
-    /// Each kind, or none.
+    /// All kinds, or none.
     pub fn all(shown: bool) -> LensConfig {
         LensConfig {
             verdicts: shown,
@@ -47,11 +46,11 @@ impl Default for LensConfig {
     }
 }
 
-/// What a lens shows.
+/// The content of a lens.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", tag = "kind")]
 pub enum LensKind {
-    /// Who reads and who writes the port or member of the ids at an offset.
+    /// The readers and writers of the port or member of the ids at an offset.
     Accesses {
         /// Byte offset of the name.
         offset: usize,
@@ -70,16 +69,16 @@ pub enum LensKind {
 pub struct CodeLens {
     /// The name of the declaration.
     pub range: Range<usize>,
-    /// What it shows.
+    /// The content.
     pub kind: LensKind,
 }
 
-/// What a lens says.
+/// The text of a lens.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LensText {
     /// The text.
     pub title: String,
-    /// For accesses: where they are.
+    /// For accesses: their places.
     pub references: Vec<FileRange>,
 }
 
@@ -109,7 +108,7 @@ pub(crate) fn code_lenses(view: &FileView<'_>, config: &LensConfig) -> Vec<CodeL
                 machine(elaborated, component, Owner::Service(service), &it.name)
                     .filter(|_| config.machines)
             }
-            // What nobody uses is told as a finding.
+            // Unused declarations are reported as findings.
             _ => (config.accesses && !accesses(elaborated, it).is_empty()).then_some(
                 LensKind::Accesses {
                     offset: range.start,
@@ -130,7 +129,7 @@ fn machine(elaborated: &Elaborated, component: u32, owner: Owner, name: &str) ->
     })
 }
 
-/// Tasks and services by what they do with a port or a member of the ids.
+/// Tasks and services by their access to a port or a member of the ids.
 #[derive(Debug, Default)]
 struct Accesses {
     written: Vec<SmolStr>,
@@ -164,10 +163,10 @@ impl Accesses {
     }
 }
 
-/// More names than a lens has room for.
+/// Maximum number of names in a lens.
 const MANY: usize = 3;
 
-/// Who uses a port or a member of the ids, in the component that declares it.
+/// The users of a port or a member of the ids, in the component that declares it.
 fn accesses(elaborated: &Elaborated, it: &Definition) -> Accesses {
     let mut out = Accesses::default();
     let component = match it.entity {
@@ -180,7 +179,7 @@ fn accesses(elaborated: &Elaborated, it: &Definition) -> Accesses {
     };
     let concerns = |param: &Param| match (&param.source, it.entity) {
         (ParamSource::Port(port), Some(Entity::Port(_, own))) => *port == own,
-        // A path without a member is the ids as a whole.
+        // A path without a member is the whole ids.
         (ParamSource::Ids, None) => match param.path.first() {
             Some(PathElement::Member(name)) => *name == it.name,
             _ => true,
@@ -197,7 +196,7 @@ fn accesses(elaborated: &Elaborated, it: &Definition) -> Accesses {
             out.add(name, writes, reads);
         }
     }
-    // A client gives an attribute what it writes, and gets what it reads.
+    // A client sends the inputs of an attribute and receives its outputs.
     let services = component.services.iter();
     for service in services.filter(|it| it.kind == ServiceKind::Attribute) {
         for param in service.params.iter().filter(|it| concerns(it)) {
@@ -208,7 +207,7 @@ fn accesses(elaborated: &Elaborated, it: &Definition) -> Accesses {
     out
 }
 
-/// Whether something comes in, and whether something goes out.
+/// Returns true for input, and true for output.
 fn directions(dir: ParamDir) -> (bool, bool) {
     match dir {
         ParamDir::In => (true, false),
@@ -230,7 +229,7 @@ fn home(elaborated: &Elaborated, it: &Definition) -> Option<u32> {
     None
 }
 
-/// What a lens of a file says; `None` if what it is about has gone.
+/// The text of a lens of a file; `None` if its declaration no longer exists.
 pub(crate) fn resolve(view: &FileView<'_>, kind: &LensKind) -> Option<LensText> {
     match kind {
         LensKind::Accesses { offset } => {

@@ -1,8 +1,8 @@
-//! What may be written at the cursor.
+//! Completion at the cursor.
 //!
-//! [`context`](super::context) says where the cursor stands, the elaborated unit says which names
-//! there are. Each submodule proposes one sort of thing; nothing here needs a tree, so that it
-//! works in half-typed text.
+//! [`context`](super::context) gives the position of the cursor in the structure, the elaborated unit gives
+//! the names. Each submodule proposes one sort of item; nothing here needs a tree, so that completion works
+//! in incomplete text.
 
 mod codel;
 mod directive;
@@ -29,7 +29,7 @@ use super::{
 use crate::elab::DefId;
 use names::Names;
 
-/// What a proposal is.
+/// The kind of an item.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[allow(missing_docs, reason = "self-explaining")]
 pub enum CompletionKind {
@@ -43,54 +43,54 @@ pub enum CompletionKind {
     Package,
 }
 
-/// What the name of a codel brings along where it is proposed.
+/// The text that is inserted with the name of a codel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CodelPlace {
-    /// Whether its parameters are inserted with it; else they follow already.
+    /// True if its parameters are inserted with it; otherwise they follow already.
     pub parameters: bool,
-    /// What is inserted behind these: an LSP snippet.
+    /// The text inserted after the parameters: an LSP snippet.
     pub tail: &'static str,
 }
 
-/// One proposal.
+/// One completion item.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CompletionItem {
-    /// What is shown.
+    /// The displayed text.
     pub label: String,
-    /// What it is.
+    /// The kind.
     pub kind: CompletionKind,
     /// Type, direction…
     pub detail: Option<String>,
-    /// What is inserted; with the placeholders of LSP snippets if `snippet`.
+    /// The inserted text; with the placeholders of LSP snippets if `snippet`.
     pub insert: String,
-    /// Whether `insert` has placeholders.
+    /// True if `insert` has placeholders.
     pub snippet: bool,
-    /// What is replaced.
+    /// The replaced byte range.
     pub replace: Range<usize>,
-    /// What typed letters are compared with, where that is more than the label: `throws` for `throw`.
+    /// The text that typed letters are matched with, if it differs from the label: `throws` for `throw`.
     pub filter: Option<String>,
     /// Smaller comes first.
     pub rank: u8,
-    /// Its definition, for [`CompletionDoc`].
+    /// The definition, for [`CompletionDoc`].
     pub definition: Option<u32>,
-    /// A name for a codel: functions that no specification names fit here as well.
+    /// Set for the name of a codel: functions that no specification names fit here as well.
     pub codel: Option<CodelPlace>,
 }
 
-/// What is shown about a proposal once it is selected.
+/// The documentation of an item, shown when it is selected.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CompletionDoc {
     /// Markdown.
     pub markdown: String,
 }
 
-/// A snippet without its placeholders, for clients that have none. A placeholder that stands in several
-/// places has the text of the first one in all of them.
+/// A snippet without its placeholders, for clients that do not support them. All occurrences of a placeholder
+/// get the text of the first one.
 pub fn plain_snippet(snippet: &str) -> String {
     let mut out = String::with_capacity(snippet.len());
     let mut chars = snippet.chars().peekable();
     let mut known: Vec<(String, String)> = Vec::new();
-    // Placeholders that have begun: number, and where the text begins.
+    // Open placeholders: number, and start of the text.
     let mut open: Vec<(String, usize)> = Vec::new();
     while let Some(it) = chars.next() {
         match it {
@@ -102,7 +102,7 @@ pub fn plain_snippet(snippet: &str) -> String {
                     number.push(digit);
                 }
                 if braced && chars.next_if_eq(&'|').is_some() {
-                    // A choice: its first.
+                    // For a choice, the first one.
                     let all: String = chars.by_ref().take_while(|it| *it != '|').collect();
                     let first = all.split(',').next().unwrap_or_default();
                     out.push_str(first);
@@ -130,7 +130,7 @@ pub fn plain_snippet(snippet: &str) -> String {
     out
 }
 
-/// Proposals at a cursor, best first.
+/// Completion items at a cursor, best first.
 pub(crate) fn completions(view: &FileView<'_>, at: usize) -> Vec<CompletionItem> {
     let at = at.min(view.text().len());
     if !view.text().is_char_boundary(at) {
@@ -152,7 +152,7 @@ pub(crate) fn completions(view: &FileView<'_>, at: usize) -> Vec<CompletionItem>
                 }
             }
         }
-        // A directive has its line for itself.
+        // A directive is alone on its line.
         Surroundings::Code if line_behind(view, context.word.end.max(at)).starts_with('#') => {}
         Surroundings::Code => {
             let names = Names::new(view, &context, at);
@@ -168,10 +168,10 @@ fn line_behind<'v>(view: &'v FileView<'_>, at: usize) -> &'v str {
     rest.lines().next().unwrap_or_default().trim()
 }
 
-/// Documentation of a proposal.
+/// Documentation of an item.
 pub(crate) fn resolve(view: &FileView<'_>, definition: u32, name: &str) -> Option<CompletionDoc> {
     let found = view.elaborated().definitions.get(definition as usize)?;
-    // The text may have changed since it was proposed.
+    // The text may have changed since the item was proposed.
     if found.name != name {
         return None;
     }
@@ -181,7 +181,7 @@ pub(crate) fn resolve(view: &FileView<'_>, definition: u32, name: &str) -> Optio
 
 fn code(names: &Names<'_, '_>, context: &Context, out: &mut Completions) {
     propose(names, context, out);
-    // No value in front of another one.
+    // No value is proposed before another one.
     use dotgen_syntax::SyntaxKind::*;
     let value = |it: &Word| matches!(it.kind, INT | FLOAT | STRING | CHAR);
     if context.after.next().is_some_and(value) {
@@ -191,7 +191,7 @@ fn code(names: &Names<'_, '_>, context: &Context, out: &mut Completions) {
                 && !["TRUE", "FALSE"].contains(&it.label.as_str())
         });
     }
-    // A path that goes on behind the cursor is replaced as a whole; in parameters `::` renames.
+    // A path that continues after the cursor is replaced as a whole; in parameters `::` renames.
     if !matches!(context.top().kind, FrameKind::Paren) {
         let rest = &context.after.rest;
         let path = rest
@@ -213,7 +213,7 @@ fn propose(names: &Names<'_, '_>, context: &Context, out: &mut Completions) {
     }
 }
 
-/// Proposals under construction.
+/// Completion items under construction.
 pub(super) struct Completions {
     replace: Range<usize>,
     items: Vec<CompletionItem>,
@@ -227,8 +227,8 @@ impl Completions {
         }
     }
 
-    /// What is behind the cursor and belongs to what is being written is replaced with it: the rest of a
-    /// path, say.
+    /// Extends the replaced range over text after the cursor that belongs to the item, such as the rest of a
+    /// path.
     fn replaces_too(&mut self, words: &[Word]) {
         for it in words {
             if it.range.start != self.replace.end {
@@ -241,7 +241,7 @@ impl Completions {
         }
     }
 
-    /// Another element follows without a comma: proposals that are whole elements bring one.
+    /// If another element follows without a comma: adds a comma to items that are whole elements.
     fn with_comma(&mut self) {
         for it in &mut self.items {
             if !it.insert.ends_with("::") && !matches!(it.kind, CompletionKind::Keyword) {
@@ -250,7 +250,7 @@ impl Completions {
         }
     }
 
-    /// Adds a proposal that is inserted as it is shown.
+    /// Adds an item whose label is inserted.
     fn add(
         &mut self,
         label: impl Into<String>,
@@ -274,7 +274,7 @@ impl Completions {
         &mut self.items[last]
     }
 
-    /// Adds a proposal that fills in more than it shows.
+    /// Adds an item that inserts more than its label.
     fn snippet(
         &mut self,
         label: impl Into<String>,
@@ -293,7 +293,7 @@ impl Completions {
         }
     }
 
-    /// The clause with an execution time; where that stands behind the cursor already, the keyword alone.
+    /// The clause with an execution time; only the keyword if the time already follows the cursor.
     fn wcet(&mut self, context: &Context) {
         use dotgen_syntax::SyntaxKind::{FLOAT, INT};
         let next = context.after.next();
@@ -306,7 +306,7 @@ impl Completions {
     }
 
     pub(super) fn finish(mut self) -> Vec<CompletionItem> {
-        // A stable sort: what is of the same rank stays as it was declared.
+        // A stable sort: items of equal rank stay in order of declaration.
         self.items.sort_by_key(|it| it.rank);
         for it in self
             .items
@@ -322,8 +322,8 @@ impl Completions {
     }
 }
 
-/// The other spelling of a keyword, if it is the longer one: both begin alike, so typed letters of either
-/// find it.
+/// The other spelling of a keyword, if it is longer: both have the same prefix, so typed letters of either
+/// match it.
 fn longer_spelling(word: &str) -> Option<String> {
     use dotgen_syntax::SyntaxKind;
     let longer = format!("{word}s");

@@ -1,8 +1,8 @@
-//! Where the cursor stands, read from the tokens before it: the open brackets and what has been
-//! written since the last `;`, `{` or `,` in each.
+//! The position of the cursor in the structure, read from the tokens before it: the open brackets and the
+//! text since the last `;`, `{` or `,` in each.
 //!
-//! Half-typed text seldom has a useful tree around the cursor, but the tokens before it nearly
-//! always say enough. What follows the cursor ([`After`]) only takes proposals away.
+//! Incomplete text seldom has a useful tree around the cursor, but the tokens before it nearly always
+//! suffice. The text after the cursor ([`After`]) only removes completion items.
 
 use std::ops::Range;
 
@@ -20,11 +20,11 @@ mod after;
 pub(crate) struct Word {
     pub(crate) kind: SyntaxKind,
     pub(crate) text: SmolStr,
-    /// In the file; that of the call for what a macro expands to.
+    /// Range in the file; for a token from a macro, the range of the call.
     pub(crate) range: Range<usize>,
 }
 
-/// Bodies, by what may stand in them.
+/// Kinds of bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum BodyKind {
     Specification,
@@ -40,11 +40,11 @@ pub(crate) enum BodyKind {
     Attribute,
     Function,
     Activity,
-    /// The braces of something that is not understood.
+    /// The braces of an unknown construct.
     Unknown,
 }
 
-/// What a bracket opens.
+/// The construct that a bracket opens.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum FrameKind {
     /// `{ }` around statements, or a whole file.
@@ -61,32 +61,32 @@ pub(crate) enum FrameKind {
 #[derive(Debug, Clone)]
 pub(crate) struct Frame {
     pub(crate) kind: FrameKind,
-    /// Index of the first token of the statement that opened it.
+    /// Index of the first token of the statement with the bracket.
     pub(crate) head: usize,
     /// Index of the bracket; equal to `head` for a whole file.
     pub(crate) open: usize,
-    /// Index of the first token of the statement, or of the list element, that the cursor is in.
+    /// Index of the first token of the statement, or of the list element, around the cursor.
     pub(crate) start: usize,
-    /// Commas passed since the bracket.
+    /// Number of commas since the bracket.
     pub(crate) commas: usize,
     /// First words of the statements that ended in it.
     pub(crate) given: Vec<SmolStr>,
 }
 
-/// See the module.
+/// The context of a cursor; see the module.
 #[derive(Debug, Clone)]
 pub(crate) struct Context {
-    /// Everything live before the word under the cursor.
+    /// All active tokens before the word under the cursor.
     pub(crate) tokens: Vec<Word>,
     /// Outermost first; never empty.
     pub(crate) frames: Vec<Frame>,
-    /// The word the cursor is in or behind; empty at the cursor if there is none.
+    /// The word around or before the cursor; empty at the cursor if there is none.
     pub(crate) word: Range<usize>,
-    /// What follows the word.
+    /// The text after the word.
     pub(crate) after: After,
 }
 
-/// What sort of text the cursor is in.
+/// The kind of text around the cursor.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Surroundings {
     /// Declarations.
@@ -95,14 +95,14 @@ pub(crate) enum Surroundings {
     Directive(u32),
     /// A string that is not part of a directive: its range, quotes included.
     String(Range<usize>),
-    /// A comment, or text left out by a conditional.
+    /// A comment, or text excluded by a conditional.
     Dead,
 }
 
-/// What sort of text an offset is in.
+/// The kind of text at an offset.
 pub(crate) fn surroundings(view: &FileView<'_>, at: usize) -> Surroundings {
     let (raw, pre) = (view.raw(), view.pre());
-    // The tokens that touch the cursor from the left decide, for they are being typed.
+    // The tokens that touch the cursor from the left decide, since they are being typed.
     let touching = (0..raw.len()).filter(|&i| raw.range(i).start < at && at <= raw.range(i).end);
     let directive = pre.directives.iter().position(|it| {
         usize::from(it.range.start()) < at && at <= line_end(view.text(), it.range.end().into())
@@ -184,8 +184,8 @@ impl Context {
         &self.tokens[self.top().start.min(self.tokens.len())..]
     }
 
-    /// The elements behind the cursor in its list. The first of them is the one that the cursor is in, but
-    /// where it stands in front of another element.
+    /// The elements after the cursor in its list. The first is the element around the cursor, unless the
+    /// cursor is before another element.
     pub(crate) fn elements_behind(&self) -> impl Iterator<Item = &[Word]> {
         let next = self.after.next();
         let in_front = self.word.is_empty() && next.is_some_and(|it| it.kind == SyntaxKind::IDENT);
@@ -193,7 +193,7 @@ impl Context {
         all.skip(usize::from(!in_front))
     }
 
-    /// The tokens before a bracket, from the start of the statement or element it stands in.
+    /// The tokens before a bracket, from the start of its statement or element.
     pub(crate) fn head(&self, frame: &Frame) -> &[Word] {
         &self.tokens[frame.head..frame.open]
     }
@@ -234,12 +234,12 @@ impl Context {
 }
 
 impl Word {
-    /// Whether it is written like this.
+    /// Returns true if the word is spelled like this.
     pub(crate) fn is(&self, text: &str) -> bool {
         self.text == text
     }
 
-    /// Whether it is one of these.
+    /// Returns true if the word is one of these.
     pub(crate) fn is_any(&self, texts: &[&str]) -> bool {
         texts.contains(&self.text.as_str())
     }
@@ -258,7 +258,7 @@ impl Frame {
     }
 }
 
-/// The word that an offset is in or behind.
+/// The word around or before an offset.
 pub(crate) fn word_at(view: &FileView<'_>, at: usize) -> Range<usize> {
     let (raw, text) = (view.raw(), view.text());
     let at = at.min(text.len());
@@ -315,8 +315,8 @@ fn tokens_before(view: &FileView<'_>, end: usize) -> Vec<Word> {
     out
 }
 
-/// Words that begin a statement and hardly anything else: a statement that lacks its `;` ends where
-/// one of them begins a line.
+/// Words that nearly always begin a statement: a statement without its `;` ends where one of them begins a
+/// line.
 const STATEMENTS: &[&str] = &[
     "activity",
     "async",
@@ -360,7 +360,7 @@ impl Reader<'_> {
             }
             COMMA => {
                 let body = matches!(self.top().kind, FrameKind::Body(_));
-                // Between a type and its bound the element goes on.
+                // The element continues between a type and its bound.
                 if body || !self.is_in_type(i) {
                     let top = self.top();
                     top.commas += 1;
@@ -373,7 +373,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Whether a token stands between the angle brackets of a type.
+    /// Returns true if a token is between the angle brackets of a type.
     fn is_in_type(&mut self, i: usize) -> bool {
         let start = self.top().start.min(i);
         let mut depth = 0_i32;
@@ -383,7 +383,7 @@ impl Reader<'_> {
                 "<" if opens => depth += 1,
                 ">" if depth > 0 => depth -= 1,
                 ">>" => depth = (depth - 2).max(0),
-                // A direction begins a parameter: the bracket was forgotten.
+                // A direction begins a parameter: the bracket is missing.
                 "in" | "out" | "inout" => depth = 0,
                 _ => {}
             }
@@ -391,7 +391,7 @@ impl Reader<'_> {
         depth > 0
     }
 
-    /// Closes what the author forgot to close.
+    /// Closes brackets that the author did not close.
     fn recover(&mut self, i: usize) {
         let word = &self.tokens[i];
         if !STATEMENTS.contains(&word.text.as_str()) || self.frames.len() < 2 && i == 0 {
@@ -456,7 +456,7 @@ impl Reader<'_> {
     fn close_brace(&mut self, i: usize) {
         let brace = |it: &Frame| matches!(it.kind, FrameKind::Body(_) | FrameKind::Initializers);
         let Some(at) = self.frames.iter().rposition(brace).filter(|it| *it > 0) else {
-            // One too many: what follows begins anew.
+            // A superfluous bracket: a new statement follows.
             self.end_statement(i + 1);
             return;
         };
@@ -482,7 +482,7 @@ impl Reader<'_> {
         top.commas = 0;
     }
 
-    /// What the brace at `i` opens.
+    /// The construct that the brace at `i` opens.
     fn brace(&mut self, i: usize) -> FrameKind {
         let top = self.top();
         let (kind, start) = (top.kind, top.start);

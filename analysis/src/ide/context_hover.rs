@@ -1,9 +1,9 @@
-//! On the first line of a file that others include: as included by whom it is shown.
+//! On the first line of an included file: the root in whose unit it is shown.
 
 use super::{FileView, Hover, RangeInfo};
 use crate::unit::roots_of;
 
-/// Roots that are listed.
+/// Maximum number of roots in the list.
 const MAX_ROOTS: usize = 8;
 
 pub(crate) fn hover(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Hover>> {
@@ -69,7 +69,7 @@ mod tests {
         let second = markdown(&fixture, 0);
         assert!(second.contains("included by `b.gen`."), "{second}");
         assert!(markdown(&fixture, 20).contains("short"));
-        // A root is what it is.
+        // A root is shown in its own unit.
         let root = FilePosition {
             path: "/a.gen".into(),
             offset: 3,

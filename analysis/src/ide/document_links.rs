@@ -25,27 +25,27 @@ pub(crate) fn document_links(view: &FileView<'_>) -> Vec<DocumentLink> {
         .collect()
 }
 
-/// An `#include` that leads nowhere, or that is not read.
+/// An `#include` whose file is not found, or not read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MissingInclude {
     /// The path between its delimiters.
     pub range: Range<usize>,
     /// That path as written.
     pub path: String,
-    /// Directories that were looked in, in order.
+    /// The searched directories, in order.
     pub searched: Vec<Utf8PathBuf>,
 }
 
-/// A `#pragma requires` that is not met.
+/// A `#pragma requires` whose packages are not found.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MissingPackages {
-    /// What is required, as the diagnostic marks it.
+    /// The range of the requirement, as marked by the diagnostic.
     pub range: Range<usize>,
     /// The names of the packages, without versions.
     pub names: Vec<String>,
 }
 
-/// What a file requires and does not get, by place.
+/// The required packages of a file that are not found, by place.
 pub(crate) fn missing_packages(view: &FileView<'_>) -> Vec<MissingPackages> {
     let unmet = |kind: &Preprocessing| match kind {
         Preprocessing::Unresolved { install, .. } => Some(install.0.clone()),
@@ -63,8 +63,8 @@ pub(crate) fn missing_packages(view: &FileView<'_>) -> Vec<MissingPackages> {
     found.collect()
 }
 
-/// The directories that the active include of a number was, or would be, found in: those of the unit that
-/// serves the file, in order.
+/// The directories in which the active include of an index was, or would be, searched, in order, in the unit
+/// that serves the file.
 pub(crate) fn searched(view: &FileView<'_>, ordinal: usize) -> Vec<Utf8PathBuf> {
     let include = view.pre().includes.get(ordinal);
     let Some(request) = include.and_then(|it| it.request.as_ref()) else {
@@ -76,7 +76,7 @@ pub(crate) fn searched(view: &FileView<'_>, ordinal: usize) -> Vec<Utf8PathBuf> 
     walk_unit(view.db, view.unit).places(view.db, visit, ordinal, request)
 }
 
-/// The includes of a file that lead nowhere, by place.
+/// The includes of a file that are not found, by place.
 pub(crate) fn missing_includes(view: &FileView<'_>) -> Vec<MissingInclude> {
     let includes = view.pre().includes.iter().enumerate();
     includes
@@ -84,7 +84,7 @@ pub(crate) fn missing_includes(view: &FileView<'_>) -> Vec<MissingInclude> {
         .filter_map(|(ordinal, include)| {
             let delimited = path_range(view.text(), include.range);
             let path = view.text().get(bytes(delimited))?.to_owned();
-            // The name of a macro is no path.
+            // The name of a macro is not a path.
             (delimited != include.range).then(|| MissingInclude {
                 range: bytes(delimited),
                 path,
@@ -94,7 +94,7 @@ pub(crate) fn missing_includes(view: &FileView<'_>) -> Vec<MissingInclude> {
         .collect()
 }
 
-/// The file that an active include leads to.
+/// The target of an active include.
 pub(super) fn include_target(view: &FileView<'_>, ordinal: usize) -> Option<SourceFile> {
     let visits = &visits(view.db, view.unit).visits;
     let own = visits.iter().filter(|it| it.key == view.key);

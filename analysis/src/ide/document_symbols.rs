@@ -1,4 +1,4 @@
-//! The outline of a file: its declarations as they nest.
+//! The outline of a file: the nesting of its declarations.
 
 use dotgen_syntax::{
     SyntaxNode,
@@ -164,7 +164,7 @@ fn property(view: &FileView<'_>, it: &ast::Property, out: &mut Vec<DocumentSymbo
     }
 }
 
-/// A struct, union or enum written where a type stands.
+/// A struct, union or enum declared in the place of a type.
 fn type_symbols(view: &FileView<'_>, ty: Option<ast::TypeSpec>) -> Option<DocumentSymbol> {
     match ty? {
         ast::TypeSpec::Struct(it) => with_body(view, &it, it.name(), SymbolKind::Struct),
@@ -228,7 +228,7 @@ fn with_body(
     items(view, it.items(), &mut children);
     let mut found = match symbol(view, it.syntax(), name, kind, None) {
         Some(found) => found,
-        // While the name is being typed, what is inside keeps its place.
+        // While the name is being typed, the nested declarations keep their place.
         None if children.is_empty() => return None,
         None => unnamed(view, it.syntax(), kind)?,
     };

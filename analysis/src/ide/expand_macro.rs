@@ -1,4 +1,4 @@
-//! What a macro call stands for, for people who look inside.
+//! The expansion of a macro call, for display.
 
 use dotgen_syntax::{SyntaxKind, TextSize};
 
@@ -17,7 +17,7 @@ pub(crate) fn expand_macro(view: &FileView<'_>, at: usize) -> Option<RangeInfo<M
             .parent_ancestors()
             .find(|it| it.kind() == SyntaxKind::MACRO_CALL)
     };
-    // The cursor may stand right after the call.
+    // The cursor may be right after the call.
     let call = tokens
         .clone()
         .right_biased()

@@ -33,7 +33,7 @@ struct Folds<'a> {
     comments: Option<TextRange>,
     /// The run of includes so far.
     includes: Option<TextRange>,
-    /// Where the branches that are still open began.
+    /// The starts of the open branches.
     conditionals: Vec<TextRange>,
 }
 

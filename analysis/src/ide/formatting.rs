@@ -1,4 +1,4 @@
-//! The formatter behind the editor's requests: a whole file, a range, and what was just typed.
+//! The formatter behind the editor's requests: a whole file, a range, and formatting while typing.
 
 use std::ops::Range;
 
@@ -14,7 +14,7 @@ use crate::{
     source_map::{bytes, offset, text_range},
 };
 
-/// The edits that bring a file, or the part of it that touches a range, in shape.
+/// The formatting edits for a file, or for the part of it that touches a range.
 pub(crate) fn format(
     view: &FileView<'_>,
     within: Option<Range<usize>>,
@@ -49,7 +49,7 @@ pub(crate) fn on_type(
     }
 }
 
-/// Formats the statement or body that was just closed, and nothing after the cursor.
+/// Formats the statement or body that was just closed, but nothing after the cursor.
 fn statement(view: &FileView<'_>, at: usize, typed: char, options: &Options) -> Vec<FileEdit> {
     let root = view.root();
     let token = root.token_at_offset(offset(at)).left_biased();
@@ -83,7 +83,7 @@ fn statement(view: &FileView<'_>, at: usize, typed: char, options: &Options) -> 
     out
 }
 
-/// Indents the line the cursor is on as the formatter would, or leave it.
+/// Indents the line of the cursor as the formatter would indent it, or leave it.
 fn indentation(view: &FileView<'_>, at: usize, options: &Options) -> Option<FileEdit> {
     let text = view.text();
     if surroundings(view, at) != Surroundings::Code {
@@ -126,8 +126,8 @@ fn indentation(view: &FileView<'_>, at: usize, options: &Options) -> Option<File
     })
 }
 
-/// Column of a line that continues a list: that of the line before, if that one does as well. A list that
-/// begins on the line of its name is told apart from the body by two units.
+/// Column of a line that continues a list: the column of the line before, if that line continues it as well.
+/// A list that begins on the line of its name is indented by two units, to distinguish it from the body.
 fn continuation(text: &str, open: usize, line: usize, unit: Unit) -> usize {
     let indentation = |start: usize| {
         let rest = &text[start..];

@@ -1,4 +1,4 @@
-//! From a name to where it, its declaration or its type is written.
+//! From a name to its declaration, its definition or its type.
 
 use dotgen_syntax::TextRange;
 
@@ -13,7 +13,7 @@ use crate::{
     source_map::bytes,
 };
 
-/// Where what is under the cursor is defined.
+/// The definition of the name under the cursor.
 pub(crate) fn definition(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Vec<NavTarget>>> {
     let (range, targets) = meanings_at(view, at)?;
     let states = state_targets(view, at, &targets);
@@ -24,8 +24,8 @@ pub(crate) fn definition(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Vec
     answer(range, found.collect())
 }
 
-/// Where the state under the cursor is bound to a codel of the same task or service. The states of all of them
-/// have one definition, the first mention.
+/// The codels of the same task or service that the state under the cursor is bound to. All mentions of a
+/// state have one definition, the first.
 fn state_targets(view: &FileView<'_>, at: usize, targets: &[Target]) -> Vec<NavTarget> {
     let elaborated = view.elaborated();
     let is_state = |it: &Target| matches!(it, Target::Definition(id) if elaborated.definition(*id).kind == DefKind::State);
@@ -44,7 +44,7 @@ fn state_targets(view: &FileView<'_>, at: usize, targets: &[Target]) -> Vec<NavT
     states.collect()
 }
 
-/// Where what is under the cursor is declared first: its earliest mention that declares it.
+/// The first declaration of the name under the cursor: its earliest mention that declares it.
 pub(crate) fn declaration(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Vec<NavTarget>>> {
     let (range, targets) = meanings_at(view, at)?;
     let found = targets.iter().filter_map(|target| match target {
@@ -54,7 +54,7 @@ pub(crate) fn declaration(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Ve
     answer(range, found.collect())
 }
 
-/// Where the type of what is under the cursor is defined; for a type, what it stands for.
+/// The definition of the type of the name under the cursor; for a type, its target.
 pub(crate) fn type_definition(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Vec<NavTarget>>> {
     let (range, targets) = meanings_at(view, at)?;
     let elaborated = view.elaborated();
@@ -110,7 +110,7 @@ fn first_declaration(view: &FileView<'_>, id: DefId) -> Option<NavTarget> {
     })
 }
 
-/// The type that a type object is of, or stands for.
+/// The type of a type object, or the type it stands for.
 pub(super) fn value_type(spec: &Spec, id: TypeId) -> Option<TypeId> {
     Some(match &spec.types.get(id.0 as usize)?.kind {
         TypeKind::StructMember { ty }
@@ -129,7 +129,7 @@ pub(super) fn value_type(spec: &Spec, id: TypeId) -> Option<TypeId> {
     })
 }
 
-/// The type with a name of its own inside arrays, sequences and optionals.
+/// The named type inside arrays, sequences and optionals.
 fn named_type(spec: &Spec, mut id: TypeId) -> Option<TypeId> {
     for _ in 0..spec.types.len() {
         let ty = spec.types.get(id.0 as usize)?;
@@ -187,7 +187,7 @@ mod tests {
 
     type Goto = fn(&Analysis, &FilePosition) -> Cancellable<Option<RangeInfo<Vec<NavTarget>>>>;
 
-    /// The targets are exactly the marked places.
+    /// Checks that the targets are exactly the marked places.
     #[track_caller]
     fn check(goto: Goto, text: &str) {
         let fixture = Fixture::new(text);
@@ -271,7 +271,7 @@ module m {
 typedef SEQ(t$0) u;
 ",
         );
-        // A name that only the macro knows is at its call.
+        // A name that only the macro contains is at its call.
         definition(
             "typedef long t;
 //           ^

@@ -38,7 +38,7 @@ pub(crate) fn highlights(view: &FileView<'_>, at: usize) -> Vec<Highlight> {
             }
         }
     }
-    // Where a name is both declared and used, the use says more.
+    // For a name that is both declared and used, the use is more informative.
     found.sort_by_key(|&(range, access)| (range.start(), range.end(), Reverse(access)));
     found.dedup_by_key(|it| it.0);
     found

@@ -1,4 +1,4 @@
-//! What is under the cursor, in a few lines: declaration, type, value, documentation.
+//! A short description of the name under the cursor: declaration, type, value, documentation.
 
 mod facts;
 mod own;
@@ -58,11 +58,11 @@ pub(crate) fn hover(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Hover>> 
     })
 }
 
-/// Where a file was looked for that is included and not found.
+/// The searched directories of an included file that is not found.
 fn missing_include(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Hover>> {
     let mut all = missing_includes(view).into_iter();
     let it = all.find(|it| it.range.contains(&at))?;
-    // One that is not read was not looked for.
+    // A file that is not read was not searched.
     if it.searched.is_empty() {
         return None;
     }
@@ -80,7 +80,7 @@ fn missing_include(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Hover>> {
     })
 }
 
-/// The names of component and codel, if it is one.
+/// The names of component and codel, if the definition is a codel.
 fn codel(elaborated: &Elaborated, id: DefId) -> Option<(String, String)> {
     let it = elaborated.definitions.get(id.0 as usize)?;
     let component = facts::component_of(elaborated, it)?;
@@ -92,7 +92,7 @@ pub(crate) fn definition(view: &FileView<'_>, id: DefId) -> Option<String> {
     mentioned(view, id, None)
 }
 
-/// The text of a definition, for somebody who sees a mention of it.
+/// The text of a definition, shown at a mention of it.
 fn mentioned(view: &FileView<'_>, id: DefId, mention: Option<TextRange>) -> Option<String> {
     let elaborated = view.elaborated();
     let it = elaborated.definitions.get(id.0 as usize)?;
@@ -135,7 +135,7 @@ fn owner_around(view: &FileView<'_>, place: TextRange) -> Option<(bool, String)>
     Some((owner.kind() == SyntaxKind::TASK, name.text().to_string()))
 }
 
-/// The declaration as written, in a standard layout.
+/// The declaration in a standard layout.
 fn declaration_text(view: &FileView<'_>, it: &Definition) -> Option<String> {
     let (file, range) = view.place(it.node)?;
     let there = &view_of(view, file)?;
@@ -203,7 +203,7 @@ fn node_at(view: &FileView<'_>, range: TextRange) -> Option<SyntaxNode> {
         .ancestors()
         .take_while(|it| it.parent().is_some() && view.node_range(it) == range);
     same.last().or_else(|| {
-        // The tree has a node just around it (a body, say): show that.
+        // If the tree has an enclosing node (such as a body), that node is shown.
         Some(inner).filter(|it| it.parent().is_some() && it.kind() != SyntaxKind::BODY)
     })
 }
@@ -331,7 +331,7 @@ fn define_text(view: &FileView<'_>, site: &MacroSite) -> Option<String> {
     Some(out)
 }
 
-/// What the macro call that begins with a name became.
+/// The expansion of the macro call that begins with a name.
 pub(crate) fn expansion(view: &FileView<'_>, name: TextRange) -> Option<String> {
     let root = view.root();
     let token = root.token_at_offset(name.start()).right_biased()?;

@@ -1,4 +1,4 @@
-//! From what an interface declares to the components that provide it, and back.
+//! From the declarations of an interface to the components that provide it, and back.
 
 use super::{
     FileView, NavTarget, RangeInfo,
@@ -13,7 +13,7 @@ use crate::{
     source_map::bytes,
 };
 
-/// For an interface, the components that provide or extend it; for its services, tasks, ports…
+/// For an interface, the components that provide or extend it; for its services, tasks and ports, the places
 /// where components complete them; on such a completion, the declaration of the interface.
 pub(crate) fn implementations(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Vec<NavTarget>>> {
     let (range, targets) = targets_at(view, at)?;
@@ -73,7 +73,7 @@ fn in_interface(elaborated: &Elaborated, it: &Definition) -> bool {
     container.is_some_and(|it| it.kind == DefKind::Interface)
 }
 
-/// Where components take up a declaration of an interface, with their names.
+/// The places where components complete a declaration of an interface, with their names.
 fn completions(
     elaborated: &Elaborated,
     it: &Definition,
@@ -106,7 +106,7 @@ fn completions(
         if it.kind != DefKind::Interface {
             out.extend(declared.map(|it| (it.at, component.name.clone())));
         }
-        // Not completed in the component: what brings it there.
+        // Not completed in the component: the property that imports it.
         if out.len() == before {
             out.push((component.src, component.name.clone()));
         }

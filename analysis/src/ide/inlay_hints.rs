@@ -1,4 +1,4 @@
-//! What the text leaves unsaid: types that come from elsewhere, implicit ends of machines, sums of
+//! Implicit facts as hints in the text: types from other declarations, implicit ends of machines, sums of
 //! execution times, loads, defaults.
 
 use std::ops::Range;
@@ -17,19 +17,19 @@ use crate::{
     source_map::bytes,
 };
 
-/// Which types are shown.
+/// The types to show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum InlayTypes {
     /// None.
     Off,
-    /// Those of names that another component or interface declares.
+    /// Types of names that another component or interface declares.
     #[default]
     Inherited,
-    /// Those of all parameters that name data.
+    /// Types of all parameters that name data.
     All,
 }
 
-/// Which hints are shown.
+/// The hints to show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct InlayConfig {
     /// Types of parameters.
@@ -38,9 +38,9 @@ pub struct InlayConfig {
     pub implicit_ether: bool,
     /// Longest time from a state to the next pause.
     pub wcet: bool,
-    /// Share of its period that a task needs.
+    /// Share of its period that a task uses.
     pub utilisation: bool,
-    /// Values that properties have when they are not given.
+    /// Default values of properties that are not given.
     pub defaults: bool,
 }
 
@@ -56,7 +56,7 @@ impl Default for InlayConfig {
     }
 }
 
-/// What a hint is about.
+/// The kind of a hint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[allow(missing_docs, reason = "see InlayConfig")]
 pub enum InlayKind {
@@ -67,14 +67,14 @@ pub enum InlayKind {
     Default,
 }
 
-/// A text shown between those of the author.
+/// A text shown inside the text of the author.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct InlayHint {
     /// Byte offset.
     pub at: usize,
     /// The text.
     pub label: String,
-    /// What it is about.
+    /// The kind.
     pub kind: InlayKind,
     /// An explanation, in Markdown.
     pub tooltip: String,
@@ -122,7 +122,7 @@ struct Hints<'a, 'db> {
 }
 
 impl Hints<'_, '_> {
-    /// The place of something, if it is in this file and in the range.
+    /// The place of an item, if it is in this file and in the range.
     fn place(&self, src: Src) -> Option<Range<usize>> {
         let (file, range) = self.view.place(src)?;
         let range = bytes(range);
@@ -172,7 +172,7 @@ impl Hints<'_, '_> {
         }
     }
 
-    /// Where a component mentions data that something else declares.
+    /// Mentions in a component of data that another declaration contains.
     fn inherited(&self, number: u32, component: &Component) -> Vec<usize> {
         let elaborated = self.view.elaborated();
         let references = elaborated.references.iter();
@@ -198,7 +198,7 @@ impl Hints<'_, '_> {
             .collect()
     }
 
-    /// What a component has without saying so.
+    /// Implicit properties of a component.
     fn defaults(&mut self, component: &Component) {
         let Some(place) = self.place(component.src) else {
             return;
@@ -229,7 +229,7 @@ impl Hints<'_, '_> {
         }
     }
 
-    /// Whether a component of this file is written with a property.
+    /// Returns true if a component of this file has a property.
     fn has_property(&self, component: &Component, word: &str) -> bool {
         let items = self.view.parse().tree().items();
         let components = items.filter_map(|it| match it {
@@ -291,7 +291,7 @@ impl Hints<'_, '_> {
                     if incomplete {
                         tooltip += " Some codel on the way has no `wcet` and counts as zero.";
                     }
-                    // Beside its own `wcet` the same number would say nothing.
+                    // Next to its own `wcet`, the same number would be redundant.
                     if chain.len() == 1 && codel.wcet.is_some() {
                         continue;
                     }
@@ -352,7 +352,7 @@ impl Hints<'_, '_> {
     }
 }
 
-/// Whether a codel is part of a machine.
+/// Returns true if a codel is part of a machine.
 pub(crate) fn is_machine(component: &Component, owner: Owner) -> bool {
     let codels = component.codels_of(owner);
     codels.iter().any(|it| it.kind == CodelKind::Fsm)
@@ -423,7 +423,7 @@ component c {
             "{types}"
         );
         let wcet = shown(TEXT, InlayConfig { wcet: true, ..NONE });
-        // Alone it takes what its `wcet` says already.
+        // A chain of one codel takes the time in its `wcet`.
         assert!(wcet.contains("codel<start>"), "{wcet}");
         assert!(wcet.contains("codel<go[ ‹≤ 4.5 ms›]>"), "{wcet}");
         let load = shown(

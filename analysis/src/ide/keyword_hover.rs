@@ -1,4 +1,4 @@
-//! What the words of the language mean.
+//! The meanings of the words of the language.
 
 use dotgen_syntax::{SyntaxKind, SyntaxKind::*, SyntaxToken, TokenAtOffset};
 
@@ -23,7 +23,7 @@ pub(crate) fn hover(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Hover>> 
     })
 }
 
-/// A word of the language, not of a name, with its meaning.
+/// A keyword, not a name, with its meaning.
 fn told(token: SyntaxToken) -> Option<(SyntaxToken, &'static str)> {
     let within = token.parent()?.kind();
     let text = match (token.kind(), within) {
@@ -206,7 +206,7 @@ mod tests {
             "`pause`: `pause::x`",
         );
         check("component c { ids$0 { long x; }; };", "ids", "```genom");
-        // A name that looks like a word is a name.
+        // A name that is spelled like a keyword is a name.
         check("component c { task per$0iod; };", "period", "```genom");
         check("component c { doc \"ta$0sk\"; };", "", "");
         check("// ta$0sk\n", "", "");

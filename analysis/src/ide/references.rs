@@ -18,7 +18,7 @@ use crate::{
     unit::{UnitKey, preprocessed, roots_of, unit_of_root, visits},
 };
 
-/// Every mention of what is under the cursor, by file and place.
+/// Every mention of the name under the cursor, by file and place.
 pub(crate) fn references(
     view: &FileView<'_>,
     at: usize,
@@ -67,7 +67,7 @@ pub(crate) fn references(
     if !include_declaration {
         out.retain(|it| it.access != AccessKind::Declaration);
     }
-    // Where a name is both declared and used, the use says more.
+    // For a name that is both declared and used, the use is more informative.
     let key = |it: &ReferenceAt| {
         let place = (
             it.place.path.clone(),
@@ -176,7 +176,7 @@ fn file_range(db: &dyn Db, file: SourceFile, range: dotgen_syntax::TextRange) ->
 mod tests {
     use crate::test_support::{Fixture, annotations};
 
-    /// The references are exactly the marked places, with the access of the label.
+    /// Checks that the references are exactly the marked places, with the access of the label.
     #[track_caller]
     fn check(text: &str) {
         let fixture = Fixture::new(text);

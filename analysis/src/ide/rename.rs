@@ -1,9 +1,9 @@
-//! Another name for the thing under the cursor, everywhere.
+//! Renames the entity under the cursor, everywhere.
 //!
-//! What is renamed is every mention that the units know of, and whatever gets its name from one of
-//! them (the parameter `x` of `attribute set(in x)` is called like the member). The result is compiled
-//! before it is offered: a rename that would clash, capture, or change what anything refers to is
-//! refused with the reason.
+//! A rename changes every known mention in all units, and everything that gets its name from one of them (the
+//! parameter `x` of `attribute set(in x)` has the name of the member). The result is compiled before it is
+//! offered: a rename that would clash, capture, or change the target of a reference is refused with the
+//! reason.
 
 use std::ops::Range;
 
@@ -32,7 +32,7 @@ use crate::{
     unit::{UnitKey, defines, files, preprocessed, roots_of, unit_of_root, visits},
 };
 
-/// Why something cannot be renamed: a message for the user.
+/// The reason why a rename is refused: a message for the user.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RenameError(pub String);
 
@@ -48,7 +48,10 @@ fn refuse<T>(why: impl Into<String>) -> Result<T, RenameError> {
     Err(RenameError(why.into()))
 }
 
-/// What would be renamed: its range and its present name.
+/// The range and the present name of a rename.
+///
+/// # Errors
+/// Returns the reason if the name cannot be renamed.
 pub(crate) fn prepare(view: &FileView<'_>, at: usize) -> Result<RangeInfo<String>, RenameError> {
     let Some((range, targets)) = targets_at(view, at) else {
         return refuse("There is no name here that can be changed");
@@ -98,7 +101,10 @@ fn definition_name(view: &FileView<'_>, id: DefId) -> Result<String, RenameError
     Ok(it.name.to_string())
 }
 
-/// The edits that give what is under the cursor another name.
+/// The edits that rename the entity under the cursor.
+///
+/// # Errors
+/// Returns the reason if the entity cannot have that name.
 pub(crate) fn rename(
     view: &FileView<'_>,
     at: usize,
@@ -136,7 +142,7 @@ pub(crate) fn rename(
             new_text: new_name.to_owned(),
         });
     }
-    // By the text of paths: their parts, compared one by one, take a second where there are many edits.
+    // Sorted by the text of paths: comparing their components takes a second for many edits.
     edits.sort_by(|a, b| (a.path.as_str(), a.range.start).cmp(&(b.path.as_str(), b.range.start)));
     edits.dedup();
     check_macros(view, &edits, new_name, is_macro)?;
@@ -169,7 +175,7 @@ fn check_name(name: &str) -> Result<(), RenameError> {
 type Spot = (SourceFile, Range<usize>);
 type Places = FxHashSet<Spot>;
 
-/// Every mention of some definitions and of what shares its name with them.
+/// Every mention of some definitions and of everything that shares its name with them.
 fn places_of(
     view: &FileView<'_>,
     targets: &[Target],
@@ -218,7 +224,8 @@ fn places_of(
     Ok(places)
 }
 
-/// The mentions of `wanted` in one of `count` units, and what else has its name from one of them.
+/// The mentions of `wanted` in one of `count` units, and the other definitions that get their name from one
+/// of them.
 fn mentions(
     db: &dyn Db,
     unit: UnitKey<'_>,
@@ -231,7 +238,7 @@ fn mentions(
     if ids.is_empty() {
         return Vec::new();
     }
-    // Most names are others: their places are not looked up.
+    // Most names are different: their places are not looked up.
     let is_named = |it: DefId| elaborated.definition(it).name == old;
     let declared = elaborated.definitions.iter().map(|it| (it.src, it.id));
     let used = elaborated.references.iter().map(|it| (it.at, it.target));
@@ -301,7 +308,8 @@ fn macro_places(view: &FileView<'_>, at: usize, old: &str) -> Places {
     places
 }
 
-/// A name that is a macro somewhere would be expanded there; a new macro would expand other names.
+/// Refuses a name that is a macro somewhere, since it would be expanded there, and a new name of a macro that
+/// would expand other names.
 fn check_macros(
     view: &FileView<'_>,
     edits: &[FileEdit],
@@ -338,7 +346,7 @@ fn check_macros(
     Ok(())
 }
 
-/// Nothing but names may be different afterwards.
+/// Checks that only names differ after the rename.
 fn check_meaning(
     view: &FileView<'_>,
     edits: &[FileEdit],
@@ -349,7 +357,7 @@ fn check_meaning(
     let differs = |db: &dyn Db, it: &Comparison| {
         let taken = || clash::taken(db, it, kind, new_name);
         if let Some(error) = it.new_errors.first() {
-            // The error is about a text that nobody has seen: what is in the way says more.
+            // The error is about a text that is not visible to the user: the clash is more informative.
             return Some(taken().unwrap_or_else(|| error.message.clone()));
         }
         let same = it.before.references == it.after.references
@@ -364,7 +372,7 @@ fn check_meaning(
             })
         })
     };
-    // Where it was asked for, the rename is always tried.
+    // The rename is always compiled in the requested unit.
     let fresh = Fresh::new(view.db, edits, old, new_name);
     let here = view.unit.inputs(view.db);
     let tried = |db: &dyn Db, root| here.contains(&root) || !fresh.in_unit_of(db, root);
@@ -374,7 +382,7 @@ fn check_meaning(
     }
 }
 
-/// How many parts each component has.
+/// Number of parts of each component.
 fn shape(spec: &crate::model::Spec) -> Vec<[usize; 5]> {
     let of = |it: &crate::model::Component| {
         let codels = it.all_codels().count();
@@ -384,8 +392,7 @@ fn shape(spec: &crate::model::Spec) -> Vec<[usize; 5]> {
     spec.components.iter().map(of).collect()
 }
 
-/// The edits of include directives after files were moved: pairs of old and new path, of files or
-/// folders.
+/// The edits of include directives after moving files or folders: pairs of old and new path.
 pub(crate) fn files_moved(db: &dyn Db, moves: &[(Utf8PathBuf, Utf8PathBuf)]) -> Vec<FileEdit> {
     let moved = |path: &Utf8Path| -> Option<Utf8PathBuf> {
         moves.iter().find_map(|(from, to)| {
@@ -428,7 +435,7 @@ pub(crate) fn files_moved(db: &dyn Db, moves: &[(Utf8PathBuf, Utf8PathBuf)]) -> 
                     new_from,
                     new_target,
                 );
-                // An operand that is a macro is not a path to change.
+                // The name of a macro as an operand is not a path to change.
                 let path = (range != include.range).then_some(new).flatten();
                 if let Some(path) = path.filter(|it| it.as_str() != request.path) {
                     edits.push(FileEdit {
@@ -440,13 +447,13 @@ pub(crate) fn files_moved(db: &dyn Db, moves: &[(Utf8PathBuf, Utf8PathBuf)]) -> 
             }
         }
     }
-    // By the text of paths: their parts, compared one by one, take a second where there are many edits.
+    // Sorted by the text of paths: comparing their components takes a second for many edits.
     edits.sort_by(|a, b| (a.path.as_str(), a.range.start).cmp(&(b.path.as_str(), b.range.start)));
     edits.dedup();
     edits
 }
 
-/// How an include is to be spelled; `None` if it has to stay.
+/// The new spelling of an include; `None` if it must stay.
 fn respell(
     db: &dyn Db,
     spelled: &Utf8Path,
@@ -476,7 +483,7 @@ fn respell(
     }
 }
 
-/// The path of a file as seen from a directory; `None` if they have no root in common.
+/// The path of a file relative to a directory; `None` if they have no common root.
 pub fn relative(from: &Utf8Path, to: &Utf8Path) -> Option<Utf8PathBuf> {
     let mut up = Utf8PathBuf::new();
     for ancestor in from.ancestors() {

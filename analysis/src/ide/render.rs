@@ -1,17 +1,17 @@
-//! Declarations, types and values as people read them.
+//! Declarations, types and values as text for display.
 
 use dotgen_syntax::{SyntaxKind, SyntaxNode, SyntaxToken};
 
 use super::FileView;
 use crate::model::{Spec, Type, TypeId, TypeKind, Value};
 
-/// Lines of a declaration that are shown before it is cut.
+/// Maximum number of displayed lines of a declaration.
 const MAX_LINES: usize = 24;
 
-/// Columns after which a list of parameters goes on in the next line.
+/// Column after which a list of parameters is wrapped.
 const WIDTH: usize = 72;
 
-/// The text of a node in a standard layout: comments and directives left out, macros expanded.
+/// The text of a node in a standard layout: without comments and directives, with macros expanded.
 pub(crate) fn normalized(view: &FileView<'_>, node: &SyntaxNode) -> String {
     let mut layout = Layout::default();
     for element in node.descendants_with_tokens() {
@@ -48,7 +48,7 @@ pub(crate) fn one_line(view: &FileView<'_>, node: &SyntaxNode) -> String {
     layout.out.trim_end().to_owned()
 }
 
-/// Directives, text left out, and the spelling of macro calls.
+/// Returns true for directives, excluded text, and macro calls.
 fn is_hidden(token: &SyntaxToken, within: &SyntaxNode) -> bool {
     token
         .parent_ancestors()
@@ -70,9 +70,9 @@ struct Layout {
     /// Depth of parentheses and brackets, and of the braces of values within.
     nesting: usize,
     flat: bool,
-    /// The list of parameters goes on in the next line.
+    /// True if the list of parameters is wrapped.
     wraps: bool,
-    /// After `case` or `default`, up to its colon: `case 1:`, but `in long n = 1 : "doc"`.
+    /// True after `case` or `default`, up to its colon: `case 1:`, but `in long n = 1 : "doc"`.
     label: bool,
 }
 
@@ -157,7 +157,7 @@ impl Layout {
     }
 }
 
-/// A value as it is written in a specification.
+/// A value in the syntax of a specification.
 pub(crate) fn value(spec: &Spec, value: &Value) -> String {
     match value {
         Value::Bool(true) => "TRUE".into(),
@@ -175,7 +175,7 @@ pub(crate) fn value(spec: &Spec, value: &Value) -> String {
     }
 }
 
-/// A type with the full names of what it mentions, `pose::state[4]`.
+/// A type with the full names of all types in it, `pose::state[4]`.
 pub(crate) fn type_text(spec: &Spec, id: TypeId) -> String {
     let Some(ty) = spec.types.get(id.0 as usize) else {
         return String::new();
@@ -213,7 +213,7 @@ pub(crate) fn type_text(spec: &Spec, id: TypeId) -> String {
     }
 }
 
-/// The type behind aliases, when that says more than the name.
+/// The type behind aliases, if it is more informative than the name.
 pub(crate) fn resolved_type_text(spec: &Spec, id: TypeId) -> Option<String> {
     let resolved = spec.resolve_alias(id);
     let ty = spec.types.get(resolved.0 as usize)?;
@@ -250,14 +250,14 @@ pub(crate) fn resolved_type_text(spec: &Spec, id: TypeId) -> Option<String> {
     })
 }
 
-/// Bytes the values of a type take when packed one after the other; `None` when that depends on the
-/// value or on the implementation.
+/// Size in bytes of the values of a type without padding; `None` if it depends on the value or on the
+/// implementation.
 pub(crate) fn packed_size(spec: &Spec, id: TypeId) -> Option<u64> {
     size(spec, id, 0)
 }
 
 fn size(spec: &Spec, id: TypeId, depth: u32) -> Option<u64> {
-    // Types cannot contain themselves; foreign data might.
+    // Types cannot contain themselves, but foreign data might.
     if depth > 64 {
         return None;
     }

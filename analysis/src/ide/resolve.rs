@@ -1,4 +1,4 @@
-//! What stands where: every name of a file that means something, and what it means.
+//! All resolved names of a file, with their meanings.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ use crate::{
     unit::{UnitKey, define},
 };
 
-/// What a piece of text names.
+/// The target of a name.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(crate) enum Target {
     /// A declaration of the unit.
@@ -38,7 +38,7 @@ pub(crate) struct Occurrence {
     pub(crate) access: AccessKind,
 }
 
-/// The resolved names of a file in a unit, by place, those of all its visits together.
+/// The resolved names of a file in a unit, by place, from all its visits.
 #[salsa::tracked(lru = 24, returns(deref))]
 pub(crate) fn occurrences<'db>(
     db: &'db dyn Db,
@@ -77,12 +77,12 @@ pub(crate) fn occurrences<'db>(
     out
 }
 
-/// What is under the cursor: the smallest name that touches the offset, with everything it means.
+/// The name under the cursor: the smallest name that touches the offset, with all its targets.
 pub(crate) fn targets_at(view: &FileView<'_>, at: usize) -> Option<(TextRange, Vec<Target>)> {
     let at = offset(at);
     let touches = |range: TextRange| range.contains_inclusive(at);
     for (ordinal, include) in view.pre().includes.iter().enumerate() {
-        // A macro in the operand stands for itself.
+        // A macro in the operand is its own target.
         let delimited = path_range(view.text(), include.range);
         if touches(include.range) && delimited != include.range {
             let target = include_target(view, ordinal)?;
@@ -91,7 +91,7 @@ pub(crate) fn targets_at(view: &FileView<'_>, at: usize) -> Option<(TextRange, V
     }
     let in_macros = macro_at(view, at);
     let all = occurrences(view.db, view.unit, view.file);
-    // A name the cursor is in or before wins over one that ends there.
+    // A name that contains or follows the cursor has precedence over one that ends there.
     let names = all.iter().filter(|it| touches(it.range));
     let best = names.min_by_key(|it| (it.range.end() == at, it.range.len()));
     match (in_macros, best) {
@@ -105,8 +105,8 @@ pub(crate) fn targets_at(view: &FileView<'_>, at: usize) -> Option<(TextRange, V
     }
 }
 
-/// Like [`targets_at`], without what is declared right there if the name means something else too:
-/// a parameter of an attribute is declared by naming a member of the ids.
+/// Like [`targets_at`], without the entity declared right there if the name has another target too: a
+/// parameter of an attribute is declared by naming a member of the ids.
 pub(crate) fn meanings_at(view: &FileView<'_>, at: usize) -> Option<(TextRange, Vec<Target>)> {
     let (range, targets) = targets_at(view, at)?;
     let is_here = |it: &&Target| match it {
@@ -132,7 +132,7 @@ fn same_place(all: &[Occurrence], range: TextRange) -> Vec<Target> {
         .collect()
 }
 
-/// The macro that is named under the cursor, in its definition, a condition or a call.
+/// The macro named under the cursor, in its definition, a condition or a call.
 fn macro_at(view: &FileView<'_>, at: dotgen_syntax::TextSize) -> Option<(TextRange, Target)> {
     let pre = view.pre();
     let used = pre
@@ -158,7 +158,7 @@ fn macro_at(view: &FileView<'_>, at: dotgen_syntax::TextSize) -> Option<(TextRan
     })
 }
 
-/// Where a target is defined; nothing for predefined macros.
+/// The definition of a target; `None` for predefined macros.
 pub(crate) fn nav_target(view: &FileView<'_>, target: &Target) -> Option<NavTarget> {
     match target {
         Target::Definition(id) => definition_target(view.db, view.unit, *id),
@@ -191,7 +191,7 @@ pub(crate) fn nav_target(view: &FileView<'_>, target: &Target) -> Option<NavTarg
     }
 }
 
-/// Where a definition of a unit is.
+/// The place of a definition of a unit.
 pub(crate) fn definition_target<'db>(
     db: &'db dyn Db,
     unit: UnitKey<'db>,
@@ -212,12 +212,12 @@ pub(crate) fn definition_target<'db>(
     })
 }
 
-/// Name of what a definition is declared in.
+/// Name of the declaration that contains a definition.
 pub(crate) fn container_name(all: &[Definition], it: &Definition) -> Option<SmolStr> {
     Some(all.get(it.container?.0 as usize)?.name.clone())
 }
 
-/// What tells a definition apart in every unit that has it.
+/// The identity of a definition, equal in every unit that contains it.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(crate) struct Identity {
     pub(crate) file: SourceFile,
@@ -231,7 +231,7 @@ pub(crate) fn identity<'db>(db: &'db dyn Db, unit: UnitKey<'db>, id: DefId) -> O
     identity_in(db, unit, elaborated(db, unit), id)
 }
 
-/// [`identity`], with what the unit means.
+/// [`identity`], for an elaborated unit.
 pub(crate) fn identity_in<'db>(
     db: &'db dyn Db,
     unit: UnitKey<'db>,
@@ -248,7 +248,7 @@ pub(crate) fn identity_in<'db>(
     })
 }
 
-/// The definitions of a unit with one of some identities.
+/// The definitions of a unit with any of these identities.
 pub(crate) fn find_identities<'db>(
     db: &'db dyn Db,
     unit: UnitKey<'db>,
@@ -266,10 +266,10 @@ pub(crate) fn find_identities<'db>(
     found.map(|it| it.id).collect()
 }
 
-/// A question to so many units leaves nothing of them behind.
+/// Maximum number of units of a query whose results are cached. A query over more units caches none of them.
 const MANY: usize = 32;
 
-/// What a unit means, as one of `count` units that are asked the same.
+/// The elaboration of a unit, as one of `count` units of the same query.
 pub(crate) fn elaborated_of_many<'db>(
     db: &'db dyn Db,
     unit: UnitKey<'db>,

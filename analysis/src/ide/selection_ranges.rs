@@ -1,4 +1,4 @@
-//! Ever larger ranges around an offset, along the syntax tree.
+//! Increasing ranges around an offset, along the syntax tree.
 
 use std::ops::Range;
 
@@ -14,7 +14,7 @@ pub(crate) fn selection_ranges(view: &FileView<'_>, at: usize) -> Vec<Range<usiz
     let token = match root.token_at_offset(at) {
         TokenAtOffset::None => return vec![bytes(root.text_range())],
         TokenAtOffset::Single(token) => token,
-        // A word rather than what is next to it.
+        // Prefer a word to the token next to it.
         TokenAtOffset::Between(left, right) if right.kind().is_trivia() => left,
         TokenAtOffset::Between(left, right) if is_word(left.kind()) && !is_word(right.kind()) => {
             left
@@ -34,7 +34,7 @@ pub(crate) fn selection_ranges(view: &FileView<'_>, at: usize) -> Vec<Range<usiz
         push(bytes(token.text_range()));
     }
     for node in token.parent_ancestors() {
-        // Inside brackets first, then with them.
+        // The inside of brackets first, then with the brackets.
         let open = node.first_child_or_token_by_kind(&|it| opens(it));
         let close = node.last_child_or_token();
         if let (Some(SyntaxElement::Token(open)), Some(SyntaxElement::Token(close))) = (open, close)

@@ -1,4 +1,4 @@
-//! Tokens coloured by what they mean.
+//! Semantic tokens: colours by the meaning of names.
 
 use std::ops::Range;
 
@@ -201,7 +201,7 @@ fn name(kind: DefKind, access: AccessKind) -> (TokenType, TokenModifiers) {
     (ty, modifiers)
 }
 
-/// A name that elaboration knows nothing about, by where it stands.
+/// The type of an unresolved name, by its place in the tree.
 fn unresolved(token: &SyntaxToken, parent: SyntaxKind) -> Option<(TokenType, TokenModifiers)> {
     use SyntaxKind as K;
     if !matches!(parent, K::NAME | K::NAME_REF) {

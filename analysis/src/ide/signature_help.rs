@@ -1,4 +1,4 @@
-//! The parameter list around the cursor, or the members of what is initialized there.
+//! The parameter list around the cursor, or the members initialized there.
 
 use std::ops::Range;
 
@@ -13,13 +13,13 @@ use crate::model::{Codel, Param, ParamDir, ParamSource, Spec};
 /// A signature.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SignatureHelp {
-    /// The whole.
+    /// The whole text.
     pub label: String,
     /// The parameters: byte ranges of the label.
     pub parameters: Vec<Range<usize>>,
-    /// The one the cursor is in.
+    /// The one at the cursor.
     pub active: Option<usize>,
-    /// What it is the signature of.
+    /// The documentation of the declaration.
     pub documentation: Option<String>,
 }
 
@@ -33,7 +33,7 @@ pub(crate) fn signature_help(view: &FileView<'_>, at: usize) -> Option<Signature
     let context = Context::new(view, at);
     let names = Names::new(view, &context, at);
     let mut frame = context.frames.len() - 1;
-    // Inside an index or an expression: of what is around it.
+    // Inside an index or an expression: use the enclosing list.
     while frame > 0
         && (context.frames[frame].kind == FrameKind::Bracket
             || context.frames[frame].kind == FrameKind::Paren
@@ -70,7 +70,7 @@ fn members(names: &Names<'_, '_>, context: &Context, frame: usize) -> Option<Sig
     (!members.is_empty()).then(|| out.finish(" }", active))
 }
 
-/// The member an element without designator is for: the one after the last that has one.
+/// The member for an element without a designator: the one after the last initialized member.
 fn position(
     context: &Context,
     open: usize,
@@ -123,7 +123,7 @@ fn list(names: &Names<'_, '_>, context: &Context, frame: usize) -> Option<Signat
             Some(help)
         }
         parameter_list::List::Attribute | parameter_list::List::Service => {
-            // Declared before, here or in an interface: the parameters have to be the same.
+            // Declared before, here or in an interface: the parameters must be the same.
             let component = names.component()?;
             let service = component.services.iter().find(|it| it.name == name.text)?;
             let params: Vec<&Param> = service
@@ -214,7 +214,7 @@ impl Builder {
 mod tests {
     use crate::test_support::Fixture;
 
-    /// The label with the active parameter in brackets.
+    /// Checks the label, with the active parameter in brackets.
     #[track_caller]
     fn check(text: &str, expected: &str) {
         let fixture = Fixture::new(text);

@@ -1,9 +1,7 @@
-//! What a specification would mean after some edits: the units concerned are compiled again, in a
-//! database of their own.
+//! Speculative compilation: the units affected by some edits are compiled again, in a separate database.
 //!
-//! Renaming and refactoring must not change what is not to be changed. The language has too many
-//! ways to clash and to capture for a list of them to be trusted; compiling the result and comparing
-//! finds them all.
+//! Renaming and refactoring must not change anything else. The language has too many ways to clash and to
+//! capture for a reliable list; compiling the result and comparing finds them all.
 
 use std::sync::Arc;
 
@@ -27,11 +25,11 @@ use crate::{
 
 /// One unit before and after.
 pub(crate) struct Comparison {
-    /// Its root.
+    /// The root.
     pub(crate) root: SourceFile,
     pub(crate) before: Arc<Elaborated>,
     pub(crate) after: Arc<Elaborated>,
-    /// Errors that were not there before.
+    /// Errors that did not exist before.
     pub(crate) new_errors: Vec<Diagnostic>,
 }
 
@@ -50,11 +48,11 @@ pub(crate) fn apply<'e>(text: &str, edits: impl IntoIterator<Item = &'e FileEdit
     out
 }
 
-/// Units that are compiled in one database, which is dropped then: they share what they include.
+/// Number of units that are compiled in one database, which is then dropped: they share their includes.
 const BATCH: usize = 16;
 
-/// Compiles the units of the edited files before and after, on all cores, and gives what `differs` finds in
-/// each, by path of the root.
+/// Compiles the units of the edited files before and after, on all cores, and returns the results of
+/// `differs` for each, by path of the root.
 pub(crate) fn compare<R: Send>(
     db: &dyn Db,
     edits: &[FileEdit],
@@ -63,7 +61,7 @@ pub(crate) fn compare<R: Send>(
     compare_some(db, edits, |_, _| true, differs, &Progress::default())
 }
 
-/// As [`compare`], for the units that are `tried`, by root.
+/// Like [`compare`], for the units that are `tried`, by root.
 pub(crate) fn compare_some<R: Send>(
     db: &dyn Db,
     edits: &[FileEdit],
@@ -120,7 +118,7 @@ pub(crate) fn compare_some<R: Send>(
     found.into_iter().flatten().collect()
 }
 
-/// The unit of a root as it would be with some edits.
+/// The unit of a root after some edits.
 pub(crate) fn edited_unit(db: &dyn Db, root: SourceFile, edits: &[FileEdit]) -> UnitResult {
     let mut texts: FxHashMap<Utf8PathBuf, String> = FxHashMap::default();
     for file in files(db, unit_of_root(db, root)) {
@@ -137,7 +135,7 @@ pub(crate) fn edited_unit(db: &dyn Db, root: SourceFile, edits: &[FileEdit]) -> 
     unit_result(&other, there)
 }
 
-/// Errors of which there are more afterwards.
+/// Errors that occur more often after the edits.
 fn new_errors(
     db: &dyn Db,
     unit: UnitKey<'_>,

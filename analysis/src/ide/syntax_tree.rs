@@ -1,4 +1,4 @@
-//! The syntax tree as text, for people who look inside.
+//! The syntax tree as text, for debugging.
 
 use super::FileView;
 

@@ -1,4 +1,4 @@
-//! One file as the unit that serves it sees it.
+//! One file in the unit that serves it.
 
 use dotgen_syntax::preproc::Preprocessed;
 use dotgen_syntax::{ExpansionMap, Parse, SyntaxNode, TextRange, lexer::RawTokens};
@@ -65,12 +65,12 @@ impl<'db> FileView<'db> {
         elaborated(self.db, self.unit)
     }
 
-    /// The place of a node, trivia left out.
+    /// The range of a node, without trivia.
     pub(crate) fn node_range(&self, node: &SyntaxNode) -> TextRange {
         node_range(node, self.map(), self.raw())
     }
 
-    /// The place of a token, or of what it was expanded from.
+    /// The range of a token, or of the text it was expanded from.
     pub(crate) fn token_range(&self, token: &dotgen_syntax::SyntaxToken) -> TextRange {
         token_range(token, self.map(), self.raw())
     }

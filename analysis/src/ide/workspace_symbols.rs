@@ -20,7 +20,7 @@ pub(crate) fn workspace_symbols(db: &dyn Db, query: &str, limit: usize) -> Vec<W
     let mut seen = FxHashSet::default();
     for path in db.workspace().roots(db) {
         let root = db.file(path);
-        // What is included elsewhere is seen there.
+        // A file that is included elsewhere is listed there.
         if roots_of(db, root).first() != Some(&root) {
             continue;
         }
@@ -58,7 +58,7 @@ pub(crate) fn workspace_symbols(db: &dyn Db, query: &str, limit: usize) -> Vec<W
     found.into_iter().map(|(.., it)| it).collect()
 }
 
-/// Parameters and local variables are of no interest outside their service.
+/// Returns false for parameters and local variables, which are not listed outside their service.
 fn is_listed(kind: DefKind) -> bool {
     !matches!(
         kind,
@@ -66,7 +66,7 @@ fn is_listed(kind: DefKind) -> bool {
     )
 }
 
-/// How well a name matches: equal, beginning, inside, scattered; `None` if it does not.
+/// The quality of a match: equal, prefix, substring, scattered; `None` without a match.
 fn rank(name: &str, query: &str) -> Option<u8> {
     let lower = name.to_lowercase();
     let query = query.to_lowercase();

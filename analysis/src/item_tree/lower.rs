@@ -1,8 +1,8 @@
 //! From the typed syntax tree to the item tree, with the ranges of its pointers.
 //!
-//! A pointer is allocated for every node that a diagnostic or an editor feature may point at, in the
-//! order in which lowering meets them. Ranges hold no leading or trailing trivia. What a macro produced is
-//! at the call, except for tokens of its arguments, which are where they are written.
+//! A pointer is allocated for every node that a diagnostic or an editor feature may refer to, in the order of
+//! lowering. Ranges hold no leading or trailing trivia. Text from a macro has the range of the call, except
+//! for tokens of its arguments, which have the range of the argument.
 
 mod codel;
 mod types;
@@ -27,12 +27,12 @@ use super::{
 /// The result of lowering a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Lowered {
-    /// What the file declares.
+    /// The declarations of the file.
     pub tree: Arc<ItemTree>,
-    /// Where.
+    /// The ranges of its pointers.
     pub ranges: Arc<PtrRanges>,
-    /// What each active include is to be parsed as, by ordinal; `None` where no declaration may
-    /// stand (it is in [`Lowered::misplaced`] then).
+    /// The kind of text of each active include, by ordinal; `None` if no declaration is allowed at its place
+    /// (it is in [`Lowered::misplaced`] then).
     pub fragments: Vec<Option<Fragment>>,
     /// Active includes in the middle of a declaration.
     pub misplaced: Vec<TextRange>,
@@ -89,8 +89,8 @@ pub fn lower(parse: &Parse, fragment: Fragment, raw: &RawTokens, pre: &Preproces
     }
 }
 
-/// Lists without room for more: item trees of all files are kept, and most of their lists have one or two
-/// elements.
+/// Collects into vectors without spare capacity: item trees of all files are kept, and most of their lists
+/// have one or two elements.
 trait Tight: Iterator + Sized {
     fn tight(self) -> Vec<Self::Item> {
         let mut all: Vec<Self::Item> = self.collect();
@@ -107,15 +107,15 @@ struct Lower<'a> {
     pre: &'a Preprocessed,
     /// Directive nodes of the tree in text order, with their preprocessor directives.
     directives: Vec<(SyntaxNode, &'a Directive, u32)>,
-    /// First of them that has not been lowered.
+    /// Index of the first of them that has not been lowered.
     next_directive: usize,
     ranges: PtrRanges,
     fragments: Vec<Option<Fragment>>,
-    /// Which active includes stand among items.
+    /// For each active include, true if it is among items.
     placed: Vec<bool>,
 }
 
-/// Directives that are looked for one by one.
+/// Maximum number of directives that are located one by one.
 const FEW: usize = 8;
 
 /// The live directives of a tree.
@@ -129,7 +129,7 @@ fn directives<'a>(
     });
     let elements: Vec<(bool, u32)> = elements.collect();
     let directive = |index: u32| Some((pre.directives.get(index as usize)?, index));
-    // Looking for a place takes as long as the text before it is: good for a few.
+    // Locating a place takes time proportional to the text before it: suitable for a few.
     if elements.len() <= FEW && elements.iter().all(|(spelled, _)| *spelled) {
         let at = elements.iter().filter_map(|&(_, index)| {
             let (directive, index) = directive(index)?;
@@ -143,7 +143,7 @@ fn directives<'a>(
         });
         return at.collect();
     }
-    // One that comes out of a macro has no place of its own, and many are found in one walk. The tree builder
+    // A directive from a macro has no place of its own, and many are found in one walk. The tree builder
     // makes one node for each directive element, in order.
     root.descendants()
         .filter(|it| it.kind() == SyntaxKind::DIRECTIVE)
@@ -217,8 +217,8 @@ impl Lower<'_> {
 
     // Items.
 
-    /// Lowers a list of items into `out`. `fragment` is what a file included here holds; `top` says that
-    /// these are the top-level items.
+    /// Lowers a list of items into `out`. `fragment` is the kind of text of files included here; `top` is
+    /// true for the top-level items.
     fn items(
         &mut self,
         items: impl Iterator<Item = ast::Item>,
@@ -243,7 +243,7 @@ impl Lower<'_> {
         }
     }
 
-    /// The items of a body, and nothing if there is none.
+    /// The items of a body; empty without a body.
     fn body(&mut self, owner: &impl HasBody) -> Vec<Item> {
         let mut out = Vec::new();
         if let Some(body) = owner.body() {
@@ -253,8 +253,8 @@ impl Lower<'_> {
         out
     }
 
-    /// Pragmas between the last directive lowered and `end`: they stand inside a declaration and
-    /// count as written after it.
+    /// Pragmas between the last directive lowered and `end`: they are inside a declaration and count as
+    /// written after it.
     fn stray_pragmas(&mut self, end: usize, top: bool, out: &mut Vec<Item>) {
         for at in self.next_directive..end {
             if matches!(self.directives[at].1.kind, DirectiveKind::Pragma(_)) {
@@ -445,7 +445,7 @@ impl Lower<'_> {
         }
     }
 
-    /// A pragma argument read as a path. `directive` is the node it is written in.
+    /// A pragma argument read as a path. `directive` is its node.
     fn path_in(&mut self, directive: &SyntaxNode, argument: &PragmaArg) -> Option<Path> {
         let ptr = self.ptr(argument.range);
         let start = argument.range.start();
@@ -557,7 +557,8 @@ impl Lower<'_> {
     }
 }
 
-/// Where to point for a token: itself, the argument of the macro call it comes from, or the call.
+/// The range to report for a token: its own, the range of the argument of the macro call it comes from, or of
+/// the call.
 pub(crate) fn token_range(token: &SyntaxToken, map: &ExpansionMap, raw: &RawTokens) -> TextRange {
     match map.origin(token) {
         Some(&Origin::Argument(i)) if (i as usize) < raw.len() => text_range(raw.range(i as usize)),
@@ -565,7 +566,7 @@ pub(crate) fn token_range(token: &SyntaxToken, map: &ExpansionMap, raw: &RawToke
     }
 }
 
-/// Where to point for a node: from its first token to its last, trivia and directives left out.
+/// The range to report for a node: from its first token to its last, without trivia and directives.
 pub(crate) fn node_range(node: &SyntaxNode, map: &ExpansionMap, raw: &RawTokens) -> TextRange {
     if map.is_empty() {
         let green = node.green();
@@ -594,13 +595,13 @@ pub(crate) fn node_range(node: &SyntaxNode, map: &ExpansionMap, raw: &RawTokens)
     }
 }
 
-/// Nodes that are no part of the declaration they stand in.
+/// Returns true for nodes that are not part of the declaration around them.
 fn is_aside(kind: SyntaxKind) -> bool {
     matches!(kind, SyntaxKind::DIRECTIVE | SyntaxKind::INACTIVE)
 }
 
 /// Offset of the first token of a node that is neither trivia nor in a directive. Green trees are read
-/// without allocation, which matters here: every node of a file passes by.
+/// without allocation, since this runs for every node of a file.
 fn text_start(node: &GreenNodeData) -> Option<TextSize> {
     let mut offset = TextSize::new(0);
     for child in node.children() {

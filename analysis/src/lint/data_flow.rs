@@ -1,4 +1,4 @@
-//! Rules about who reads and writes ports and ids.
+//! Rules about readers and writers of ports and ids.
 
 use crate::finding::role::Role;
 use crate::model::{
@@ -33,7 +33,7 @@ enum By {
 }
 
 pub(super) fn check(lint: &mut Lint) {
-    // A component that is only declared so far (no codel at all) uses nothing yet.
+    // A component that is only declared so far (without codels) uses nothing yet.
     if lint.component.all_codels().next().is_none() {
         return;
     }
@@ -52,7 +52,7 @@ fn uses(lint: &Lint) -> Vec<Use> {
                 ParamSource::Port(port) => What::Port(port),
                 _ => continue,
             };
-            // `in` on an output port reads back what was written.
+            // `in` on an output port reads back the written value.
             let (reads, writes) = directions(param.dir);
             out.push(Use {
                 what,
@@ -66,7 +66,7 @@ fn uses(lint: &Lint) -> Vec<Use> {
     for (i, service) in component.services.iter().enumerate() {
         if service.kind == ServiceKind::Attribute {
             for param in &service.params {
-                // Seen from the ids: an `in` attribute sets, an `out` attribute gets.
+                // Relative to the ids: an `in` attribute sets, an `out` attribute gets.
                 let (writes, reads) = directions(param.dir);
                 let what = What::Ids(member(&param.path));
                 out.push(Use {
@@ -200,8 +200,8 @@ fn ids(lint: &mut Lint, uses: &[Use]) {
     }
 }
 
-/// `ids/read-before-write`: the component starts, and a codel that can run then reads a member that
-/// only later requests would have set.
+/// `ids/read-before-write`: after the start of the component, a codel can read a member that only later
+/// requests set.
 fn read_before_write(lint: &mut Lint, name: &Name, uses: &[&Use]) {
     let starts = |by: By| match by {
         By::Codel(
@@ -215,8 +215,8 @@ fn read_before_write(lint: &mut Lint, name: &Name, uses: &[&Use]) {
     if uses.iter().any(|u| u.writes && starts(u.by)) {
         return;
     }
-    // Permanent activities run by themselves; services run on request, perhaps after the one that
-    // sets the member, so only the former are certain to be able to come first.
+    // Permanent activities run without requests; services run on request, perhaps after the one that sets the
+    // member. So only permanent activities certainly can run first.
     let reader = uses.iter().find(|u| {
         u.reads
             && !u.writes

@@ -1,4 +1,4 @@
-//! Rules about codels that keep each other waiting.
+//! Rules about codels that block each other.
 
 use crate::finding::role::Role;
 use crate::finding::{
@@ -63,8 +63,8 @@ fn long_hold(lint: &mut Lint, it: CodelRef, exclusions: &[mutex::Exclusion]) {
     }
 }
 
-/// `lock/self-blocking`: an asynchronous codel and another codel of its own task use the same data, so
-/// the task waits for its own activity.
+/// `lock/self-blocking`: an asynchronous codel and another codel of its own task use the same data, so the
+/// task waits for its own activity.
 fn self_blocking(lint: &mut Lint, it: CodelRef) {
     if !lint.codel(it).is_async {
         return;
@@ -117,8 +117,8 @@ fn describe(lint: &Lint, through: &[Through]) -> String {
     names.join(" and ")
 }
 
-/// A codel of a task that is bound to `start` or `stop` only, to which nothing returns: it is over
-/// before anything else runs, or comes after.
+/// Returns true for a codel of a task that is bound only to `start` or `stop` and has no incoming transition:
+/// it runs before or after all others.
 pub(super) fn only_starts_or_stops(lint: &Lint, it: CodelRef) -> bool {
     let ends = |name: &str| name == "start" || name == "stop";
     let mut yields = lint

@@ -87,7 +87,7 @@ fn blind_validate(lint: &mut Lint, index: u32) {
     }
 }
 
-/// `service/long-function`: what the control task executes delays every other request.
+/// `service/long-function`: the control task delays every other request while it executes a function.
 fn long_function(lint: &mut Lint, index: u32) {
     let Some(time) =
         control_task_time(lint, index).filter(|t| *t > lint.config.control_task_budget)

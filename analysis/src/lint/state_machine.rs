@@ -29,7 +29,7 @@ pub(super) fn check(lint: &mut Lint) {
 }
 
 /// `fsm/codel-named-as-event`: in C the mapping defines `COMPONENT_state` and `COMPONENT_pause_state`, so no
-/// function can have that name. In C++ they are in the component's name space.
+/// function can have that name. In C++ they are in the component's namespace.
 fn names_of_events(lint: &mut Lint) {
     let component = lint.component;
     if component.lang.as_deref().is_some_and(|it| it != "c") {
@@ -49,7 +49,7 @@ fn names_of_events(lint: &mut Lint) {
         };
         let same =
             |it: &State| it.name == rest && !it.paused || paused && it.paused && it.name == state;
-        // Every machine ends in `ether`, written or not.
+        // Every machine ends in `ether`, even if it is not written.
         if let Some(it) = states().find(|it| same(it)) {
             found.push((codel.src, codel.name.clone(), it.name.clone()));
         } else if rest == "ether" {
@@ -132,8 +132,8 @@ fn loops(lint: &mut Lint, owner: Owner, machine: &Machine) {
     }
 }
 
-/// `fsm/pause-in-aperiodic-task`: once for each task, where nothing ever ends the pause. What does is an
-/// internal event: a request for a service, or a transition of another task.
+/// `fsm/pause-in-aperiodic-task`: once for each task in which nothing ever ends the pause. A pause ends with
+/// an internal event: a request for a service, or a transition of another task.
 fn pause_in_aperiodic_task(lint: &mut Lint) {
     let with_codels = lint.component.tasks.iter();
     let with_codels = with_codels.filter(|it| !it.codels.is_empty()).count();
@@ -165,8 +165,8 @@ fn pause_in_aperiodic_task(lint: &mut Lint) {
     }
 }
 
-/// `fsm/dead-end`: several successors, none of which exists. (A single undefined successor is
-/// reported as such; saying it twice would not help.)
+/// `fsm/dead-end`: several successors, none of which exists. A single undefined successor has its own
+/// finding.
 fn dead_ends(lint: &mut Lint, machine: &Machine) {
     for (_, codel) in &machine.codels {
         let undefined = |name: &str| name != "ether" && machine.position(name).is_none();
@@ -184,7 +184,7 @@ fn dead_ends(lint: &mut Lint, machine: &Machine) {
     }
 }
 
-/// For each service the first one that interrupts it.
+/// For each service, the first one that interrupts it.
 fn interrupters(component: &Component) -> Vec<Option<u32>> {
     let services = &component.services;
     let of_all = (0..).zip(services).find(|it| it.1.interrupts.all);
@@ -213,7 +213,7 @@ fn missing_stop(lint: &mut Lint, index: u32, by: u32) {
         return;
     }
     let interrupter = &component.services[by as usize];
-    // One codel that ends at once leaves nothing half done.
+    // One codel that ends at once leaves no partial change.
     let steps = service
         .codels
         .iter()

@@ -31,7 +31,7 @@ fn missing_doc(lint: &mut Lint) {
     }
 }
 
-/// `style/naming`: one convention for all services of a component, the one most of them follow.
+/// `style/naming`: one convention for all services of a component, the most frequent one.
 fn naming(lint: &mut Lint) {
     let style = |name: &str| -> Option<&'static str> {
         if name.contains('_') {

@@ -128,12 +128,12 @@ fn wcet_exceeds_period(lint: &mut Lint, owner: Owner) {
             .map(|&v| (machine.at(v).src, Role::Then(machine.at(v).name.clone())))
             .chain([(period_src, Role::PeriodOf(task.name.clone()))])
             .collect();
-        // Later starts of the same chain say nothing new.
+        // Later starts of the same chain are redundant.
         reported.extend(chain);
     }
 }
 
-/// `timing/no-period`: execution times in a task without period bound nothing.
+/// `timing/no-period`: execution times in a task without period, which bound nothing.
 fn no_period(lint: &mut Lint) {
     for (index, task) in lint.component.tasks.iter().enumerate() {
         if task.period.is_some() {
@@ -160,7 +160,7 @@ fn no_period(lint: &mut Lint) {
     }
 }
 
-/// `timing/overutilised`: the permanent activities alone need more than the platform has.
+/// `timing/overutilised`: the permanent activities alone need more cores than the platform has.
 fn overutilised(lint: &mut Lint) {
     let Some(cores) = lint.config.cores else {
         return;
@@ -226,7 +226,7 @@ fn suspicious_units(lint: &mut Lint) {
     }
 }
 
-/// Total of the execution times of the codels that the control task runs for a service.
+/// Sum of the execution times of the codels that the control task runs for a service, in seconds.
 pub(super) fn control_task_time(lint: &Lint, service: u32) -> Option<Seconds> {
     let service = &lint.component.services[service as usize];
     if service.kind == ServiceKind::Activity {

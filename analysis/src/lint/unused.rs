@@ -1,4 +1,4 @@
-//! Declarations nobody uses.
+//! Unused declarations.
 
 use rustc_hash::FxHashSet;
 
@@ -6,8 +6,9 @@ use crate::elab::{DefKind, Elaborated};
 use crate::finding::{Finding, lints::Noticing};
 use crate::model::TypeKind;
 
-/// Reports unused types, natives, exceptions and local variables that are declared in
-/// a root file of a unit (by visit; what other files declare is for others to use), inside a component.
+/// Reports unused types, natives, exceptions and local variables that are declared in a root file of a unit,
+/// inside a component. `is_root` returns true for the visits of root files; declarations in other files are
+/// for other units.
 pub fn unused(unit: &Elaborated, is_root: impl Fn(u32) -> bool) -> Vec<Finding> {
     let used: FxHashSet<u32> = unit
         .references
@@ -33,7 +34,7 @@ pub fn unused(unit: &Elaborated, is_root: impl Fn(u32) -> bool) -> Vec<Finding> 
         if used.contains(&definition.id.0) || !is_root(definition.src.visit) {
             continue;
         }
-        // Types outside components are there to be included.
+        // Types outside of components may be included by other files.
         let inside = definition.container.map(|c| unit.definition(c).kind);
         let private = match definition.kind {
             DefKind::Local => true,
@@ -47,7 +48,7 @@ pub fn unused(unit: &Elaborated, is_root: impl Fn(u32) -> bool) -> Vec<Finding> 
     out
 }
 
-/// An enum counts as used when one of its values is.
+/// Returns true if a type is an enum and one of its values is used.
 fn enumerators_used(
     unit: &Elaborated,
     ty: Option<crate::model::TypeId>,

@@ -8,14 +8,14 @@ use super::{Codel, CodelKind, Name};
 /// The machine of one task or activity.
 #[derive(Debug, Clone)]
 pub struct Machine<'m> {
-    /// Its codels, with their index among all codels of the owner.
+    /// The codels, with their index among all codels of the owner.
     pub codels: Vec<(u32, &'m Codel)>,
     /// The codel of each state, by position in `codels`.
     by_state: FxHashMap<&'m str, usize>,
 }
 
 impl<'m> Machine<'m> {
-    /// The machine that some codels form; those without states are left out.
+    /// The machine of some codels; those without states are left out.
     pub fn new(codels: &'m [Codel]) -> Self {
         let codels: Vec<(u32, &Codel)> = (0..)
             .zip(codels)
@@ -30,7 +30,7 @@ impl<'m> Machine<'m> {
         Self { codels, by_state }
     }
 
-    /// Whether there are no codels.
+    /// Returns true if there are no codels.
     pub fn is_empty(&self) -> bool {
         self.codels.is_empty()
     }
@@ -52,8 +52,8 @@ impl<'m> Machine<'m> {
         self.by_state.get(state).copied()
     }
 
-    /// Every state that can be reached from a state, itself included, following all yields, plain or
-    /// paused. Empty when the state has no codel.
+    /// Every state that can be reached from a state, itself included, following all yields, plain or paused.
+    /// Empty if the state has no codel.
     pub fn reachable(&self, from: &str) -> FxHashSet<&'m str> {
         let mut reached = FxHashSet::default();
         let Some((&from, _)) = self.by_state.get_key_value(from) else {

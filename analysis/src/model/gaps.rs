@@ -1,51 +1,51 @@
-//! What a specification lacks because a name in it could not be resolved.
+//! The gaps of a specification: names that could not be resolved.
 //!
-//! A fresh clone has not the packages that it requires: interfaces, types and exceptions that come from there
-//! are unknown. What does not depend on them goes on; who draws a conclusion from the absence of something
-//! asks here first whether it may be in a gap.
+//! In a fresh clone the required packages may be missing: their interfaces, types and exceptions are unknown.
+//! Independent parts are still checked; a check that concludes from the absence of something must first
+//! consult the gaps.
 
 use rustc_hash::FxHashSet;
 use serde::{Deserialize, Serialize};
 
 use super::{Codel, Name, Owner, ParamDir, ParamSource, PathElement, Spec, TypeId, TypeKind};
 
-/// One thing that is lacking.
+/// One gap.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Gap {
     /// Index into [`Spec::components`]; `None` outside of components and interfaces.
     pub component: Option<u32>,
-    /// What could not be resolved.
+    /// The unresolved name.
     pub missing: Missing,
 }
 
-/// What could not be resolved.
+/// An unresolved name.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Missing {
-    /// An interface, so that anything that it would bring may be missing.
+    /// An interface, so that any of its declarations may be missing.
     Interface {
-        /// Its name.
+        /// The name.
         name: Name,
-        /// It is only used: no tasks, services and codels of the component come from there.
+        /// True if it is only used: no tasks, services and codels of the component come from it.
         used: bool,
     },
-    /// The programming language: the component names none, and an interface that is not known may.
+    /// The programming language: the component names none, and an unknown interface may name it.
     Language,
     /// An exception in a list of exceptions.
     Exception {
-        /// Its path as written.
+        /// The path as written.
         name: Name,
         /// The task or service that throws it; `None` for the component.
         owner: Option<Owner>,
     },
-    /// A type or constant that is named.
+    /// A type or constant.
     Name {
-        /// Its path as written.
+        /// The path as written.
         name: Name,
-        /// It is used as a constant.
+        /// True if it is used as a constant.
         constant: bool,
     },
-    /// Something inside a value of an unknown type, as a parameter names it.
+    /// A member of a value of an unknown type, named by a parameter.
     Member {
         /// Full name of the type.
         of: Name,
@@ -54,28 +54,29 @@ pub enum Missing {
     },
     /// A port, service or member that a codel names.
     Source {
-        /// Its name.
+        /// The name.
         name: Name,
-        /// What it is said to be; `None` if nothing is said.
+        /// The kind as written; `None` if it is not written.
         kind: Option<SourceKind>,
-        /// What the codel does with it.
+        /// The access of the codel.
         dir: ParamDir,
         /// The service whose codel it is, by index.
         service: Option<u32>,
     },
-    /// A task that an activity names, which an interface that is not known may have.
+    /// A task that an activity names, which an unknown interface may declare.
     Task {
-        /// Its name.
+        /// The name.
         name: Name,
     },
-    /// A service that another one interrupts, or comes before or after, likewise.
+    /// A service in the `interrupts`, `before` or `after` of another one, which an unknown interface may
+    /// declare.
     Service {
-        /// Its name.
+        /// The name.
         name: Name,
     },
 }
 
-/// What the parameter of a codel may be said to be.
+/// The kinds of sources that a codel parameter may name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 #[allow(missing_docs, reason = "GenoM3's own words")]
@@ -100,7 +101,7 @@ impl Spec {
             .map(|gap| &gap.missing)
     }
 
-    /// Interfaces that a component imports and that are not known, each once.
+    /// Unknown interfaces that a component imports, each once.
     pub fn missing_interfaces(&self, component: u32) -> Vec<&Name> {
         let mut out = Vec::new();
         for it in self.gaps_of(component) {
@@ -113,14 +114,14 @@ impl Spec {
         out
     }
 
-    /// Whether tasks, services, codels or properties of a component may come from an interface that is not
-    /// known.
+    /// Returns true if tasks, services, codels or properties of a component may come from an unknown
+    /// interface.
     pub fn lacks_declarations(&self, component: u32) -> bool {
         let brings = |it: &Missing| matches!(it, Missing::Interface { used: false, .. });
         self.gaps_of(component).any(brings)
     }
 
-    /// Whether a component, or one of its tasks and services, may throw more than is known.
+    /// Returns true if a component, or one of its tasks and services, may throw unknown exceptions.
     pub fn lacks_exceptions(&self, component: u32, owner: Owner) -> bool {
         self.gaps_of(component).any(|it| match it {
             Missing::Interface { .. } => true,
@@ -141,12 +142,13 @@ impl Spec {
         })
     }
 
-    /// Whether a stand-in declares a type: it may have any member, and agrees with any type of a codel.
+    /// Returns true if a type is declared by a stand-in: it may have any member, and agrees with any type of
+    /// a codel.
     pub fn is_open(&self, ty: TypeId) -> bool {
         self.open.binary_search(&ty).is_ok()
     }
 
-    /// The unknown or open type that decides how values of a type are written, if there is one: behind
+    /// The unknown or open type that determines the form of values of a type, if there is one: behind
     /// aliases, and as the element of an array, sequence or optional. Members do not count: a struct has a
     /// name of its own.
     pub fn opaque(&self, ty: TypeId) -> Option<TypeId> {
@@ -176,7 +178,7 @@ impl Spec {
         None
     }
 
-    /// What a codel of a component waits for.
+    /// The unknown interfaces and types that a codel of a component depends on.
     pub fn awaited(&self, component: u32, codel: &Codel) -> Awaited {
         let mut out = Awaited::default();
         let add = |all: &mut Vec<Name>, name: &Name| {
@@ -185,7 +187,7 @@ impl Spec {
             }
         };
         for param in &codel.params {
-            // A port or remote service is an object of the component, whatever its data.
+            // A port or remote service is an object of the component, for any data type.
             if matches!(param.source, ParamSource::Port(_) | ParamSource::Remote(_)) {
                 continue;
             }
@@ -213,11 +215,11 @@ impl Spec {
     }
 }
 
-/// What the parameters of a codel wait for, each once.
+/// The unknown interfaces and types that the parameters of a codel depend on, each once.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Awaited {
-    /// Interfaces that are not known, one of which has to bring what a parameter names.
+    /// Unknown interfaces, one of which must declare the source of a parameter.
     pub interfaces: Vec<Name>,
-    /// Modules and types that are not known, of which the type of a parameter is: it agrees with any.
+    /// Unknown modules and types that the type of a parameter depends on: it agrees with any type.
     pub types: Vec<Name>,
 }

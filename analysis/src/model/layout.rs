@@ -4,20 +4,20 @@ use rustc_hash::FxHashMap;
 
 use super::{Spec, TypeId, TypeKind};
 
-/// Whether values of a type always take the same room: no unbounded string or sequence and no
-/// native type inside. A type that contains itself through a sequence is not fixed.
+/// Returns true if values of a type always have the same size: no unbounded string or sequence and no native
+/// type inside. A type that contains itself through a sequence is not fixed.
 pub fn is_fixed(spec: &Spec, ty: TypeId) -> bool {
     max_size(spec, ty).is_some()
 }
 
-/// The most bytes that a value of a type holds, without padding; `None` when there is no limit.
+/// The maximum size of a value of a type in bytes, without padding; `None` if there is no limit.
 ///
 /// Enums and lengths count 4 bytes, presence flags 1, strings one more than their bound.
 pub fn max_size(spec: &Spec, ty: TypeId) -> Option<u64> {
     measure(spec, ty, &mut FxHashMap::default())
 }
 
-/// Sizes of composite types; `None` while they are being measured, too.
+/// Sizes of composite types in bytes; also `None` during their computation.
 type Known = FxHashMap<TypeId, Option<u64>>;
 
 fn measure(spec: &Spec, ty: TypeId, known: &mut Known) -> Option<u64> {

@@ -1,19 +1,19 @@
-//! Mutual exclusion: which codels cannot run at the same time, and because of what.
+//! Mutual exclusion: the codels that cannot run at the same time, and the shared data that causes it.
 //!
-//! Codels that share data of the ids, or a port, exclude each other when they can be run by
-//! different tasks (reference manual, "Codel mutual exclusion"; language reference, section 14).
+//! Codels that share data of the ids, or a port, exclude each other if different tasks can run them
+//! (reference manual, "Codel mutual exclusion"; language reference, section 14).
 
 use super::{
     Codel, CodelKind, CodelRef, Component, Owner, Param, ParamDir, ParamSource, PathElement,
     ServiceKind, Spec,
 };
 
-/// Something that a codel excludes.
+/// A codel or attribute that a codel excludes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Exclusion {
-    /// What.
+    /// The excluded one.
     pub with: Excluded,
-    /// Every pair of parameters that makes it so, at least one.
+    /// Every pair of parameters that causes the exclusion, at least one.
     pub through: Vec<Through>,
 }
 
@@ -29,7 +29,7 @@ pub enum Excluded {
 /// Two parameters that refer to the same data.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Through {
-    /// What both refer to.
+    /// The shared data.
     pub shared: Shared,
     /// Index into the parameters of the codel.
     pub own: u32,
@@ -40,7 +40,7 @@ pub struct Through {
 /// Shared data.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Shared {
-    /// A part of the ids, by the longer of both paths; the whole ids when empty.
+    /// A part of the ids, by the longer of both paths; the whole ids if empty.
     Ids(Vec<PathElement>),
     /// Index into [`Component::ports`].
     Port(u32),
@@ -130,7 +130,7 @@ pub fn exclusions(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<Ex
     found
 }
 
-/// Names of what a codel excludes, each once.
+/// Names of the excluded codels and attributes, each once.
 pub fn excluded_names(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for exclusion in exclusions(spec, component, codel) {
@@ -180,7 +180,7 @@ pub fn describe_owner(component: &Component, owner: Owner) -> String {
     }
 }
 
-/// Whether a service interrupts the one that a codel belongs to.
+/// Returns true if a service interrupts the service that a codel belongs to.
 fn interrupts(service: &super::Service, codel: CodelRef) -> bool {
     match codel.owner {
         Owner::Service(target) => {
@@ -190,15 +190,15 @@ fn interrupts(service: &super::Service, codel: CodelRef) -> bool {
     }
 }
 
-/// The pairs of parameters through which two codels collide.
+/// The pairs of parameters through which two codels conflict.
 pub fn collisions(spec: &Spec, own: &Codel, other: &Codel) -> Vec<Through> {
     pairs(spec, &own.params, &other.params, |a, b| {
         a == ParamDir::In && b == ParamDir::In
     })
 }
 
-/// The pairs of parameters through which a codel collides with an attribute. The attribute's
-/// direction is seen from the client: `in` sets the ids, `out` reads them.
+/// The pairs of parameters through which a codel conflicts with an attribute. The attribute's direction is
+/// relative to the client: `in` sets the ids, `out` reads them.
 fn attribute_collisions(spec: &Spec, own: &Codel, params: &[Param]) -> Vec<Through> {
     pairs(spec, &own.params, params, |a, b| {
         a == ParamDir::In && b == ParamDir::Out

@@ -1,5 +1,5 @@
-//! Components that exchange data through ports: which output feeds which input, and which codels of
-//! other components a codel excludes because of that.
+//! Components that exchange data through ports: the connections of outputs to inputs, and the codels of other
+//! components that a codel excludes because of them.
 
 use rustc_hash::FxHashMap;
 
@@ -10,11 +10,11 @@ use super::{
 /// A component of a system, with the specification it belongs to.
 #[derive(Debug, Clone, Copy)]
 pub struct Part<'a> {
-    /// Where its types live.
+    /// The specification with its types.
     pub spec: &'a Spec,
     /// The component.
     pub component: &'a Component,
-    /// Number of the specification.
+    /// Index of the specification.
     pub number: usize,
 }
 
@@ -51,7 +51,7 @@ pub struct RemoteExclusion {
     pub port: PortRef,
 }
 
-/// The components of specifications. One that several of them declare counts once.
+/// The components of specifications. A component declared by several of them counts once.
 pub fn parts<'a>(specs: impl IntoIterator<Item = &'a Spec>) -> Vec<Part<'a>> {
     let mut parts: Vec<Part<'_>> = Vec::new();
     let mut known = rustc_hash::FxHashSet::default();
@@ -70,7 +70,7 @@ pub fn parts<'a>(specs: impl IntoIterator<Item = &'a Spec>) -> Vec<Part<'a>> {
 }
 
 impl<'a> System<'a> {
-    /// A system. Connections are those that are known; the others are found by type and name.
+    /// A system with known connections; the others are found by type and name.
     pub fn new(
         parts: impl IntoIterator<Item = Part<'a>>,
         connections: &'a [Connection],
@@ -95,8 +95,8 @@ impl<'a> System<'a> {
         }
     }
 
-    /// Output ports that feed an input port: the configured ones; else those of other components of
-    /// equal name and type; else the only one of that type.
+    /// Output ports that feed an input port: the configured ones; otherwise those of other components with
+    /// equal name and type; otherwise the only one of that type.
     pub fn sources(&self, (part, port): PortRef) -> Vec<PortRef> {
         let reader = &self.parts[part];
         let port = &reader.component.ports[port as usize];
@@ -138,7 +138,7 @@ impl<'a> System<'a> {
         found.map(|(index, _)| (part, index))
     }
 
-    /// Where the data of a port is: in itself, or in the outputs that feed it.
+    /// The ports that hold the data of a port: itself, or the outputs that feed it.
     pub fn data_of(&self, port: PortRef) -> Vec<PortRef> {
         match self.parts[port.0].component.ports[port.1 as usize].dir {
             PortDir::Out => vec![port],
@@ -218,7 +218,7 @@ pub fn type_name(spec: &Spec, ty: TypeId) -> String {
     spec.full_name(spec.resolve_alias(ty)).unwrap_or_default()
 }
 
-/// Names as one text, those beyond `many` as a number.
+/// Names as one text; names beyond `many` as a number.
 pub fn listed(names: &[String], many: usize) -> String {
     match names.get(..many) {
         Some(first) if names.len() > many => {
@@ -297,7 +297,7 @@ mod tests {
     fn the_configuration_wins_over_names() {
         let second = POM.replace("pom", "gps");
         let files = format!("{}//- /d.gen\n{second}", all());
-        // Two of that name: only equal names meet.
+        // Two of that name: only equal names are connected.
         assert_eq!(
             excluded(&files, &[], "gps"),
             ["gps_t: `nav_t` of task `t` of `nav` (port `gps.pose`)"]

@@ -1,8 +1,8 @@
-//! How long a state machine can go on without pausing.
+//! The execution time of a state machine without a pause.
 //!
-//! A *turn* is what an automaton does when it is its turn in a cycle of its task: from the state where
-//! it begins or resumes to the next `pause::` or to `ether` (timed semantics, section 4). Below, a
-//! position is an index into [`Machine::codels`].
+//! A *turn* is the execution of an automaton in one cycle of its task: from the state where it begins or
+//! resumes to the next `pause::` or to `ether` (timed semantics, section 4). Below, a position is an index
+//! into [`Machine::codels`].
 
 use num_rational::Ratio;
 
@@ -12,16 +12,16 @@ use super::{Codel, Component, Seconds};
 /// The longest turn from some state.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Turn {
-    /// At most so long, by way of these positions.
+    /// The sum is an upper bound, along these positions.
     Bounded {
         /// Sum of the execution times, in seconds.
         sum: Seconds,
         /// Positions in order.
         chain: Vec<usize>,
-        /// Some codel on the way has no execution time; it counts as zero.
+        /// True if a codel on the path has no execution time; it counts as zero.
         incomplete: bool,
     },
-    /// It can go round these positions for ever.
+    /// The machine can cycle through these positions without end.
     Unbounded {
         /// Positions of the cycle, in order.
         cycle: Vec<usize>,
@@ -70,8 +70,8 @@ impl<'m> Machine<'m> {
             .filter_map(|s| self.position(&s.name))
     }
 
-    /// Whether one of some states is reached from a state without a pause, or is that state: a transition
-    /// from there to `from` that does not pause would close a cycle.
+    /// Returns true if a wanted state is reached from `from` without a pause, or is `from` itself: a
+    /// transition from that state to `from` that does not pause would close a cycle.
     pub fn reaches_without_pause(&self, from: &str, is_wanted: impl Fn(&str) -> bool) -> bool {
         let mut seen = vec![false; self.codels.len()];
         let mut pending: Vec<usize> = self.position(from).into_iter().collect();
@@ -86,8 +86,8 @@ impl<'m> Machine<'m> {
         found
     }
 
-    /// Cycles without `pause::`, one for each group of states that reach each other that way; each
-    /// begins with its first vertex.
+    /// Cycles without `pause::`, one for each strongly connected group of states; each begins with its first
+    /// vertex.
     pub fn cycles_without_pause(&self) -> Vec<Vec<usize>> {
         let mut out: Vec<Vec<usize>> = Vec::new();
         for v in 0..self.codels.len() {
@@ -129,13 +129,13 @@ impl<'m> Machine<'m> {
         None
     }
 
-    /// The longest turn that begins in a state; `None` when no codel is bound to it.
+    /// The longest turn that begins in a state; `None` if no codel is bound to it.
     pub fn longest_turn(&self, state: &str) -> Option<Turn> {
         let start = self.position(state)?;
         let zero = || Ratio::from_integer(0);
         let mut best: Vec<Option<(Seconds, Option<usize>)>> = vec![None; self.codels.len()];
         let mut on_path = vec![false; self.codels.len()];
-        // Depth first with an explicit stack: a machine may be as long as its file.
+        // Depth-first with an explicit stack: a machine may be as long as its file.
         let mut stack = vec![(start, false)];
         while let Some((v, done)) = stack.pop() {
             if done {
@@ -190,8 +190,8 @@ impl<'m> Machine<'m> {
     }
 }
 impl Component {
-    /// Longest steady turn of the permanent activity of a task, by its period; `None` without
-    /// period, bound or any execution time.
+    /// Longest steady turn of the permanent activity of a task, divided by its period; `None` without period,
+    /// bound or any execution time.
     pub fn utilisation(&self, task: u32) -> Option<Seconds> {
         let task = self.tasks.get(task as usize)?;
         let period = task.period.as_ref()?.value;

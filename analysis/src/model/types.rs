@@ -8,18 +8,18 @@ use super::{Name, Src};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct TypeId(pub u32);
 
-/// A type object: named types, anonymous types, and the other things that live in scopes
-/// (constants, members, enumerators, states, ports, remotes).
+/// A type object: named types, anonymous types, and other named objects in scopes (constants, members,
+/// enumerators, states, ports, remotes).
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Type {
-    /// What it is.
+    /// The kind.
     pub kind: TypeKind,
     /// Name inside its scope; `None` for anonymous types.
     pub name: Option<Name>,
-    /// Enclosing scopes, outermost first; empty at global scope. An anonymous type has those of the
+    /// Enclosing scopes, outermost first; empty at global scope. An anonymous type has the scopes of the
     /// place where it was written.
     pub scope: Vec<Scope>,
-    /// Where it was declared (its name when it has one).
+    /// The declaration (its name if it has one).
     pub src: Src,
     /// The struct, union or exception it is nested in.
     pub parent: Option<TypeId>,
@@ -32,7 +32,7 @@ pub struct Type {
 pub struct Scope {
     /// Kind of scope.
     pub kind: ScopeKind,
-    /// Its name.
+    /// The name.
     pub name: Name,
 }
 
@@ -51,7 +51,7 @@ pub enum ScopeKind {
 }
 
 impl TypeKind {
-    /// The word for the kind: what IDL calls base types, and templates the others.
+    /// The word for the kind: the IDL name of base types, and the template language's word for others.
     pub fn word(&self) -> &'static str {
         match self {
             TypeKind::Boolean => "boolean",
@@ -146,7 +146,7 @@ pub enum TypeKind {
         ty: TypeId,
         labels: Vec<Label>,
     },
-    /// Without members it carries no data and is no data type.
+    /// Without members it carries no data and is not a data type.
     Exception {
         members: Vec<TypeId>,
     },
@@ -159,7 +159,7 @@ pub enum TypeKind {
         ty: TypeId,
         value: Value,
     },
-    /// `struct s;`: `definition` once completed.
+    /// `struct s;`: `definition` is set once completed.
     ForwardStruct {
         definition: Option<TypeId>,
     },
@@ -182,7 +182,7 @@ pub enum TypeKind {
         component: u32,
         remote: u32,
     },
-    /// Stands for a type that could not be resolved; causes no further diagnostic.
+    /// An unresolved type; causes no further diagnostic.
     Unknown,
 }
 

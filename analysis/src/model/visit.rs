@@ -7,7 +7,7 @@ use super::{
 
 /// Things that refer to types.
 pub(crate) trait TypeIds {
-    /// Hands out every type id, to be changed in place.
+    /// Calls `f` with every type id, which `f` may change.
     fn for_each_type_id(&mut self, f: &mut dyn FnMut(&mut TypeId));
 }
 

@@ -1,4 +1,4 @@
-//! How long a machine executes on its way through given states.
+//! The execution time of a machine on its path through given states.
 
 use num_rational::Ratio;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -6,43 +6,44 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::Seconds;
 use super::fsm::Machine;
 
-/// What is known of the ways through given states.
+/// The result for the paths through given states.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Way {
-    /// The one that executes longest.
+    /// The path with the longest execution time.
     Longest {
-        /// Its states, the given ones and those between.
+        /// The states, the given ones and those between.
         states: Vec<String>,
-        /// Sum of the worst-case execution times of the codels of all its states, the last one's included, in
-        /// seconds. What happens while it pauses is not in it.
+        /// Sum of the worst-case execution times of the codels of all its states, including the last one, in
+        /// seconds. Time in pauses is not included.
         time: Seconds,
-        /// How often it pauses.
+        /// Number of pauses.
         pauses: usize,
-        /// Some codel on it has no execution time; it counts as zero.
+        /// True if a codel on it has no execution time; it counts as zero.
         incomplete: bool,
     },
-    /// Between two of the states it can go round as often as it likes.
+    /// Between two of the states the machine can cycle without limit.
     Endless {
-        /// The states it goes round, in order, the first one again at the end.
+        /// The states of the cycle, in order, the first one again at the end.
         cycle: Vec<String>,
     },
-    /// There is none.
+    /// There is no path.
     Broken {
-        /// The state from which none leads on.
+        /// The last state that is reached.
         from: String,
-        /// The next one that was given.
+        /// The next given state, which is not reached.
         to: String,
     },
 }
 
-/// The best way known from a position to a goal.
+/// The best known path from a position to a goal.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Best {
-    /// Being looked at.
+    /// In progress.
     Open,
     /// The goal is not reached from there.
     Never,
-    /// Time up to the goal without the goal's own, and the next state with whether it pauses before.
+    /// Time up to the goal without the goal's own, in seconds, and the next state, with true if it pauses
+    /// before.
     Time(Seconds, (String, bool)),
 }
 
@@ -50,9 +51,9 @@ enum Best {
 type Leg = Vec<(String, bool)>;
 
 impl Machine<'_> {
-    /// The way that executes longest from the first of these states through the others to the last. Where a
-    /// transition leads from one of them to the next it is taken; otherwise any states may lie between.
-    /// `ether` can be the last. None for less than two states.
+    /// The path with the longest execution time from the first of these states through the others to the
+    /// last. A direct transition from one of them to the next is taken if it exists; otherwise any states may
+    /// be between. `ether` can be the last. `None` for fewer than two states.
     pub fn way(&self, states: &[&str]) -> Option<Way> {
         let (&first, rest) = states.split_first()?;
         if rest.is_empty() {
@@ -90,7 +91,7 @@ impl Machine<'_> {
         })
     }
 
-    /// The transition from one state to another, or the longest way if there is none; see
+    /// The transition from one state to another, or the longest path if there is none; see
     /// [`Machine::longest_between`].
     fn leg(&self, from: &str, to: &str) -> Result<Option<Leg>, Vec<String>> {
         let yields = self.codel(from).map(|it| it.1.yields.iter());
@@ -101,15 +102,19 @@ impl Machine<'_> {
         }
     }
 
-    /// The longest way from one state to another, without the first, each state with whether there is a pause
-    /// before it; none if there is no way, a cycle if there is no longest.
+    /// The longest path from one state to another, without the first, each state with true if there is a
+    /// pause before it. `Ok(None)` if there is no path.
+    ///
+    /// # Errors
+    /// Returns a cycle if paths of any length exist.
     fn longest_between(&self, from: &str, to: &str) -> Result<Option<Leg>, Vec<String>> {
         let mut best: FxHashMap<String, Best> = FxHashMap::default();
-        // Ways never pass `from` or `to` on the way: a choice of the reader is met where it was made.
+        // Paths never contain `from` or `to` as inner states: the next choice of the reader is at the end of
+        // the leg.
         let inner = |state: &str| state != from && state != to && self.position(state).is_some();
-        // Which states lead to the goal: only cycles through those matter.
+        // The states that lead to the goal: only cycles through those matter.
         let leads = self.leading_to(from, to);
-        // Depth first with an explicit stack: a machine may be as long as its file.
+        // Depth-first with an explicit stack: a machine may be as long as its file.
         let mut stack: Vec<(String, bool)> = vec![(from.to_owned(), false)];
         while let Some((state, done)) = stack.pop() {
             let Some((_, codel)) = self.codel(&state) else {
@@ -148,7 +153,7 @@ impl Machine<'_> {
                     continue;
                 }
                 match best.get(name) {
-                    // What is open is on the way that is being looked at.
+                    // An open state is on the current path.
                     Some(Best::Open) => {
                         let open = stack.iter().filter(|it| it.1).map(|it| it.0.clone());
                         let mut cycle: Vec<String> = open.skip_while(|it| it != name).collect();
@@ -172,7 +177,7 @@ impl Machine<'_> {
         Ok(None)
     }
 
-    /// The states from which a way leads to a goal without passing where it began.
+    /// The states from which a path leads to a goal without passing its start.
     fn leading_to(&self, from: &str, to: &str) -> FxHashSet<String> {
         let mut before: FxHashMap<&str, Vec<&str>> = FxHashMap::default();
         for (_, codel) in &self.codels {

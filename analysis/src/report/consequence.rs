@@ -1,4 +1,4 @@
-//! What only follows from something else that is wrong, and is left out: one cause, one diagnostic.
+//! Consequences of other errors, which are left out: one cause, one diagnostic.
 
 use dotgen_syntax::{Fragment, SyntaxKind, SyntaxNode, TextRange};
 use rustc_hash::FxHashSet;
@@ -11,7 +11,7 @@ use crate::{
     unit::{FileKey, Outcome, include_fragments, parsed, text_facts},
 };
 
-/// What of a unit could not be read, so that names may well be missing.
+/// The parts of a unit that could not be read, so that names may be missing.
 #[derive(Default)]
 pub(super) struct Missing {
     /// Declarations of any kind: see [`is_incomplete`].
@@ -25,7 +25,7 @@ pub(super) struct Missing {
 }
 
 impl Missing {
-    /// Adds what is missing in a file.
+    /// Adds the missing parts of a file.
     pub(super) fn add(&mut self, db: &dyn Db, key: FileKey<'_>) {
         self.incomplete |= is_incomplete(db, key);
         self.files |= lacks_files(db, key);
@@ -34,7 +34,7 @@ impl Missing {
             .extend(unparsed_words(db, key).iter().cloned());
     }
 
-    /// Whether a finding at a place only follows from it.
+    /// Returns true if a finding at a place is only a consequence.
     pub(super) fn explains(
         &self,
         db: &dyn Db,
@@ -54,7 +54,7 @@ impl Missing {
                 && (self.incomplete || self.names_lost_word(db, key, range))
     }
 
-    /// Whether a range mentions a word whose declaration may not have been understood.
+    /// Returns true if a range mentions a word whose declaration may not have been parsed.
     fn names_lost_word(&self, db: &dyn Db, key: FileKey<'_>, range: TextRange) -> bool {
         let text = key.file(db).text(db);
         let text = text.get(bytes(range)).unwrap_or_default();
@@ -65,7 +65,7 @@ impl Missing {
     }
 }
 
-/// Whether text was not read or understood in which anything may be declared.
+/// Returns true if some text that may contain any declaration was not read or parsed.
 fn is_incomplete(db: &dyn Db, key: FileKey<'_>) -> bool {
     let facts = text_facts(db, key);
     if facts.inside_out.is_some() || facts.bad_include || facts.misplaced_includes {
@@ -81,8 +81,9 @@ fn is_incomplete(db: &dyn Db, key: FileKey<'_>) -> bool {
     failed.any(|(ordinal, _)| in_body(ordinal)) || !key.file(db).status(db).is_text()
 }
 
-/// Whether packages or files are missing, which can bring types, constants and interfaces. They cannot bring
-/// a task, a state, a codel or a member of a type that is known: what an interface brings, elaboration knows.
+/// Returns true if packages or files are missing, which can contain types, constants and interfaces. They
+/// cannot contain a task, a state, a codel or a member of a known type: elaboration knows the contents of
+/// missing interfaces as gaps.
 fn lacks_files(db: &dyn Db, key: FileKey<'_>) -> bool {
     key.outcomes(db).iter().any(|it| match it {
         Outcome::Include(result) => result.is_err(),
@@ -90,7 +91,7 @@ fn lacks_files(db: &dyn Db, key: FileKey<'_>) -> bool {
     })
 }
 
-/// Whether some data, task or service has no name yet: codels may well mention the one it is to get.
+/// Returns true if some data, task or service has no name yet: codels may mention its future name.
 #[salsa::tracked]
 fn lacks_name<'db>(db: &'db dyn Db, key: FileKey<'db>) -> bool {
     use SyntaxKind::*;
@@ -108,7 +109,7 @@ fn lacks_name<'db>(db: &'db dyn Db, key: FileKey<'db>) -> bool {
     !parse.errors.is_empty() && parse.syntax().descendants().any(is_nameless)
 }
 
-/// Whether a report is about the name of some data, task or service.
+/// Returns true if a report is about the name of some data, task or service.
 fn is_about_names_in_components(code: &str) -> bool {
     code.starts_with("param-unknown")
         || matches!(
@@ -117,7 +118,7 @@ fn is_about_names_in_components(code: &str) -> bool {
         )
 }
 
-/// Whether a report can be the mere consequence of a declaration that was not read.
+/// Returns true if a report can be a mere consequence of a declaration that was not read.
 fn follows_from_missing_text(code: &str) -> bool {
     code.contains("unknown")
         || matches!(
@@ -140,7 +141,7 @@ fn follows_from_missing_text(code: &str) -> bool {
         )
 }
 
-/// Whether a report is about the states of a task or activity as a whole.
+/// Returns true if a report is about the states of a task or activity as a whole.
 fn is_about_machines(code: &str) -> bool {
     matches!(
         code,
@@ -154,7 +155,7 @@ fn is_about_machines(code: &str) -> bool {
     )
 }
 
-/// Tasks and services with something in them that was not understood, or that break off: it may be a codel.
+/// Tasks and services that contain text without a parse, or that end early: a codel may be lost in the text.
 #[salsa::tracked]
 fn broken_machines<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<TextRange> {
     let parse = parsed(db, key);
@@ -162,7 +163,7 @@ fn broken_machines<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<TextRange> {
         return Vec::new();
     }
     let text = key.file(db).text(db);
-    // What lacks its `;` is understood, if it has braces.
+    // A declaration without its `;` is complete if it has braces.
     let is_lost = |node: &SyntaxNode| {
         let range = node.text_range();
         let ended = node.last_token();
@@ -190,7 +191,7 @@ fn broken_machines<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<TextRange> {
         .collect()
 }
 
-/// Whether something on the line of a place was not understood: a time without its unit is in seconds.
+/// Returns true if some text on the line of a place does not parse: a time without its unit is in seconds.
 fn has_error_on_line(db: &dyn Db, key: FileKey<'_>, range: TextRange) -> bool {
     let text = key.file(db).text(db);
     let line = |at: usize| text.get(..at).map(|it| it.matches('\n').count());
@@ -199,7 +200,7 @@ fn has_error_on_line(db: &dyn Db, key: FileKey<'_>, range: TextRange) -> bool {
     errors.any(|it| line(usize::from(it.range.start())) == here)
 }
 
-/// Words in the text that fits no rule of the grammar: a declaration of them may be lost in it.
+/// Words in text that does not match the grammar: a declaration of them may be lost in it.
 #[salsa::tracked]
 fn unparsed_words<'db>(db: &'db dyn Db, key: FileKey<'db>) -> FxHashSet<SmolStr> {
     let parse = parsed(db, key);

@@ -1,4 +1,4 @@
-//! What the text of one file gives, whatever unit it is in: reading, preprocessing, parsing.
+//! The diagnostics of one file's text, the same in every unit: reading, preprocessing, parsing.
 
 use std::sync::Arc;
 
@@ -65,7 +65,7 @@ pub(super) fn text_report<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<Vec<Di
     Arc::new(out)
 }
 
-/// The place of the path of an include that is not found, and the one that was probably meant.
+/// The place of the path of an include that is not found, and the probable intention.
 fn misspelt_include(
     db: &dyn Db,
     file: SourceFile,
@@ -86,7 +86,7 @@ fn misspelt_include(
     Some((at, meant))
 }
 
-/// What is wrong with the file as such.
+/// The error of the file as such.
 fn reading(db: &dyn Db, file: SourceFile) -> Option<(Reading, TextRange)> {
     let start = TextRange::empty(TextSize::new(0));
     match file.status(db) {
@@ -110,7 +110,7 @@ fn reading(db: &dyn Db, file: SourceFile) -> Option<(Reading, TextRange)> {
     }
 }
 
-/// A place that explains something.
+/// A related place.
 pub(super) fn related_at(
     db: &dyn Db,
     file: SourceFile,
@@ -124,7 +124,7 @@ pub(super) fn related_at(
     }
 }
 
-/// For a range that is a macro call: where the macro is defined.
+/// For the range of a macro call: the definition of the macro.
 pub(super) fn expanded_from(db: &dyn Db, key: FileKey<'_>, range: TextRange) -> Option<Related> {
     let (name, site) = macro_call_at(db, key, range)?;
     let (file, range) = macro_definition(db, &site)?;
@@ -158,7 +158,7 @@ pub(super) fn macro_call_at(
         .then(|| (used.name.clone(), site))
 }
 
-/// Where a macro is defined: its name in the directive.
+/// The definition of a macro: its name in the directive.
 fn macro_definition(db: &dyn Db, site: &MacroSite) -> Option<(SourceFile, TextRange)> {
     let file = db.file(camino::Utf8Path::new(site.file.as_ref()?.as_str()));
     let name = unit::define(db, file, site.ordinal)?.name?;

@@ -1,4 +1,4 @@
-//! Changes and tokens stop the snapshots that are working.
+//! Changes and tokens stop the running snapshots.
 
 use std::{sync::mpsc, thread};
 
@@ -24,7 +24,7 @@ fn a_change_stops_a_reader_and_waits_for_it() {
     let reader = thread::spawn(move || {
         let mut asked = 0_u64;
         loop {
-            // Every question is cancelled once a change waits.
+            // Every query is cancelled once a change waits.
             let result = analysis.diagnostics("/main.gen".into());
             if asked == 0 {
                 ready.send(()).unwrap();

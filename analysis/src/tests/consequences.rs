@@ -188,7 +188,7 @@ fn a_machine_that_is_not_understood_is_not_judged() {
             fixture.all_diagnostics()
         );
     }
-    // Without its `;` it is understood.
+    // Without its `;` the declaration is complete.
     check(
         &machine("codel<start> f(out x) yield main wcet 1 ms", "ether"),
         &["missing-semicolon", "fsm/unreachable-state", of_u],
@@ -236,7 +236,7 @@ fn texts_taken_for_code_are_one_error() {
         &text("doc \"What\nit does.\" doc \"more\"; typedef nope n;"),
         &["missing-semicolon", "unknown-type"],
     );
-    // A text over several lines that is none of its business hides nothing.
+    // An unrelated string over several lines hides nothing.
     check(
         &text("dok \"What\nit does.\"; typedef nope n;"),
         &["syntax", "unknown-type"],
@@ -315,7 +315,7 @@ fn an_activity_that_breaks_off_is_not_asked_for_what_would_follow() {
         assert_eq!(asked.count(), 0, "{unfinished}: {found:?}");
         assert!(!found.is_empty(), "{unfinished}");
     }
-    // The one before is complete, and its own fault.
+    // The task before is complete and unaffected.
     let text = "component c {\n  task t;\n  activity home() { };\n  activity\n};\n";
     assert!(codes(text).contains(&"activity-task"), "{:?}", codes(text));
 }

@@ -1,5 +1,5 @@
-//! Every editing feature at the end of every prefix of a text, as it is while it is typed: none may
-//! panic, and what they answer must fit the text.
+//! Every editing feature at the end of every prefix of a text, as during typing: none may panic, and every
+//! result must fit the text.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use crate::{
     test_support::{Fixture, split},
 };
 
-/// Asks everything at one offset.
+/// Runs all queries at one offset.
 #[track_caller]
 fn ask(fixture: &Fixture, path: &Utf8Path, text: &str, offset: usize) {
     let analysis = fixture.analysis();
@@ -73,7 +73,7 @@ fn ask(fixture: &Fixture, path: &Utf8Path, text: &str, offset: usize) {
     }
 }
 
-/// Asks everything about a whole file.
+/// Runs all queries on a whole file.
 fn ask_file(fixture: &Fixture, path: &Utf8Path, text: &str) {
     let analysis = fixture.analysis();
     let whole = 0..text.len();
@@ -96,7 +96,7 @@ fn ask_file(fixture: &Fixture, path: &Utf8Path, text: &str) {
     analysis.organize_includes(path).unwrap();
 }
 
-/// Types a text: everything is asked at the end of its prefixes, `step` bytes apart.
+/// Types a text: runs all queries at the end of its prefixes, `step` bytes apart.
 fn type_in(fixture: &mut Fixture, path: &str, text: &str, step: usize) {
     let mut end = 0;
     while end <= text.len() {
@@ -133,7 +133,7 @@ fn every_offset_of_a_specification() {
     }
 }
 
-/// Published specifications beside the project.
+/// Published specifications next to the project.
 fn corpus() -> Vec<(Utf8PathBuf, String)> {
     let folder = dotgen_loaders::shared("corpus");
     let folder = folder.and_then(|it| Utf8PathBuf::from_path_buf(it).ok());

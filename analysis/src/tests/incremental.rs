@@ -1,4 +1,4 @@
-//! What an edit makes run, from the log of the database.
+//! The queries that an edit re-runs, from the log of the database.
 
 use crate::test_support::Fixture;
 
@@ -28,7 +28,7 @@ component d { version "1"; };
 const long n = 1;
 "#;
 
-/// Asks for everything that is shown while typing; returns what ran.
+/// Runs the queries of an editor while typing; returns the ones that ran.
 fn run(fixture: &Fixture) -> Vec<String> {
     for path in fixture.paths() {
         fixture.analysis().diagnostics(&path).unwrap();
@@ -36,7 +36,7 @@ fn run(fixture: &Fixture) -> Vec<String> {
     fixture.take_log()
 }
 
-/// The two units, asked about, with a file in which somebody has edited already.
+/// The two units after their queries, with a file that already has an edit.
 fn edited(path: &str) -> Fixture {
     let mut fixture = Fixture::new(TWO_UNITS);
     run(&fixture);
@@ -141,6 +141,6 @@ fn a_missing_file_is_an_input() {
     fixture.edit("/y.idl", "const long n = 2;\n");
     let log = run(&fixture);
     assert_eq!(count(&log, "walk_unit"), 1, "{log:#?}");
-    // The unit of the new file itself is none of the two.
+    // The unit of the new file is not one of the two.
     assert_eq!(count(&log, "elaborated"), 1, "{log:#?}");
 }

@@ -1,5 +1,4 @@
-//! Whatever is edited in whatever order, an incremental database answers as a fresh one does, and
-//! nothing panics.
+//! For any edits in any order, an incremental database answers like a fresh one, and nothing panics.
 
 use camino::{Utf8Path, Utf8PathBuf};
 use proptest::prelude::*;
@@ -62,7 +61,7 @@ module m {
 version "1"; throws m::bad;
 "#;
 
-/// Pieces that make interesting texts.
+/// Pieces of text that form interesting texts.
 const PIECES: &[&str] = &[
     "\n",
     " ",
@@ -197,7 +196,7 @@ proptest! {
         answers(&fixture, &paths);
         for (i, edit) in edits.iter().enumerate() {
             apply(&mut fixture, &original, edit);
-            // Not after every edit, so that several changes meet one question too.
+            // Not after every edit, so that several changes precede one query too.
             if i % 2 == 0 || i + 1 == edits.len() {
                 let fresh = Fixture::with_config("//- /none.idl\n", config());
                 *fresh.loader.files.lock().unwrap() = fixture.loader.files.lock().unwrap().clone();
@@ -212,7 +211,7 @@ proptest! {
     }
 }
 
-/// Asks every question at an offset.
+/// Runs every query at an offset.
 fn ask_everything(fixture: &Fixture, path: &Utf8Path, offset: usize) {
     let analysis = fixture.analysis();
     let at = FilePosition {
@@ -252,7 +251,7 @@ fn no_panic_at_any_offset_of_half_typed_files() {
         for end in ends.chain([text.len()]) {
             fixture.edit(path.as_str(), &text[..end]);
             ask_about_file(&fixture, &path);
-            // Near the end always; everywhere else now and then.
+            // Near the end always; elsewhere at some offsets.
             for offset in 0..=end + 1 {
                 if offset + 3 > end || offset % 61 == end % 61 {
                     ask_everything(&fixture, &path, offset);

@@ -1,4 +1,4 @@
-//! Which release of GenoM3 a specification is read as, and that everything follows it.
+//! The release of GenoM3 for a specification, and its effects.
 
 use super::super::test_support::Fixture;
 use crate::{
@@ -34,9 +34,9 @@ fn the_greatest_bound_of_all_roots_counts() {
     let mut fixture = Fixture::new(&format!(
         "//- /a.gen\n{OLD}//- /b.gen\n#include \"sub/part.idl\"\n//- /sub/part.idl\ncomponent b {{ }};\n"
     ));
-    // Nothing older than the oldest known release is taken.
+    // Never older than the oldest known release.
     check(&fixture, "/b.gen", "2.99.39", bound("2.99.26"));
-    // What is included counts, and what is in a comment does not.
+    // Included files count, comments do not.
     fixture.edit("/sub/part.idl", "#pragma requires \"genom3 >= 3.1\"\n");
     check(&fixture, "/a.gen", "3.1", bound("3.1"));
     for text in [
@@ -119,8 +119,8 @@ fn what_older_releases_refuse_is_hinted_at_until_it_is_required() {
     assert!(!fixture.all_diagnostics().contains("newer-release"));
 }
 
-/// A port that comes through `provides` keeps the type of the interface, and its name in the component is an
-/// alias of that; before, it has a type of its own.
+/// A port imported by `provides` keeps the type of the interface, and its name in the component is an alias
+/// of that type; in older releases it has a type of its own.
 #[test]
 fn provided_ports_have_the_type_of_the_interface() {
     let text = "interface i { port out double p; };\ncomponent c { provides i; };\n"

@@ -1,4 +1,4 @@
-//! Which files a unit visits, and what is said about those it cannot.
+//! The files that a unit visits, and the diagnostics for files that it cannot visit.
 
 use camino::Utf8Path;
 
@@ -321,7 +321,7 @@ fn text_that_is_not_utf8_is_a_warning() {
     assert!(unit.accepted());
 }
 
-/// More units that share a file than are asked with what is remembered of them.
+/// More units that share a file than are queried with cached results.
 fn many() -> Fixture {
     let mut text =
         "//- /t.idl\nstruct shared$0 { long x; };\nstruct other { long y; };\n".to_owned();

@@ -1,7 +1,6 @@
 //! The walk over the includes of a unit, in order, with its own stack.
 //!
-//! It reads only the directive lines of each file, so that edits in the text between them do not
-//! repeat it.
+//! It reads only the directive lines of each file, so that edits in the text between them do not repeat it.
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_syntax::{
@@ -19,18 +18,18 @@ use crate::{
 
 const PRAGMA: &str = "_Pragma";
 
-/// Files that may be open at the same time (language reference, 2.3).
+/// Maximum number of files that are open at the same time (language reference, 2.3).
 const MAX_DEPTH: usize = 100;
 
-/// Where stand-ins for interfaces are, relative to the folder of the root: searched last.
+/// The folder of stand-ins for interfaces, relative to the folder of the root: searched last.
 pub(crate) const STANDINS: &str = ".dotgen/standins";
 
-/// Whether a file is where stand-ins are.
+/// Returns true if a file is in the folder of stand-ins.
 pub(crate) fn is_standin(path: &Utf8Path) -> bool {
     path.ancestors().any(|it| it.ends_with(STANDINS))
 }
 
-/// Visits after which a unit is cut off; far beyond what any real specification needs.
+/// Maximum number of visits of a unit; far beyond any real specification.
 const MAX_VISITS: usize = 4_000;
 
 /// The result of walking a unit.
@@ -38,12 +37,12 @@ const MAX_VISITS: usize = 4_000;
 pub(crate) struct Walk {
     /// In order of inclusion; the inputs of the unit have no includer.
     pub(crate) visits: Vec<WalkVisit>,
-    /// Directories that were searched at the end, in order: it only grows.
+    /// The search path at the end, in order: it only grows.
     search: Vec<Utf8PathBuf>,
 }
 
 impl Walk {
-    /// The directories in which the file of an active include was looked for, in order. The folder of
+    /// The directories in which the file of an active include was searched, in order. The folder of
     /// stand-ins, which comes last, is not among them.
     pub(crate) fn places(
         &self,
@@ -62,7 +61,7 @@ impl Walk {
     }
 }
 
-/// Where a file looks for what it includes, in order (language reference, 2.3).
+/// The search path of a file for its includes, in order (language reference, 2.3).
 fn places<'a>(
     db: &'a dyn Db,
     search: &'a [Utf8PathBuf],
@@ -86,7 +85,7 @@ pub(crate) struct WalkVisit {
     pub(crate) outcomes: Vec<Outcome>,
     /// Visit that each active include leads to.
     pub(crate) includes: Vec<Option<u32>>,
-    /// How many directories of [`Walk::search`] there were at each active include.
+    /// The length of [`Walk::search`] at each active include.
     searched: Vec<usize>,
     /// The visit and the ordinal of the include that led here.
     pub(crate) includer: Option<(u32, u32)>,
@@ -94,8 +93,8 @@ pub(crate) struct WalkVisit {
 
 /// The directive lines of a file, one after the other, and nothing else.
 ///
-/// Everything a file does to the units it is in is on these lines, except for `_Pragma` operators,
-/// which are copied as lines of their own.
+/// All effects of a file on its units are on these lines, except for `_Pragma` operators, which are copied as
+/// lines of their own.
 #[salsa::tracked(returns(deref))]
 pub(crate) fn skeleton(db: &dyn Db, file: SourceFile) -> String {
     let lexed = lexed(db, file);
@@ -105,12 +104,12 @@ pub(crate) fn skeleton(db: &dyn Db, file: SourceFile) -> String {
 /// Follows the includes of a unit.
 #[salsa::tracked]
 pub(crate) fn walk_unit<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Walk {
-    // A macro with a pragma in it may be used in any text: begin again, reading all of it.
+    // A macro with a pragma in it may be used in any text: start again, reading all of it.
     let walked = walk(db, unit, false).or_else(|()| walk(db, unit, true));
     walked.unwrap_or_default()
 }
 
-/// One attempt. Unless the walk reads whole texts, it gives up at a macro with a pragma in it.
+/// One attempt. Unless the walk reads whole texts, it stops at a macro with a pragma in it.
 fn walk<'db>(db: &'db dyn Db, unit: UnitKey<'db>, whole_texts: bool) -> Result<Walk, ()> {
     let workspace = db.workspace();
     let root = unit.inputs(db).first().map(|it| it.path(db));
@@ -156,15 +155,15 @@ struct Walker<'db> {
     /// Search path so far.
     search: Vec<Utf8PathBuf>,
     visits: Vec<WalkVisit>,
-    /// Files open now; the wrapper counts.
+    /// Number of files open now; the wrapper counts.
     depth: usize,
-    /// A limit was hit: nothing is followed any more, as the reference compiler stops there.
+    /// True if a limit was reached: nothing more is followed, as in the reference compiler.
     cut_off: bool,
-    /// A `#pragma requires` failed.
+    /// True if a `#pragma requires` failed.
     packages_missing: bool,
-    /// Read more than the directive lines.
+    /// True to read more than the directive lines.
     whole_texts: bool,
-    /// Some macro has a `_Pragma` in it.
+    /// True if some macro has a `_Pragma` in it.
     pragmas_in_macros: bool,
 }
 
@@ -216,7 +215,7 @@ impl<'db> Walker<'db> {
         (visit as u32, exit)
     }
 
-    /// Finds the file an include names (language reference, 2.3).
+    /// Finds the file of an include (language reference, 2.3).
     fn resolve(
         &self,
         request: &IncludeRequest,
@@ -224,7 +223,7 @@ impl<'db> Walker<'db> {
     ) -> Result<SourceFile, IncludeError> {
         let name = Utf8Path::new(request.path.as_str());
         let dirs = places(self.db, &self.search, request, from);
-        // What stands in for a file that is nowhere else.
+        // The stand-in for a file that is not found elsewhere.
         let root = self.visits.first().map(|it| it.file.path(self.db));
         let standins = root.and_then(|it| it.parent()).map(|it| it.join(STANDINS));
         let last = standins.as_deref().filter(|_| !name.is_absolute());
@@ -253,7 +252,7 @@ impl<'db> Walker<'db> {
         }
         Err(match obstacle {
             Some(why) => IncludeError::Unreadable(why),
-            // It may well be in the package that is missing, which is reported.
+            // The file may be in the missing package, which is reported.
             None if self.packages_missing => IncludeError::Silent,
             None => IncludeError::NotFound {
                 searched: dirs.iter().map(|it| it.to_string()).collect(),
@@ -326,7 +325,7 @@ impl Host for VisitHost<'_, '_> {
     }
 }
 
-/// Names that are none were refused where the configuration was read.
+/// Defines a macro. Invalid names were refused when the configuration was read.
 fn define_in(env: &mut MacroEnv, name: &str, value: &str) {
     _ = env.define_option(&format!("{name}={value}"));
 }
@@ -338,7 +337,7 @@ fn push_unique(search: &mut Vec<Utf8PathBuf>, dir: &Utf8Path) {
     }
 }
 
-/// Whether a directive line defines a macro that holds a pragma.
+/// Returns true if a directive line defines a macro that holds a pragma.
 fn defines_pragma(skeleton: &str) -> bool {
     skeleton.contains(PRAGMA)
         && skeleton

@@ -1,4 +1,4 @@
-//! What quick fixes make of a text.
+//! The texts after quick fixes.
 
 use super::*;
 
@@ -26,7 +26,7 @@ fn fixed(source: &str, code: &str) -> String {
     out
 }
 
-/// Lists that are there get longer, and what is new has the words and blanks of the file.
+/// Existing lists are extended, and inserted text follows the style of the file.
 #[test]
 fn fixes_write_as_the_author_does() {
     let mut all = String::new();
@@ -471,7 +471,7 @@ fn first_fix(source: &str, code: &str) -> String {
 #[test]
 fn what_was_meant_replaces_the_very_token_that_is_misspelt() {
     for (code, right, part, misspelt) in [
-        // Of a path, the scope that is not there.
+        // In a path, the scope that does not exist.
         (
             "unknown-type",
             "module a { module inner { struct point { long x; }; }; };\ntypedef a::inner::point p;\n",
@@ -527,7 +527,7 @@ fn what_is_used_and_declared_nowhere_can_be_declared() {
             "--- Declare the exception `lost`\ncomponent c {\n  exception e_a;\n  exception e_b;\n  exception lost;\n\n  \
              ids { long x; };\n\n  function f() { throw lost; codel g(in x); };\n};\n",
         ),
-        // The first of its kind stands before what needs it.
+        // The first of its kind is inserted before its use.
         (
             "task-unknown",
             "component c {\n  ids { long x; };\n\n  activity a() {\n    task t;\n    codel<start> f(out x) yield ether;\n  };\n};\n",
@@ -546,7 +546,7 @@ fn what_is_used_and_declared_nowhere_can_be_declared() {
             "--- Declare the input port `b`\ntypedef long a_data;\ntypedef long b_data;\n\ncomponent c {\n  port in a_data a;\n  \
              port in b_data b;\n\n  task t {\n    codel<start> g(port in b) yield ether;\n  };\n};\n",
         ),
-        // In the task that there is.
+        // In the existing task.
         (
             "service-unknown",
             "component c {\n  task t { };\n\n  function stop() {\n    interrupts go;\n  };\n};\n",
@@ -559,7 +559,7 @@ fn what_is_used_and_declared_nowhere_can_be_declared() {
             "--- Declare the function `go`\ncomponent c {\n  function a() { };\n  function go() { };\n  \
              function stop() { before go; };\n};\n",
         ),
-        // With the members as used, before what the comment is about.
+        // With the members as used, before the comment of the declaration.
         (
             "unknown-type",
             "const long n = 1;\n\n// Moves.\ncomponent c {\n  ids { pose at; long x; };\n  port out pose state;\n  function f() {\n    \
@@ -568,7 +568,7 @@ fn what_is_used_and_declared_nowhere_can_be_declared() {
              component c {\n  ids { pose at; long x; };\n  port out pose state;\n  function f() {\n    \
              codel g(in at.x, port out state.y, ids in at.x, in x);\n  };\n};\n",
         ),
-        // What is in a module stays there.
+        // Types in a module stay there.
         (
             "unknown-type",
             "module m {\n  struct s { part p; };\n};\n",

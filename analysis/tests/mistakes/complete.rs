@@ -1,11 +1,11 @@
-//! What completion offers is legal: taking an item brings no error that was not there.
+//! All completion items are legal: inserting an item causes no new error.
 //!
-//! A place is a boundary of tokens of a right text: in front of a token, or inside a word of which a few
-//! letters are typed. An item is illegal if the text has new errors with it however it goes on: with what
-//! follows, without the next tokens, without the rest of the element or statement, or with one more item
-//! behind it where the item is only the beginning of something (`port`, `in`, `pause::`).
+//! A place is a boundary of tokens of a correct text: before a token, or inside a word of which a few letters
+//! are typed. An item is illegal if the text has new errors with it for every continuation: with the text
+//! that follows, without the next tokens, without the rest of the element or statement, or with one more item
+//! behind it if the item is only the beginning of something (`port`, `in`, `pause::`).
 //!
-//! `COMPLETIONS=400` tries so many places, `COMPLETIONS=all` every place.
+//! `COMPLETIONS=400` tries that many places, `COMPLETIONS=all` every place.
 
 use std::{
     collections::BTreeMap,
@@ -19,13 +19,13 @@ use dotgen_analysis::{
 
 use super::{mutate::Random, *};
 
-/// Places tried in the suite, each with all its items.
+/// Number of places tried in the suite, each with all its items.
 const PLACES: usize = 2_000;
 
-/// How many errors of each code.
+/// The number of errors of each code.
 type Errors = BTreeMap<String, usize>;
 
-/// One component in an analysis whose text is changed again and again.
+/// One component in an analysis whose text is changed repeatedly.
 struct Bench<'a> {
     component: &'a Component,
     host: AnalysisHost,
@@ -82,21 +82,21 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// Where something may be typed.
+/// A place for typing.
 struct Place {
-    /// Everything before the cursor, with the letters typed.
+    /// The text before the cursor, with the typed letters.
     before: String,
-    /// How many letters.
+    /// Number of typed letters.
     typed: usize,
-    /// Where the right text goes on.
+    /// The offset at which the correct text continues.
     rest: usize,
-    /// The word that was there, if one is replaced.
+    /// The word at the place, if one is replaced.
     word: String,
-    /// In an interface: a component has to do what it says.
+    /// True in an interface: a component must implement its declarations.
     in_interface: bool,
 }
 
-/// A text after an item, and where its cursor is.
+/// A text after inserting an item, and the offset of its cursor.
 fn taken(before: &str, item: &CompletionItem) -> String {
     let mut out = before[..item.replace.start.min(before.len())].to_owned();
     match item.snippet {
@@ -106,7 +106,7 @@ fn taken(before: &str, item: &CompletionItem) -> String {
     out
 }
 
-/// Ends of what may be left out behind a place: nothing, some tokens, the statement.
+/// Ends of text that may be left out after a place: nothing, some tokens, the statement.
 fn ends(tokens: &[(std::ops::Range<usize>, String)], from: usize) -> Vec<usize> {
     let after: Vec<_> = tokens.iter().filter(|it| it.0.start >= from).collect();
     let mut out = vec![from];
@@ -124,7 +124,7 @@ fn ends(tokens: &[(std::ops::Range<usize>, String)], from: usize) -> Vec<usize> 
         if depth <= 0 && (text == "," || text == ";") {
             out.push(range.start);
         }
-        // A type with its brackets goes as a whole, and so does a path.
+        // A type is left out together with its brackets, and so is a path.
         let closes = depth == 0 && matches!(text.as_str(), ")" | "}" | "]" | ">");
         let in_path = i > 0 && after[i - 1].1 == "::";
         if i < 4 || closes || in_path || depth == 0 && text == ";" {
@@ -138,17 +138,17 @@ fn ends(tokens: &[(std::ops::Range<usize>, String)], from: usize) -> Vec<usize> 
     out
 }
 
-/// Errors that say how two declarations fit together. Another type for a variable that two services share, or
-/// a service of an interface that a component of the file has yet to implement, is no wrong offer: what is
-/// left to do is elsewhere.
+/// Errors about the consistency of two declarations. Another type for a variable that two services share, or
+/// a service of an interface that a component of the file must still implement, is a legal item: the rest of
+/// the work is elsewhere.
 const OF_TWO: [&str; 10] = [
     "codel-conflict",
     "async/shared-attribute",
     "async/shared-resource",
-    // A type that was chosen before its value; a port that an interface turns round.
+    // A type that was chosen before its value; a port that an interface reverses.
     "const-convert",
     "param-read-only-port",
-    // A `#pragma wcet` says what the clause says.
+    // A `#pragma wcet` that repeats the clause.
     "wcet-pragma",
     "activity-start",
     "activity-task",
@@ -156,7 +156,7 @@ const OF_TWO: [&str; 10] = [
     "prop-duplicate",
 ];
 
-/// What a directive lacks whose first word is there.
+/// Errors of an incomplete directive that has only its first word.
 const OF_DIRECTIVES: [&str; 5] = [
     "pp-include-bad",
     "pragma-masquerade-syntax",
@@ -165,18 +165,18 @@ const OF_DIRECTIVES: [&str; 5] = [
     "syntax-eof",
 ];
 
-/// Whether an error says nothing against an item at a place.
+/// Returns true if an error does not make an item illegal at a place.
 fn is_beside(code: &str, place: &Place) -> bool {
     let line = place.before.rsplit('\n').next().unwrap_or_default();
     match line.trim_start().starts_with('#') {
         true => OF_DIRECTIVES.contains(&code),
-        // In an interface, all that its component may lack or have as well; elsewhere, what two uses disagree
-        // about.
+        // In an interface, everything that its component may also declare; elsewhere, disagreements of two
+        // uses.
         false => OF_TWO[..if place.in_interface { 10 } else { 6 }].contains(&code),
     }
 }
 
-/// The new errors of the best continuation of a text: none if it goes on without one.
+/// The new errors of the best continuation of a text: empty if one continuation has none.
 fn goes_on(
     bench: &mut Bench<'_>,
     place: &Place,
@@ -205,7 +205,7 @@ fn goes_on(
     best.unwrap_or_default()
 }
 
-/// What is wrong with an item at a place, however the text goes on: nothing if it is legal.
+/// The errors of an item at a place for every continuation: empty if it is legal.
 fn faults(
     bench: &mut Bench<'_>,
     place: &Place,
@@ -213,7 +213,7 @@ fn faults(
     tokens: &[(std::ops::Range<usize>, String)],
 ) -> Vec<String> {
     let right = bench.component.text.clone();
-    // What is wrong anyway while somebody is typing here.
+    // Errors that any text being typed here has.
     let hole = format!(
         "{}{}",
         &place.before[..place.before.len() - place.typed],
@@ -230,7 +230,7 @@ fn faults(
     if faults.is_empty() {
         return faults;
     }
-    // The beginning of something: one of what is offered next has to be legal.
+    // The beginning of something: one of the next items must be legal.
     for joint in [" ", "::", ""] {
         let begun = format!("{text}{joint}");
         let next = bench.items(&format!("{begun}{}", &right[place.rest..]), begun.len());
@@ -286,7 +286,7 @@ fn tokens(text: &str) -> Vec<(std::ops::Range<usize>, String)> {
     ranges.map(|it| (it.clone(), text[it].to_owned())).collect()
 }
 
-/// What a component's completions are like: places, items, and of the illegal ones how many and an example.
+/// The results for a component's completions: places, items, and the number of illegal ones with an example.
 #[derive(Default)]
 struct Tried {
     places: usize,
@@ -294,7 +294,7 @@ struct Tried {
     illegal: BTreeMap<String, (usize, String)>,
 }
 
-/// Tries the items at `count` places of a component, all of them where it has fewer.
+/// Tries the items at `count` places of a component, or at all of them if it has fewer.
 fn tried(component: &Component, count: usize, random: &mut Random) -> Tried {
     let mut bench = Bench::new(component);
     let text = &component.text;
@@ -344,7 +344,7 @@ fn what_is_offered_is_legal() {
     ));
     components.extend(published());
     let share = (count / components.len()).max(1);
-    // Each component is tried by itself: its own analysis, its own random numbers. So all cores help.
+    // Each component is tried separately, with its own analysis and random numbers, on all cores.
     let next = AtomicUsize::new(0);
     let work = || {
         let mut all = Vec::new();

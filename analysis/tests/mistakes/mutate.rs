@@ -1,11 +1,11 @@
-//! Random changes of tokens: no fix makes anything worse, and fixing ends.
+//! Random changes of tokens: no fix makes a text worse, and repeated fixing terminates.
 
 use super::*;
 
-/// Rounds of fixing after which a text has to be settled.
+/// Maximum number of rounds of fixing.
 const MOST_ROUNDS: usize = 40;
 
-/// Numbers that look random, the same each time (xorshift).
+/// Reproducible pseudorandom numbers (xorshift).
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
@@ -17,7 +17,7 @@ impl Random {
     }
 }
 
-/// The text with one token left out, written twice, exchanged with the next one, or misspelt.
+/// The text with one token deleted, doubled, exchanged with the next one, or misspelt.
 fn mutated(text: &str, random: &mut Random) -> String {
     let parse = dotgen_syntax::parse_text(text);
     let root = parse.syntax();

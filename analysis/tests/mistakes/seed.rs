@@ -1,8 +1,8 @@
-//! Mistakes of the kinds that people make.
+//! Common kinds of mistakes.
 
 use super::*;
 
-/// A kind of mistake: what is right, and what is written instead. `$` stands for a word, which stays.
+/// A kind of mistake: the correct text, and the mistake. `$` stands for a word, which stays.
 const KINDS: &[(&str, &str, &str)] = &[
     ("no semicolon", ";\n", "\n"),
     ("no parenthesis", "$)\n", "$\n"),
@@ -40,7 +40,7 @@ const KINDS: &[(&str, &str, &str)] = &[
     ("sequence", "sequence<", "sequnce<"),
 ];
 
-/// What is seeded at each place where it fits: the text with the mistake, and where it is.
+/// The seeded mistakes at each possible place: the text with the mistake, and its offset.
 fn places(text: &str, right: &str, wrong: &str) -> Vec<(String, usize)> {
     let masked = mask(text);
     let mut out = Vec::new();
@@ -48,7 +48,7 @@ fn places(text: &str, right: &str, wrong: &str) -> Vec<(String, usize)> {
         let Some((length, words)) = fits(&masked[at..], right) else {
             continue;
         };
-        // Words begin and end where they do.
+        // Only whole words match.
         let is_word = |c: char| c.is_alphanumeric() || c == '_';
         let first = right.chars().next().unwrap_or(' ');
         if (is_word(first) || first == '$') && masked[..at].ends_with(is_word) {
@@ -64,7 +64,7 @@ fn places(text: &str, right: &str, wrong: &str) -> Vec<(String, usize)> {
             .collect();
         let mut broken = text.to_owned();
         broken.replace_range(at..at + length, &instead);
-        // The place is where the texts part.
+        // The place is the first difference of the texts.
         let same = text.bytes().zip(broken.bytes());
         let same = same.take_while(|(a, b)| a == b).count();
         out.push((broken, same));
@@ -72,7 +72,7 @@ fn places(text: &str, right: &str, wrong: &str) -> Vec<(String, usize)> {
     out
 }
 
-/// Length of the text that a pattern fits, and its words.
+/// Length of the text that a pattern matches, and its words.
 fn fits<'t>(text: &'t str, pattern: &str) -> Option<(usize, Vec<&'t str>)> {
     let (mut at, mut words) = (0, Vec::new());
     for part in pattern.split_inclusive('$') {
@@ -95,7 +95,7 @@ fn fits<'t>(text: &'t str, pattern: &str) -> Option<(usize, Vec<&'t str>)> {
     Some((at, words))
 }
 
-/// The text with comments, what is in strings, and directives blanked out; as many bytes, all ASCII.
+/// The text with comments, contents of strings, and directives replaced by blanks; as many bytes, all ASCII.
 fn mask(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut rest = text;
@@ -121,7 +121,7 @@ fn mask(text: &str) -> String {
     out
 }
 
-/// A text without what formatting may change.
+/// A text without the parts that formatting may change.
 fn bare(text: &str) -> String {
     text.split_whitespace().collect()
 }
@@ -138,7 +138,7 @@ struct Score {
 fn the_first_fix_restores_what_was_meant() {
     let mut components = examples();
     let published = published();
-    // The examples alone give fewer places for mistakes.
+    // The examples alone have fewer places for mistakes.
     let least = if published.is_empty() { 50 } else { 60 };
     components.extend(published);
     let print = std::env::var_os("MISTAKES").is_some();
@@ -152,7 +152,7 @@ fn the_first_fix_restores_what_was_meant() {
                 places.map(move |(text, at)| (it, text, at))
             })
             .collect();
-        // The first and one further on, in another component as a rule.
+        // The first and one further on, usually in another component.
         let mut chosen = vec![0, all.len() / 2];
         chosen.dedup();
         for (component, broken, at) in chosen.iter().filter_map(|it| all.get(*it)) {

@@ -1,12 +1,14 @@
-//! How a member of a value is reached.
+//! Access to a member of a value.
 
 use dotgen_analysis::model::{PathElement, TypeId, TypeKind};
 
 use super::{LangError, LangResult, Language, Mapper};
 
 impl Mapper<'_> {
-    /// The text that reaches a member from a variable of the type. `path` holds member names and
-    /// indexes.
+    /// The text that accesses a member of a variable of the type. `path` holds member names and indexes.
+    ///
+    /// # Errors
+    /// Fails for a member that does not exist, for a type without members, and in Tcl.
     pub fn member(&self, ty: TypeId, path: &[String]) -> LangResult {
         match self.language {
             Language::C | Language::Cxx => self.access(ty, path),
@@ -15,6 +17,9 @@ impl Mapper<'_> {
     }
 
     /// [`Mapper::member`] for a path of the model.
+    ///
+    /// # Errors
+    /// Fails like [`Mapper::member`].
     pub fn member_path(&self, ty: TypeId, path: &[PathElement]) -> LangResult {
         let path: Vec<String> = path
             .iter()
@@ -30,7 +35,7 @@ impl Mapper<'_> {
         let mut out = String::new();
         let mut ty = ty;
         let mut path = path;
-        // Each turn without using up an element goes one step down a chain of types.
+        // Each iteration that does not consume an element goes one step down a chain of types.
         let mut steps = self.spec.types.len();
         while let Some((first, rest)) = path.split_first() {
             steps = match steps.checked_sub(1) {

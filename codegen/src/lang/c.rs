@@ -6,7 +6,7 @@ use dotgen_analysis::release::Change;
 
 use super::{LangError, LangResult, Mapper, Passing, length_of};
 
-/// Kinds that C passes by pointer to constant.
+/// Returns true for kinds that C passes by pointer to constant.
 fn is_aggregate(kind: &TypeKind) -> bool {
     matches!(
         kind,
@@ -22,7 +22,7 @@ fn is_aggregate(kind: &TypeKind) -> bool {
     )
 }
 
-/// Kinds that are already addresses in C: arrays and bounded strings.
+/// Returns true for kinds that are already addresses in C: arrays and bounded strings.
 fn is_array_like(kind: &TypeKind) -> bool {
     matches!(
         kind,
@@ -76,7 +76,7 @@ pub(super) fn declarator(m: &Mapper<'_>, ty: TypeId, var: &str) -> LangResult {
     Ok(declare(&abstract_declarator, var))
 }
 
-/// Puts an outer dimension before those a declarator has.
+/// Puts an outer dimension before the dimensions of a declarator.
 pub(super) fn with_dimension(declarator: &str, length: u64) -> String {
     match declarator.split_once('[') {
         Some((before, after)) => format!("{before}[{length}][{after}"),
@@ -84,8 +84,7 @@ pub(super) fn with_dimension(declarator: &str, length: u64) -> String {
     }
 }
 
-/// Name of the structure that stands for a sequence or optional: kinds, lengths and element names,
-/// outermost first.
+/// Name of the structure for a sequence or optional: kinds, lengths and element names, outermost first.
 fn structure_name(m: &Mapper<'_>, ty: TypeId) -> LangResult {
     let mut out = m.kind(ty).word().to_owned();
     let length = |out: &mut String, ty: TypeId| {

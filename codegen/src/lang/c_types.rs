@@ -125,7 +125,7 @@ impl Writer<'_, '_> {
         Ok(guard(&body, &n))
     }
 
-    /// The definition of a sequence or optional, nothing for other types.
+    /// The definition of a sequence or optional, empty for other types.
     fn anonymous(&self, ty: TypeId) -> LangResult {
         match self.m.kind(ty) {
             TypeKind::Sequence { element, bound } => self.sequence(ty, *element, *bound),
@@ -198,7 +198,8 @@ impl Writer<'_, '_> {
         Ok(needed)
     }
 
-    /// The name first, so that sequences of a structure may be members of it.
+    /// The definition of a structure. Its name comes first, so that sequences of the structure may be members
+    /// of it.
     fn structure(&self, ty: TypeId, members: &[TypeId]) -> LangResult {
         let n = self.m.type_cname(ty)?;
         let head = format!("{}\ntypedef struct {n} {n};", self.mark(ty));

@@ -5,11 +5,14 @@ use dotgen_analysis::model::{Codel, ParamDir, ParamSource};
 use super::{Anchor, LangError, LangResult, Language, Mapper, Passing, param_types, text};
 
 impl Mapper<'_> {
-    /// The prototype of a codel. `separator` stands between the return type and the name;
-    /// `location` puts a `#line` mark in front.
+    /// The prototype of a codel. `separator` is between the return type and the name; `location` puts a
+    /// `#line` mark in front.
     ///
-    /// It is cut into lines as GenoM3 does, which loses a character where an argument holds a comma
-    /// (C++ templates): [`Mapper::prototype`] does not.
+    /// The lines are cut as in GenoM3, which loses a character where an argument holds a comma (C++
+    /// templates): [`Mapper::prototype`] does not.
+    ///
+    /// # Errors
+    /// Fails for parameters whose type the language cannot declare, and in Tcl.
     pub fn signature(
         &self,
         component: u32,
@@ -33,13 +36,16 @@ impl Mapper<'_> {
         Ok(out)
     }
 
-    /// The prototype of a codel as a compiler takes it, cut into lines between arguments only.
+    /// The prototype of a codel in valid C or C++, cut into lines between arguments only.
+    ///
+    /// # Errors
+    /// Fails like [`Mapper::signature`].
     pub fn prototype(&self, component: u32, codel: &Codel, separator: &str) -> LangResult {
         let arguments = self.codel_arguments(component, codel)?;
         let symbol = self.cname(&codel.name)?;
         let start = symbol.chars().count() + 1;
         let mut out = format!("{}{separator}{symbol}(", self.event_type()?);
-        // Under the first argument, wherever the name begins its line.
+        // Aligned with the first argument, for any start of the name's line.
         let line = out.rfind('\n').map_or(0, |it| it + 1);
         let indent = out[line..].chars().count();
         let mut column = start;
@@ -47,7 +53,7 @@ impl Mapper<'_> {
             let last = index + 1 == arguments.len();
             let width = argument.chars().count() + 1;
             if index > 0 {
-                // As `signature` does: a comma may stand after the last column.
+                // As in `signature`: a comma may follow the last column.
                 if column + 1 + width > if last { 70 } else { 71 } {
                     out.push('\n');
                     out += &" ".repeat(indent);
@@ -97,6 +103,9 @@ impl Mapper<'_> {
     }
 
     /// A call of a codel with the given arguments.
+    ///
+    /// # Errors
+    /// Fails for a wrong number of arguments, and in Tcl.
     pub fn invoke(&self, component: u32, codel: &Codel, arguments: &[String]) -> LangResult {
         let expected = match self.language {
             Language::C => codel.params.len() + 1,

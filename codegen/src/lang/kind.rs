@@ -6,7 +6,7 @@ use dotgen_analysis::model::{
 
 use super::text::format_g;
 
-/// Length of an array, bound of a sequence or string; `None` when unbounded or of another kind.
+/// Length of an array, bound of a sequence or string, in elements; `None` if unbounded or of another kind.
 pub fn length_of(kind: &TypeKind) -> Option<u64> {
     match kind {
         TypeKind::Array { length, .. } => Some(*length),

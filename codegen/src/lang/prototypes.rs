@@ -1,11 +1,11 @@
-//! The prototypes of a codel in both languages, for whoever shows or prints them.
+//! The prototypes of a codel in both languages, for display.
 
 use dotgen_analysis::model::{Codel, Spec};
 
 use super::{Language, Mapper, NoPlaces};
 
-/// Words for the languages, and the prototype in each; a language that has none is left out. `component` is
-/// an index into [`Spec::components`].
+/// Names of the languages, and the prototype in each; a language without a prototype is left out. `component`
+/// is an index into [`Spec::components`].
 pub fn prototypes(spec: &Spec, component: u32, codel: &Codel) -> Vec<(&'static str, String)> {
     [("c", Language::C), ("c++", Language::Cxx)]
         .into_iter()

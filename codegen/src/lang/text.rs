@@ -18,10 +18,10 @@ pub fn c_comment(text: &str) -> String {
     format!("/*{}*/", lines.join("\n *")).replace("**/", "*/")
 }
 
-/// A C++ comment. The lines are joined on one line: GenoM3 does so, and its outputs are matched.
+/// A C++ comment. The lines are joined to one line, for identical output to GenoM3.
 pub fn cxx_comment(text: &str) -> String {
     let lines: Vec<&str> = text.split('\n').collect();
-    // Words are put together as Tcl's `concat` does: trimmed.
+    // Words are joined as by Tcl's `concat`: trimmed.
     let joined = lines.join("// ");
     let joined = joined.trim_matches(|c: char| c.is_ascii_whitespace() || c == '\u{b}');
     if joined.is_empty() {
@@ -48,9 +48,9 @@ pub fn rule(text: &str, filler: Option<char>, column: i64) -> String {
     )
 }
 
-/// Cuts a text into lines of at most `column` characters at `separator`, each line after the first
-/// starting with `prefix`. A separator that is not blank stays at the end of its line; the
-/// character after a cut is dropped.
+/// Cuts a text into lines of at most `column` characters at `separator`, each line after the first starting
+/// with `prefix`. A separator that is not blank stays at the end of its line; the character after a cut is
+/// dropped.
 pub fn wrap(text: &str, prefix: &str, separator: &str, column: usize) -> String {
     let separator_chars: Vec<char> = separator.chars().collect();
     let prefix: Vec<char> = prefix.chars().collect();
@@ -66,7 +66,7 @@ pub fn wrap(text: &str, prefix: &str, separator: &str, column: usize) -> String 
             Some(at) => at,
             None => break,
         };
-        // A cut inside the prefix would leave the text as long as it was: cut after the word.
+        // A cut inside the prefix would never shorten the text: cut after the word.
         let at = if !first && at < prefix.len() {
             match find_first(&text, &separator_chars, prefix.len()) {
                 Some(at) => at,

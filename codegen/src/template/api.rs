@@ -1,7 +1,7 @@
-//! The methods of objects: what `$object method ?argument ...?` gives in a template.
+//! The methods of objects: the results of `$object method ?argument ...?` in a template.
 //!
-//! Everything but a filter given as a lambda is a pure function of the model and the current
-//! language; the Tcl side keeps such answers.
+//! Everything except a filter given as a lambda is a pure function of the model and the current language; the
+//! Tcl side caches pure answers.
 
 use dotgen_analysis::model::{
     CodelKind, CodelRef, ComponentKind, Owner, Param, ParamDir, ParamSource, PortDir, ServiceList,
@@ -31,7 +31,7 @@ pub(crate) type Lambda<'f> = dyn FnMut(&str, &str) -> Result<String, Failure> + 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Answer {
     pub(crate) text: String,
-    /// The same question gets the same answer until more input is parsed.
+    /// True if the same question gets the same answer until more input is parsed.
     pub(crate) pure: bool,
 }
 
@@ -82,8 +82,7 @@ impl Model<'_> {
         }
     }
 
-    /// Methods without argument that cost little, answered together with the first question about
-    /// an object.
+    /// Cheap methods without arguments, answered together with the first question about an object.
     pub(crate) fn cheap_methods(object: &Object) -> &'static [&'static str] {
         match object {
             Object::Type(_) => types::CHEAP,
@@ -114,14 +113,14 @@ impl Model<'_> {
         self.list(types.into_iter().map(Object::Type))
     }
 
-    /// Where something without a context was written: `{FILE LINE COLUMN}`.
+    /// The place of an item without a context: `{FILE LINE COLUMN}`.
     fn location(&self, src: Src, anchor: Anchor<'_>) -> Option<Answer> {
         let place = self.places.place(src, anchor)?;
         Some(Answer::pure(tcl::list(elements(&place))))
     }
 
-    /// `loc ?file|line|column|context?`: where something was written, and in which component or interface.
-    /// Releases before contexts leave that element out of the list.
+    /// `loc ?file|line|column|context?`: the place of an item, and its component or interface. Releases
+    /// before contexts leave that element out of the list.
     fn place(
         &self,
         place: Option<Place>,
@@ -333,7 +332,7 @@ fn find(words: &[&str], wanted: &str, what: &str) -> Result<usize, Failure> {
     tcl::find_word(words, wanted, what).map_err(Failure::Error)
 }
 
-/// The method called: the first word, or the default.
+/// The called method: the first word, or the default.
 fn method(
     methods: &'static [&'static str],
     words: &[String],

@@ -1,11 +1,11 @@
-//! Where in the sources of a template an error happened.
+//! The place of an error in the sources of a template.
 
 use std::path::Path;
 
 use super::{TemplatePlace, marker};
 use crate::disk::Disk;
 
-/// A script the interpreter has read: the path Tcl knows, the name to show, and the text.
+/// A script read by the interpreter: its path in Tcl, the name to show, and the text.
 #[derive(Debug, Clone)]
 pub(crate) struct Script {
     pub(crate) path: String,
@@ -13,7 +13,7 @@ pub(crate) struct Script {
     pub(crate) text: String,
 }
 
-/// A command that was running when the error happened.
+/// A command that was running when the error occurred.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Frame {
     pub(crate) file: String,
@@ -24,9 +24,9 @@ pub(crate) struct Frame {
 /// The innermost context of an error, from Tcl's trace of it.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Innermost {
-    /// The command that failed; long ones are cut.
+    /// The failed command; long ones are cut.
     pub(crate) command: String,
-    /// What the script around it is, and the line in it.
+    /// The script around it, and the line in it.
     pub(crate) context: Context,
 }
 
@@ -43,7 +43,7 @@ pub(crate) enum Context {
 /// Reads the innermost context from `-errorinfo`.
 pub(crate) fn innermost(message: &str, trace: &str) -> Option<Innermost> {
     let rest = trace.strip_prefix(message).unwrap_or(trace);
-    // A command is "invoked" when it failed in another interpreter.
+    // A command is "invoked" if it failed in another interpreter.
     let heads = ["\n    while executing\n\"", "\n    invoked from within\n\""];
     let found = heads.map(|head| rest.find(head).map(|at| at + head.len()));
     let start = found.into_iter().flatten().min()?;
@@ -73,8 +73,8 @@ pub(crate) fn innermost(message: &str, trace: &str) -> Option<Innermost> {
     Some(Innermost { command, context })
 }
 
-/// The whole message of a source that failed: `SOURCE:LINE: MESSAGE` and a line for each running
-/// command, innermost first. `body` gives the body of a procedure.
+/// The whole message of a failed source: `SOURCE:LINE: MESSAGE` and a line for each running command,
+/// innermost first. `body` returns the body of a procedure.
 pub(crate) fn explain(
     source: &str,
     message: &str,
@@ -129,8 +129,8 @@ pub(crate) fn explain(
     out
 }
 
-/// The place of an error in the files of a template: the one its message begins with
-/// (`SOURCE:LINE: TEXT`), else the innermost one that Tcl's trace names.
+/// The place of an error in the files of a template: the one its message begins with (`SOURCE:LINE: TEXT`),
+/// otherwise the innermost one in Tcl's trace.
 pub(crate) fn place(
     disk: &dyn Disk,
     dir: &Path,

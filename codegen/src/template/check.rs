@@ -1,5 +1,4 @@
-//! The checks of template files, which do not run them: tags of markers that do not match, and Tcl that
-//! cannot be complete.
+//! Static checks of template files: mismatched tags of markers, and Tcl that cannot be complete.
 
 use std::ops::Range;
 
@@ -64,7 +63,7 @@ pub const CODES: &[Code] = &[
     },
 ];
 
-/// What is wrong with a source.
+/// The diagnostics of a source.
 pub fn source(path: &Utf8Path, text: &str) -> Vec<Diagnostic> {
     let places = Places { path, text };
     let program = match marker::translate(text) {
@@ -72,7 +71,7 @@ pub fn source(path: &Utf8Path, text: &str) -> Vec<Diagnostic> {
         Err(error) => return vec![places.fault(error.fault)],
     };
     let mut out: Vec<Diagnostic> = nested(text, &program)
-        // The engine takes it, and Tcl may.
+        // The engine accepts it, and Tcl may.
         .map(|(open, inner)| Diagnostic {
             severity: Severity::Warning,
             ..places.nested(open, inner)
@@ -95,7 +94,7 @@ pub fn source(path: &Utf8Path, text: &str) -> Vec<Diagnostic> {
     out
 }
 
-/// What is wrong with a script: `template.tcl` and what it requires.
+/// The diagnostics of a script: `template.tcl` and the files it requires.
 pub fn script(path: &Utf8Path, text: &str) -> Vec<Diagnostic> {
     let places = Places { path, text };
     let flaws = script::flaws(text).into_iter();
@@ -104,7 +103,7 @@ pub fn script(path: &Utf8Path, text: &str) -> Vec<Diagnostic> {
         .collect()
 }
 
-/// Whether a text begins with a whole marker, text in front of it apart.
+/// Returns true if a text begins with a whole marker, after optional text.
 pub fn has_marker(text: &str) -> bool {
     let open = ["<'", "<\""].map(|it| text.find(it));
     let Some(open) = open.into_iter().flatten().min() else {
@@ -116,8 +115,8 @@ pub fn has_marker(text: &str) -> bool {
     close.is_some_and(|it| text[open + 2 + it..].starts_with(quote))
 }
 
-/// Markers of code with another opening tag inside, as indexes of both: the first is not closed, and
-/// ends with the second.
+/// Markers of code with another opening tag inside, as indexes of both: the first is not closed, and ends
+/// with the second.
 fn nested<'a>(text: &'a str, program: &'a Program) -> impl Iterator<Item = (usize, usize)> + 'a {
     let chars: Vec<char> = text.chars().collect();
     let code = program.pieces.iter();
@@ -130,8 +129,8 @@ fn nested<'a>(text: &'a str, program: &'a Program) -> impl Iterator<Item = (usiz
 }
 
 impl Program {
-    /// Where a range of the program was in the source, in characters. What was added by the
-    /// translation is at the end of what stands before it.
+    /// The range in the source of a range of the program, in characters. Text that the translation added is
+    /// at the end of the source text before it.
     fn source(&self, range: &Range<usize>) -> Range<usize> {
         let after = self.pieces.partition_point(|it| it.program <= range.start);
         let Some(piece) = after.checked_sub(1).map(|it| &self.pieces[it]) else {
@@ -148,7 +147,7 @@ impl Program {
     }
 }
 
-/// The text that is spoken of.
+/// The text of the diagnostics.
 struct Places<'a> {
     path: &'a Utf8Path,
     text: &'a str,
@@ -290,7 +289,7 @@ impl Places<'_> {
 mod tests {
     use super::*;
 
-    /// Findings with their places as the editor counts: `line:column code message`, and the text there.
+    /// Findings with places as the editor counts them: `line:column code message`, and the text there.
     fn shown(text: &str, found: &[Diagnostic]) -> Vec<String> {
         let one = |it: &Diagnostic| {
             let before = &text[..it.range.start];
@@ -304,7 +303,7 @@ mod tests {
 
     fn check(text: &str) -> Vec<String> {
         let found = source("t.c".into(), text);
-        // What the engine refuses is told, whatever else is.
+        // An error of the engine is always reported.
         let refused = marker::translate(text).is_err();
         assert!(!refused || found.iter().any(|it| it.code == MARKER));
         shown(text, &found)

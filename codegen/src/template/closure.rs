@@ -1,4 +1,4 @@
-//! The types an object needs, and digests of what it means to others.
+//! The types an object needs, and digests of an object's interface.
 //!
 //! Both walk the model; a filter given by the template may leave objects out.
 
@@ -13,10 +13,10 @@ use super::object::{Lookup, Object, ParamRef};
 use super::throws::{remote_throws, service_throws, task_throws};
 use crate::lang::{dir_word, length_of, service_word};
 
-/// Says which objects take part.
+/// Returns true for objects to include.
 pub(crate) type Filter<'f> = dyn FnMut(&Object) -> Result<bool, Failure> + 'f;
 
-/// Which types of a component are asked for.
+/// The requested types of a component.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Visibility {
     Public,
@@ -24,7 +24,7 @@ pub(crate) enum Visibility {
     Private,
 }
 
-/// Nesting beyond this is a type that contains itself.
+/// Maximum nesting; a deeper type contains itself.
 const DEPTH: usize = 200;
 
 /// Types keyed by mangled name: a key stays at the place of its first type and keeps the last.
@@ -150,7 +150,10 @@ fn add_type(
     Ok(())
 }
 
-/// The digest of an object; that of nothing for classes that have none.
+/// The digest of an object; for classes without one, the digest of empty input.
+///
+/// # Errors
+/// Fails if `filter` fails, or rejects an object outside of a list.
 pub(crate) fn digest(
     model: &Model<'_>,
     object: &Object,
@@ -184,7 +187,7 @@ pub(crate) fn digest(
     Ok(digest.finish())
 }
 
-/// A rejected object that has no list around it ends the digest, in Tcl's words.
+/// A rejected object outside of a list ends the digest, with Tcl's message.
 fn wanted(filter: &mut Filter<'_>, object: &Object) -> Result<(), Failure> {
     if filter(object)? {
         Ok(())

@@ -4,7 +4,7 @@ use std::io::{BufRead, IsTerminal as _, Read, Write};
 
 use dotgen_analysis::terminal;
 
-/// Where a template prints and what it reads.
+/// The output and input of a template.
 pub trait Console {
     /// Standard output.
     fn out(&mut self, bytes: &[u8]);
@@ -12,13 +12,13 @@ pub trait Console {
     /// A line for the error output, without its newline.
     fn err(&mut self, line: &str);
 
-    /// At most `max` bytes of standard input; none at its end.
+    /// Reads at most `max` bytes of standard input; empty at its end.
     fn read(&mut self, max: usize) -> Vec<u8>;
 
-    /// A line of standard input without its newline; `None` at its end.
+    /// Reads a line of standard input without its newline; `None` at its end.
     fn read_line(&mut self) -> Option<String>;
 
-    /// The interpreter's own error output is ours; else it is captured and given to
+    /// Returns true if the interpreter inherits the error output; otherwise it is captured and passed to
     /// [`Console::err`].
     fn is_terminal(&self) -> bool {
         false
@@ -41,7 +41,7 @@ impl Default for StdConsole {
     }
 }
 
-/// Bytes as a terminal may show them. A character that is cut between two calls is kept until its rest comes.
+/// Bytes made safe for a terminal. An incomplete character at the end of a call is kept until the next one.
 #[derive(Debug, Default)]
 struct Harmless {
     kept: Vec<u8>,
@@ -63,7 +63,7 @@ impl Harmless {
 
 impl Console for StdConsole {
     fn out(&mut self, bytes: &[u8]) {
-        // A reader that went away is no reason to stop.
+        // A closed pipe does not stop the run.
         let mut out = std::io::stdout().lock();
         let text = self.shown.as_mut().map(|shown| shown.text(bytes));
         let bytes = text.as_deref().map_or(bytes, str::as_bytes);
@@ -102,7 +102,7 @@ impl Console for StdConsole {
     }
 }
 
-/// Keeps what is printed; standard input is a given text.
+/// Keeps the output; standard input is a given text.
 #[derive(Debug, Default)]
 pub struct Captured {
     /// Printed on standard output.

@@ -7,7 +7,7 @@ use dotgen_analysis::release::Release;
 
 use crate::disk::{Disk, Entry};
 
-/// Where templates are looked for.
+/// The search path of templates.
 #[derive(Debug, Clone, Default)]
 pub struct SearchPath {
     /// Directories in order.
@@ -16,10 +16,10 @@ pub struct SearchPath {
     pub builtin: Option<PathBuf>,
 }
 
-/// Why a name gives no template.
+/// The reason why a name gives no template.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FindError {
-    /// The name is that of a file: the template argument was forgotten.
+    /// The name is the name of a file: the template argument is missing.
     MissingArgument(String),
     /// No directory of the path has it.
     NotFound(String),
@@ -63,7 +63,7 @@ impl SearchPath {
     /// The absolute directory of a template given by name or absolute path.
     ///
     /// # Errors
-    /// When there is none.
+    /// Fails if there is no such template.
     pub fn find(&self, disk: &dyn Disk, name: &str) -> Result<PathBuf, FindError> {
         let path = Path::new(name);
         if disk.exists(path) && !disk.is_dir(path) {
@@ -84,8 +84,8 @@ impl SearchPath {
         }
     }
 
-    /// The directory of a template without Tcl (one with a `template.toml`), if the name is that of
-    /// one and no directory before it has a Tcl template of that name.
+    /// The directory of a template without Tcl (one with a `template.toml`), if the name matches one and no
+    /// directory before it has a Tcl template of that name.
     pub(crate) fn find_manifest(&self, disk: &dyn Disk, name: &str) -> Option<PathBuf> {
         let path = Path::new(name);
         let dir = if path.is_absolute() {
@@ -107,8 +107,8 @@ impl SearchPath {
     }
 }
 
-/// The release of the GenoM3 that one of these directories of templates belongs to, and the file that says
-/// so: the version file of the template engine, which is installed beside them.
+/// The release of the GenoM3 that one of these template directories belongs to, and the file that contains
+/// it: the version file of the template engine, which is installed next to them.
 pub fn release_of(disk: &dyn Disk, dirs: &[PathBuf]) -> Option<(Release, PathBuf)> {
     dirs.iter().find_map(|dir| {
         let file = dir.parent()?.join("engines/tcl/version.tcl");
@@ -153,7 +153,7 @@ fn list_below(
         return;
     };
     for Entry { path, is_dir } in entries {
-        // Links to directories are not followed: they could lead back.
+        // Links to directories are not followed, since they could form a cycle.
         let Some(name) = path.file_name().and_then(|it| it.to_str()) else {
             continue;
         };

@@ -1,5 +1,5 @@
-//! The files of a template: which there are, and what they hold, as far as its scripts tell. They are
-//! read as text: names that are computed stay unknown.
+//! The files of a template and their roles, as far as its scripts name them. Scripts are read as text:
+//! computed names stay unknown.
 
 use camino::{Utf8Path, Utf8PathBuf};
 
@@ -8,7 +8,7 @@ use super::check;
 /// The script that makes a directory a template.
 pub const SCRIPT: &str = "template.tcl";
 
-/// What a file of a template holds.
+/// The role of a file of a template.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
     /// Tcl.
@@ -17,8 +17,8 @@ pub enum Role {
     Source,
 }
 
-/// What a file holds that lies with a template of these scripts; `None` for one that the template
-/// has nothing to do with, or copies as it is.
+/// The role of a file next to a template with these scripts; `None` for a file that the template does not
+/// use, or copies unchanged.
 pub fn role<'a>(
     file: &Utf8Path,
     text: &str,
@@ -35,7 +35,7 @@ pub fn role<'a>(
             if Utf8Path::new(word).file_name() == Some(name) {
                 match before {
                     "require" | "gsource" | "source" => return Some(Role::Script),
-                    // It goes into the result as it is.
+                    // It is copied unchanged into the result.
                     "raw" | "copy" => {}
                     _ => named = true,
                 }
@@ -43,7 +43,7 @@ pub fn role<'a>(
             before = word;
         }
     }
-    // A script that nobody names may well speak of markers.
+    // A script that is not named in others may still contain the syntax of markers.
     let source = named || file.extension() != Some("tcl") && check::has_marker(text);
     source.then_some(Role::Source)
 }
@@ -61,7 +61,7 @@ pub fn required(directory: &Utf8Path, script: &str) -> Vec<Utf8PathBuf> {
     out
 }
 
-/// Files beside or above `directory` that a script there names.
+/// Files next to or above `directory` that a script there names.
 pub fn outside(directory: &Utf8Path, script: &str) -> Vec<Utf8PathBuf> {
     let above = words(script).filter(|it| it.starts_with("../"));
     let mut out: Vec<_> = above.map(|it| join(directory, it)).collect();
@@ -71,7 +71,7 @@ pub fn outside(directory: &Utf8Path, script: &str) -> Vec<Utf8PathBuf> {
     out
 }
 
-/// Stretches without space and without what Tcl gives a meaning.
+/// Words without white space and without characters that are special in Tcl.
 fn words(script: &str) -> impl Iterator<Item = &str> {
     let words = script.split(|c: char| c.is_whitespace() || "{}[]\";".contains(c));
     words.filter(|it| !it.is_empty())

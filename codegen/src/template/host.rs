@@ -1,7 +1,7 @@
-//! The Tcl interpreter: a `tclsh` process asked over pipes.
+//! The Tcl interpreter: a `tclsh` process that communicates over pipes.
 //!
-//! The process runs our own prelude, sent on its standard input. From then on both directions
-//! carry messages: a line with the lengths of the words, then the words.
+//! The process runs the engine's prelude, sent on its standard input. After that both directions carry
+//! messages: a line with the lengths of the words in bytes, then the words.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
@@ -16,10 +16,10 @@ use crate::process::{Access, Channels, Meter, Process, Processes, Program, Resou
 
 const PRELUDE: &str = include_str!("prelude.tcl");
 
-/// A message beyond this is refused: it is longer than anything a template writes.
+/// Maximum length of a message, in bytes. Longer ones are refused; no template writes as much.
 const MESSAGE_LIMIT: usize = 1 << 30;
 
-/// What a template may use up.
+/// The resource limits of a template.
 #[derive(Debug, Clone, Default)]
 pub struct Limits {
     /// Time until the interpreter is killed.
@@ -33,7 +33,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// What the system is asked to limit.
+    /// The limits that the operating system enforces.
     pub(crate) fn resources(&self) -> Resources {
         Resources {
             memory: self.memory,
@@ -56,7 +56,7 @@ impl Limits {
 /// Finds the Tcl shell: `DOTGEN_TCLSH`, else `tclsh8.6` or `tclsh` on the path.
 ///
 /// # Errors
-/// A message that says what to install.
+/// Returns a message with the package to install.
 pub fn find_tclsh() -> Result<PathBuf, String> {
     if let Some(given) = std::env::var_os("DOTGEN_TCLSH").filter(|it| !it.is_empty()) {
         let given = PathBuf::from(given);
@@ -90,7 +90,7 @@ const TIMED_OUT: u8 = 1;
 const CANCELLED: u8 = 2;
 const TOO_LARGE: u8 = 3;
 
-/// How often it is asked whether a run is cancelled, and how much it has written.
+/// Interval between checks of the cancellation flag and the written size.
 const STEP: Duration = Duration::from_millis(20);
 
 /// A running interpreter. Dropping it kills the process.
@@ -100,13 +100,16 @@ pub(crate) struct Host {
     from: BufReader<ChildStdout>,
     errors: Option<JoinHandle<Vec<u8>>>,
     ended: Arc<AtomicU8>,
-    /// Dropped to stop the thread that watches the time.
+    /// Dropped to stop the watchdog thread.
     watch: Option<mpsc::Sender<()>>,
 }
 
 impl Host {
-    /// Starts the interpreter in a directory (empty: the current one). With `capture`, its error channel
-    /// is kept for [`Host::take_errors`]; else it is ours.
+    /// Starts the interpreter in a directory (empty: the current one). With `capture`, its error channel is
+    /// kept for [`Host::take_errors`]; otherwise it is inherited.
+    ///
+    /// # Errors
+    /// Fails if there is no Tcl shell, or if it cannot be started.
     pub(crate) fn start(
         processes: &dyn Processes,
         limits: &Limits,
@@ -115,7 +118,7 @@ impl Host {
         access: Option<Access>,
     ) -> Result<Host, String> {
         let tclsh = find_tclsh()?;
-        // Where a template writes files itself, the system limits each of them, not how many there are.
+        // If a template writes files itself, the system limits the size of each file, not their number.
         let folders = access.as_ref().map(|it| it.write.clone());
         let space = (limits.output.zip(folders)).map(|(most, folders)| Space {
             most,
@@ -143,7 +146,7 @@ impl Host {
             std::thread::spawn(move || {
                 let mut text = Vec::new();
                 let _ = stderr.by_ref().take(limit).read_to_end(&mut text);
-                // Go on reading: a full pipe would stop the template.
+                // Keep reading: a full pipe would block the template.
                 let _ = std::io::copy(&mut stderr, &mut std::io::sink());
                 text
             })
@@ -164,7 +167,10 @@ impl Host {
         })
     }
 
-    /// The next message; `Err` when the process has ended.
+    /// Receives the next message.
+    ///
+    /// # Errors
+    /// Fails if the process has ended.
     pub(crate) fn receive(&mut self) -> Result<Vec<Vec<u8>>, String> {
         let mut head = String::new();
         let read = self.from.read_line(&mut head);
@@ -188,6 +194,9 @@ impl Host {
     }
 
     /// Sends a message.
+    ///
+    /// # Errors
+    /// Returns the reason if the process has ended.
     pub(crate) fn send(&mut self, words: &[&[u8]]) -> Result<(), String> {
         let lengths: Vec<String> = words.iter().map(|word| word.len().to_string()).collect();
         let mut message = lengths.join(" ").into_bytes();
@@ -214,7 +223,7 @@ impl Host {
         format!("the Tcl interpreter ended before the template did ({status})")
     }
 
-    /// Ends the process and returns what it wrote on its error channel, if that was captured.
+    /// Ends the process and returns its error output, if that was captured.
     pub(crate) fn take_errors(&mut self) -> Vec<u8> {
         self.kill();
         let errors = self.errors.take();
@@ -243,7 +252,7 @@ impl Drop for Host {
     }
 }
 
-/// Why [`watch`] has killed a process, if it has.
+/// The reason why [`watch`] killed a process, if it did.
 pub(crate) fn why_stopped(ended: &AtomicU8) -> Option<&'static str> {
     match ended.load(Ordering::Acquire) {
         TIMED_OUT => Some("stopped: the template took too long"),
@@ -253,13 +262,13 @@ pub(crate) fn why_stopped(ended: &AtomicU8) -> Option<&'static str> {
     }
 }
 
-/// What a process may write in its folders.
+/// The folders a process may write to, and their size limit.
 pub(crate) struct Space {
     most: u64,
     used: Meter,
 }
 
-/// Kills the process when its time is over, the run is cancelled, or it has written too much.
+/// Kills the process on timeout, on cancellation, or if it has written too much.
 pub(crate) fn watch(
     limits: &Limits,
     space: Option<Space>,

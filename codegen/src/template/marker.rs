@@ -1,7 +1,7 @@
 //! Translation of a template source into the Tcl program that prints its expansion.
 //!
-//! A source mixes literal text with `<' CODE '>` and `<" TEXT ">` markers. The program keeps the
-//! line breaks of the source, so that Tcl's line numbers are those of the source.
+//! A source mixes literal text with `<' CODE '>` and `<" TEXT ">` markers. The program keeps the line breaks
+//! of the source, so that Tcl's line numbers are those of the source.
 
 use std::ops::Range;
 
@@ -10,25 +10,25 @@ pub(crate) const LITERAL: (&str, &str) = ("\u{2}=", "=\u{3}");
 /// The command that prints a substituted text and the word that ends its call.
 pub(crate) const SUBSTITUTE: (&str, &str) = ("\u{2}?", "?\u{3}");
 
-/// Characters read at once; a text that is flushed at the end of a block takes no part in the
-/// newline rule of what follows.
+/// Block size in characters. A text that is flushed at the end of a block is not subject to the newline rule
+/// of the text after it.
 const BLOCK: usize = 4096;
 
 /// A source that cannot be translated.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct MarkerError {
-    /// Line where reading had arrived, from 1: that of the last complete marker before.
+    /// Line reached by the reader, from 1: the line of the last complete marker before.
     pub line: usize,
-    /// What is wrong.
+    /// The error.
     pub fault: Fault,
 }
 
-/// What is wrong with a marker, with the quotes of its tags and where they are, in characters.
+/// The error of a marker, with the quotes of its tags and their positions, in characters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Fault {
-    /// A closing tag after no opening one.
+    /// A closing tag without an opening one.
     Unopened { close: Tag },
-    /// An opening tag before no closing one.
+    /// An opening tag without a closing one.
     Unclosed { open: Tag },
     /// Tags of different kinds.
     Unbalanced { open: Tag, close: Tag },
@@ -62,47 +62,47 @@ impl std::fmt::Display for Fault {
 pub(crate) struct Program {
     /// The Tcl program.
     pub text: String,
-    /// What came from where, in order.
+    /// The map from the program to the source, in order.
     pub pieces: Vec<Piece>,
 }
 
 /// A stretch of a program that came from a stretch of the source.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Piece {
-    /// Where it begins in the program, in bytes.
+    /// Start in the program, in bytes.
     pub program: usize,
-    /// Where it was in the source, in characters; without tags.
+    /// Range in the source, in characters; without tags.
     pub source: Range<usize>,
-    /// What it was there.
+    /// The kind.
     pub kind: PieceKind,
 }
 
-/// What a piece of a source is.
+/// The kinds of pieces of a source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum PieceKind {
     /// Text between markers.
     Literal,
     /// The code of a marker, as it is.
     Code,
-    /// The text of a marker that is to be substituted.
+    /// The text of a marker that is substituted.
     Substitution,
 }
 
 /// Translates a source.
 ///
 /// # Errors
-/// A marker that is not closed, not opened, or closed with the other quote.
+/// Fails for a marker that is not closed, not opened, or closed with the other quote.
 pub(crate) fn translate(source: &str) -> Result<Program, MarkerError> {
     Translator::new(source).run()
 }
 
 struct Translator {
     source: Vec<char>,
-    /// How much of the source has been read.
+    /// Number of characters of the source read so far.
     read: usize,
-    /// A read has met the end.
+    /// True if a read has met the end.
     ended: bool,
-    /// What was read and not yet translated.
+    /// Start of the text that was read but not yet translated.
     start: usize,
     line: usize,
     program: String,
@@ -161,7 +161,7 @@ impl Translator {
         self.read = until.min(self.source.len());
     }
 
-    /// Reads a block, and on while it ends inside what may be a marker's delimiter.
+    /// Reads a block, and continues while the block ends inside a possible delimiter of a marker.
     fn read_block(&mut self) {
         self.read_more(BLOCK);
         loop {
@@ -211,7 +211,7 @@ impl Translator {
                 return Err(self.error(Fault::Unopened { close }));
             }
             self.line += newlines(&self.source[self.start..found.open]);
-            // A line that holds nothing but code leaves no trace: one of its two newlines goes.
+            // A line that holds only code is removed: one of its two newlines is dropped.
             let after = found.close + 2;
             let drop = found.quotes == ('\'', '\'')
                 && self.source[found.open - 1] == '\n'
@@ -279,7 +279,8 @@ fn newlines(text: &[char]) -> usize {
     text.iter().filter(|c| **c == '\n').count()
 }
 
-/// Text between braces that stays as it is, line breaks included; the printing command undoes it.
+/// Escapes text between braces so that it stays unchanged, line breaks included; the printing command
+/// reverses it.
 fn escape(text: &[char], out: &mut String) {
     for &c in text {
         if matches!(c, '{' | '}' | '\\') {

@@ -1,8 +1,8 @@
-//! The built-in merge of a file the user has changed with what a template writes now.
+//! The built-in merge of a file edited by the user with the new output of a template.
 
 use dotgen_syntax::encoding::LineEnd;
 
-/// How a conflict is settled.
+/// The resolution of a conflict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Choice {
     /// The new lines.
@@ -15,16 +15,16 @@ pub enum Choice {
     Leave,
 }
 
-/// Old and new lines that are both worth keeping.
+/// Old and new lines that differ at the same place.
 #[derive(Debug)]
 pub struct Conflict<'a> {
-    /// Lines before, of the old file: up to three.
+    /// Up to three lines before the conflict, from the old file.
     pub before: &'a [String],
     /// Lines only in the old file.
     pub old: &'a [String],
     /// Lines only in the new file.
     pub new: &'a [String],
-    /// Lines after, of the old file: up to three.
+    /// Up to three lines after the conflict, from the old file.
     pub after: &'a [String],
     /// Index of the first old line.
     pub line: usize,
@@ -50,15 +50,14 @@ impl Conflict<'_> {
 /// A merged text.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Merged {
-    /// The text; `None` when the user left the file as it was.
+    /// The text; `None` if the user left the file unchanged.
     pub text: Option<String>,
-    /// Conflicts left in it between markers.
+    /// Number of conflicts left in it between markers.
     pub conflicts: usize,
 }
 
-/// Merges the text of a template into an existing one. Lines in both are kept; of the lines
-/// between, new ones are added, old ones are kept, and where both sides have something to say
-/// `settle` decides. Lines of sample code count for nothing.
+/// Merges the text of a template into an existing one. Lines in both are kept; between them, new lines are
+/// added and old lines are kept. If both sides differ, `settle` decides. Lines of sample code are ignored.
 pub fn merge(new: &str, old: &str, settle: &mut dyn FnMut(&Conflict<'_>) -> Choice) -> Merged {
     let unfinished = !old.is_empty() && !old.ends_with('\n');
     let line_end = LineEnd::of(old);
@@ -113,7 +112,7 @@ pub fn merge(new: &str, old: &str, settle: &mut dyn FnMut(&Conflict<'_>) -> Choi
         at_new = next_new + 1;
         at_old = next_old + 1;
     }
-    // The last line of the file has no end, and goes on having none.
+    // If the last line of the old file has no line end, the result has none either.
     let ends_so = |last: &String| {
         let text = out.text.strip_suffix('\n');
         text.is_some_and(|it| it.ends_with(last))
@@ -158,7 +157,7 @@ fn lines(text: &str) -> Vec<String> {
     text.split('\n').map(str::to_owned).collect()
 }
 
-/// The lines without what is left of their ends: `\r` tells none apart.
+/// The lines without their remaining `\r`: it does not make lines differ.
 fn bare(lines: &[String]) -> Vec<&str> {
     lines
         .iter()
@@ -180,9 +179,9 @@ struct Candidate {
     before: Option<usize>,
 }
 
-/// Pairs of indexes of equal lines, growing on both sides, ending with the two lengths: a longest
-/// common subsequence by the method of Hunt and McIlroy ("An algorithm for differential file
-/// comparison", Bell Laboratories, 1976). Blank lines never match.
+/// Pairs of indexes of equal lines, growing on both sides, ending with the two lengths: a longest common
+/// subsequence by the method of Hunt and McIlroy ("An algorithm for differential file comparison", Bell
+/// Laboratories, 1976). Blank lines never match.
 fn common_lines(new: &[&str], old: &[&str]) -> Vec<(usize, usize)> {
     let mut places: rustc_hash::FxHashMap<&str, Vec<usize>> = rustc_hash::FxHashMap::default();
     for (index, line) in old.iter().copied().enumerate() {
@@ -197,12 +196,12 @@ fn common_lines(new: &[&str], old: &[&str]) -> Vec<(usize, usize)> {
         let Some(matches) = places.get(line) else {
             continue;
         };
-        // A candidate found for this line takes its place only after the next one has been looked
-        // for, so that no candidate uses the line twice.
+        // A candidate found for this line is stored only after the next search, so that no candidate uses the
+        // line twice.
         let mut pending: Option<(usize, usize)> = None;
         let mut least = 0;
         for &at_old in matches {
-            // Not past what the pending candidate is to replace: nothing longer ends here.
+            // Not past the entry that the pending candidate will replace: nothing longer ends here.
             if least > 0 && candidates[best[least - 1]].old >= at_old {
                 continue;
             }

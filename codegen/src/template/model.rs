@@ -1,11 +1,11 @@
-//! What a template is told of: a specification, its places, the objects handed out.
+//! The model of a template: a specification, its places, and the objects given to the template.
 
 use dotgen_analysis::model::{Port, Spec};
 
 use super::object::Registry;
 use crate::lang::{Language, Mapper, Places};
 
-/// What answers are taken from.
+/// The source of answers.
 #[derive(Clone, Copy)]
 pub(crate) struct Model<'a> {
     pub(crate) spec: &'a Spec,
@@ -17,7 +17,7 @@ pub(crate) struct Model<'a> {
 }
 
 impl<'a> Model<'a> {
-    /// How types and names are written in the current language.
+    /// The mapper for types and names in the current language.
     pub(crate) fn mapper(&self) -> Mapper<'a> {
         Mapper::new(self.spec, self.places, self.language)
     }

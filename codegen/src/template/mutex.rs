@@ -1,11 +1,11 @@
-//! Mutual exclusion: which codels and services may not run together.
+//! Mutual exclusion: codels and services that must not run at the same time.
 
 use dotgen_analysis::model::{
     Codel, CodelKind, CodelRef, Component, Owner, Param, ParamDir, ParamSource, Spec,
 };
 use rustc_hash::FxHashSet;
 
-/// The other side of a comparison: a codel's parameters, or those a service gives and takes.
+/// The other side of a comparison: a codel's parameters, or a service's inputs and outputs.
 #[derive(Clone, Copy, PartialEq)]
 enum Against {
     Codel,
@@ -71,7 +71,7 @@ pub(crate) fn service_mutex(spec: &Spec, component: &Component, service: u32) ->
     found.codels
 }
 
-/// Codels found so far, each once; a codel is known by task, service and name.
+/// Codels found so far, each once, identified by task, service and name.
 struct SeenCodels<'a> {
     component: &'a Component,
     codels: Vec<CodelRef>,
@@ -125,7 +125,7 @@ fn conflict(spec: &Spec, p: &Param, q: &Param, against: Against) -> bool {
             if spec.resolve_alias(p.base) == spec.resolve_alias(q.base) => {}
         _ => return false,
     }
-    // What a service takes in, an attribute writes to the ids.
+    // An input of a service is written to the ids by an attribute.
     let harmless = match against {
         Against::Codel => ParamDir::In,
         Against::Service => ParamDir::Out,

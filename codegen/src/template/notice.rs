@@ -1,11 +1,11 @@
-//! The notice: the text of a special comment that templates copy into what they write.
+//! The notice: the text of a special comment that templates copy into their output.
 
 use std::path::Path;
 
 use super::tcl;
 use crate::disk::Disk;
 
-/// The notices of inputs, one after the other; `None` when they have none.
+/// The notices of inputs, one after the other; `None` if they have none.
 pub(crate) fn notice_of(disk: &dyn Disk, folder: &Path, inputs: &[String]) -> Option<String> {
     let texts = inputs
         .iter()
@@ -14,8 +14,8 @@ pub(crate) fn notice_of(disk: &dyn Disk, folder: &Path, inputs: &[String]) -> Op
     (!notices.is_empty()).then(|| notices.concat())
 }
 
-/// The first comment of a file that contains the mark `/*/`, up to its end, without the
-/// decoration at the start of its lines. `None` when there is none or it is not closed.
+/// The first comment of a file that contains the mark `/*/`, up to its end, without the decoration at the
+/// start of its lines. `None` if there is none or it is not closed.
 pub fn notice(text: &str) -> Option<String> {
     let mut out: Option<String> = None;
     let mut inside = false;
@@ -27,7 +27,7 @@ pub fn notice(text: &str) -> Option<String> {
             };
             inside = true;
             let after = &line[at + 3..];
-            // A blank stands for the last character of the mark, to keep columns aligned.
+            // A blank replaces the last character of the mark, to keep columns aligned.
             rest = if after.starts_with('\n') {
                 after.to_owned()
             } else {

@@ -98,15 +98,15 @@ impl Lookup for Spec {
     }
 }
 
-/// What stays the same of an object when the model is built again with more input.
+/// The properties of an object that stay the same when the model is built again with more input.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 enum Identity {
-    /// Kind, place, name, and which of several that are alike.
+    /// Kind, place, name, and index among equal ones.
     Type(&'static str, Src, String, u32),
     Component(String),
     /// Component, kind of thing, name.
     Member(String, &'static str, String),
-    /// Component, owner, place, which of several that are alike.
+    /// Component, owner, place, index among equal ones.
     Codel(String, String, Src, u32),
     /// Owner's handle and path inside.
     Inside(u64, Vec<u32>),
@@ -121,7 +121,7 @@ pub(crate) struct Registry {
     next: u64,
 }
 
-/// The first number; as wide as the numbers GenoM3 shows.
+/// The first number; it has the width of the numbers that GenoM3 shows.
 const FIRST: u64 = 0x1000_0000_0000;
 
 impl Registry {
@@ -258,7 +258,7 @@ impl Registry {
         owner: u64,
         path: &mut Vec<u32>,
     ) {
-        // The path is marked so that it differs from the parameters of an owner of the same number.
+        // The path is marked to distinguish it from the parameters of an owner with the same number.
         let mut inside = vec![u32::MAX];
         inside.extend(&*path);
         self.add(
@@ -276,8 +276,7 @@ impl Registry {
     }
 }
 
-/// Tasks and services as they were created: what is taken over from interfaces first, the rest as
-/// written.
+/// Tasks and services in order of creation: first those from interfaces, then the rest as written.
 fn in_order(component: &Component) -> Vec<Owner> {
     let tasks = component.tasks.iter().map(|it| it.src);
     let services = component.services.iter().map(|it| it.src);

@@ -1,4 +1,4 @@
-//! Files that templates write: modes, merging, permissions, and where the bytes go.
+//! Files that templates write: modes, merging, permissions, and destinations.
 
 mod permissions;
 mod staged;
@@ -18,24 +18,24 @@ use crate::disk::{Disk, WriteError};
 use crate::process::{Channels, Processes, Program, Resources};
 pub(crate) use staged::Staged;
 
-/// A file as a template wants it, in a run that writes nothing.
+/// A file written by a template in a run that writes nothing to disk.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PreviewFile {
-    /// The bytes there now; `None` when there is no such file.
+    /// The current bytes; `None` if the file does not exist.
     pub before: Option<Vec<u8>>,
-    /// The bytes there would be.
+    /// The new bytes.
     pub after: Vec<u8>,
-    /// Unix permissions, when the template gives any.
+    /// Unix permissions, if the template sets any.
     pub mode: Option<u32>,
-    /// The reason why a person has to look at the file: see [`Confirmed::Shown`].
+    /// The reason why the user must review the file: see [`Confirmed::Shown`].
     pub concern: Option<&'static str>,
 }
 
-/// Bits of permissions that let a file be executed, or with the rights of others.
+/// Permission bits that make a file executable, or executable with the rights of others.
 const EXECUTABLE: u32 = 0o7111;
 
-/// The reason why a result needs confirmation: `hidden`, `executable`, or both. The mode is the one that the
-/// template wants.
+/// The reason why a result needs confirmation: `hidden`, `executable`, or both. `mode` is the mode set by the
+/// template.
 fn concern(
     disk: &dyn Disk,
     path: &Path,
@@ -52,12 +52,12 @@ fn concern(
     }
 }
 
-/// Where the files of a template go.
+/// The destination of the files of a template.
 #[derive(Debug)]
 pub enum OutputSink {
-    /// To their places, when the template has ended well: all of them, or none.
+    /// The disk, after the template has ended without an error: all files, or none.
     Direct,
-    /// Into memory, by absolute path.
+    /// Memory, by absolute path.
     Preview(BTreeMap<PathBuf, PreviewFile>),
 }
 
@@ -70,7 +70,7 @@ impl OutputSink {
     /// Writes the files that were kept, all or none.
     ///
     /// # Errors
-    /// The first that cannot be written, and why.
+    /// Returns the first file that cannot be written, and the reason.
     pub(crate) fn write_out(self, disk: &dyn Disk) -> Result<(), WriteError> {
         match self {
             OutputSink::Preview(files) => Staged::direct(files).finish(disk, false).1,
@@ -79,15 +79,15 @@ impl OutputSink {
     }
 }
 
-/// Switches of the engine that say what happens to files that exist.
+/// Switches of the engine for existing files.
 #[derive(Debug, Clone)]
 pub struct Modes {
-    /// In the order in which templates see them.
+    /// The modes, in the order in which templates see them.
     values: [(&'static str, bool); 5],
 }
 
 impl Modes {
-    /// As at the start of a run.
+    /// The modes at the start of a run.
     pub fn new(debug: bool) -> Modes {
         Modes {
             values: [
@@ -100,7 +100,7 @@ impl Modes {
         }
     }
 
-    /// Whether a mode is on.
+    /// Returns true if a mode is on.
     pub fn is_on(&self, name: &str) -> bool {
         self.values.iter().any(|(it, on)| *it == name && *on)
     }
@@ -111,8 +111,10 @@ impl Modes {
         self.values.iter().map(shown).collect()
     }
 
-    /// Sets one mode given as `MODE`, `+MODE` or `-MODE`; returns its name and value when that
-    /// changed anything.
+    /// Sets one mode given as `MODE`, `+MODE` or `-MODE`; returns its name and value if it changed.
+    ///
+    /// # Errors
+    /// Fails for an unknown mode.
     pub(crate) fn set(&mut self, word: &str) -> Result<Option<(&'static str, bool)>, Failure> {
         let (name, value) = match word.split_at_checked(1) {
             Some(("+", name)) => (name, true),
@@ -132,7 +134,7 @@ impl Modes {
     }
 }
 
-/// What committing a file needs from the running session.
+/// The part of the running session that committing a file needs.
 pub(crate) trait Environment {
     /// The standard channels.
     fn console(&mut self) -> &mut dyn Console;
@@ -158,24 +160,24 @@ pub(crate) trait Environment {
     fn processes(&self) -> &dyn Processes;
 }
 
-/// The state of the engine that concerns files.
+/// The state of the engine for files.
 #[derive(Debug)]
 pub(crate) struct Output {
     /// See [`Modes`].
     pub(crate) modes: Modes,
     /// `interactive`, `auto`, or a program.
     pub(crate) merge_tool: String,
-    /// Output directory; empty when never set.
+    /// Output directory; empty if never set.
     pub(crate) dir: String,
-    /// Directory where relative paths start; empty for the current one.
+    /// Base directory of relative paths; empty for the current one.
     pub(crate) base: PathBuf,
-    /// What was written.
+    /// The files written so far.
     pub(crate) files: Staged,
-    /// What was there before.
+    /// The disk before the run.
     pub(crate) disk: Arc<dyn Disk>,
     /// Name of the template, for messages.
     pub(crate) template: String,
-    /// Where results may be, and that no program may be started, if it is so.
+    /// The folders for results, if the run is confined; a confined run starts no program.
     pub(crate) confined: Option<Confined>,
 }
 
@@ -200,7 +202,7 @@ impl Output {
         }
     }
 
-    /// Ends the run: a run that has failed writes nothing.
+    /// Ends the run. A failed run writes nothing.
     pub(crate) fn finish(self, failed: bool) -> (OutputSink, Result<(), WriteError>) {
         self.files.finish(&*self.disk, failed)
     }
@@ -210,10 +212,10 @@ impl Output {
         join(&self.dir, name)
     }
 
-    /// Chooses how files are merged: `interactive`, `auto`, or by a program.
+    /// Sets how files are merged: `interactive`, `auto`, or by a program.
     ///
     /// # Errors
-    /// A confined template starts no program.
+    /// Fails for a program if the template is confined.
     pub(crate) fn set_merge_tool(&mut self, tool: &str) -> Result<(), Failure> {
         if self.confined.is_some() && !matches!(tool, "interactive" | "auto") {
             return Err(Failure::Error(format!(
@@ -225,8 +227,8 @@ impl Output {
         Ok(())
     }
 
-    /// Refuses a result that is not where the results of a confined template may be, and a hidden or
-    /// executable one that nobody has confirmed.
+    /// Refuses a result outside the folders of a confined template, and a hidden or executable one that is
+    /// not confirmed.
     fn check(&self, shown: &str, path: &Path, permissions: &str) -> Result<(), Failure> {
         let Some(confined) = &self.confined else {
             return Ok(());
@@ -261,7 +263,11 @@ impl Output {
         )))
     }
 
-    /// Puts a text where a template wants it, by the modes in force.
+    /// Puts a text at the path given by a template, according to the current modes.
+    ///
+    /// # Errors
+    /// Fails if the modes do not allow to change an existing file, if a merge fails, for unknown permissions,
+    /// and for a path outside the folders of a confined template.
     pub(crate) fn commit(
         &mut self,
         name: &str,
@@ -346,7 +352,7 @@ impl Output {
         })
     }
 
-    /// Merges by the tool in force; `false` when the tool fails.
+    /// Merges with the current tool; `false` if the tool fails.
     fn merge(
         &mut self,
         shown: &str,
@@ -365,7 +371,7 @@ impl Output {
             .ok()
             .flatten()
             .unwrap_or_default();
-        // What only the file has goes through as it is, whatever its encoding.
+        // Text that only the file has is passed through unchanged, for any encoding.
         let old_text = encoding::decode(old.clone());
         let new_text = encoding::escape(text);
         let header = if interactive {
@@ -421,7 +427,7 @@ impl Output {
         self.disk.put(&old, &before).map_err(failed)?;
         let channels = match env.console().is_terminal() {
             true => Channels::Shared,
-            // Who asks over pipes keeps them for himself: a tool that reads or writes there would break in.
+            // If the engine's own channels are pipes to another program, a tool must not read or write them.
             false => Channels::Pipes,
         };
         let process = env.processes().start(&Program {
@@ -453,7 +459,7 @@ impl Output {
     }
 }
 
-/// Shows a conflict and asks what to do.
+/// Shows a conflict and asks for its resolution.
 fn ask(
     header: &str,
     conflict: &Conflict<'_>,

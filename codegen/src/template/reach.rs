@@ -1,7 +1,7 @@
-//! What a confined run reaches: the one place that compares paths with what is allowed.
+//! The files a confined run can reach: the one place that compares paths with the allowed folders.
 //!
-//! The interpreter is confined by the system. What the engine reads and writes for it is checked here, by
-//! the same folders.
+//! The operating system confines the interpreter. The reads and writes that the engine does for it are
+//! checked here, with the same folders.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -10,7 +10,7 @@ use super::discover::SearchPath;
 use crate::disk::Disk;
 use crate::process::Access;
 
-/// What may be read.
+/// The readable files and folders.
 #[derive(Debug, Clone)]
 pub(crate) struct Reach {
     read: Vec<PathBuf>,
@@ -18,8 +18,8 @@ pub(crate) struct Reach {
 }
 
 impl Reach {
-    /// Of a template in `dir` that is told `words`: its own folder and those beside it, the files that
-    /// words name, and the temporary folder.
+    /// The reach of a template in `dir` with the arguments `words`: its own folder and those next to it, the
+    /// files that the arguments name, and the temporary folder.
     pub(crate) fn new(
         disk: &dyn Disk,
         dir: &Path,
@@ -41,7 +41,7 @@ impl Reach {
         }
     }
 
-    /// The same for the system.
+    /// The same rights in the form that the operating system enforces.
     pub(crate) fn access(&self) -> Access {
         Access {
             read: self.read.clone(),
@@ -49,7 +49,10 @@ impl Reach {
         }
     }
 
-    /// Refuses to read a file elsewhere. What cannot be found at all is for others to tell.
+    /// Refuses to read a file elsewhere. Missing files are reported by the reader.
+    ///
+    /// # Errors
+    /// Fails for a file that exists outside of the readable folders.
     pub(crate) fn check_read(&self, disk: &dyn Disk, path: &Path) -> Result<(), Failure> {
         match disk.canonical(path) {
             Ok(path) if !self.read.iter().any(|it| path.starts_with(it)) => {
@@ -64,7 +67,7 @@ impl Reach {
     }
 }
 
-/// Whether a file, were it written, would be below one of the folders, whatever links there are on the way.
+/// Returns true if a file would be below one of the folders once written, with all links on the way resolved.
 pub(crate) fn is_below(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> bool {
     let Some(path) = resolve(disk, path) else {
         return false;
@@ -74,8 +77,9 @@ pub(crate) fn is_below(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> boo
         .any(|it| resolve(disk, it).is_some_and(|it| path.starts_with(it)))
 }
 
-/// Whether a path has a part that begins with a dot below all of the folders around the path, whatever links
-/// there are on the way. Such files configure tools, shells and editors: `.git/hooks`, `.vscode`, `.profile`.
+/// Returns true if a path, with all links resolved, has a part that begins with a dot below all of the
+/// folders around the path. Such files configure tools, shells and editors: `.git/hooks`, `.vscode`,
+/// `.profile`.
 pub(crate) fn is_hidden(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> bool {
     let parts = |path: &Path, folders: &[PathBuf]| {
         let below = folders.iter().filter_map(|it| path.strip_prefix(it).ok());
@@ -92,8 +96,8 @@ pub(crate) fn is_hidden(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> bo
     by_links.unwrap_or(true) || parts(&plain(disk, path), &named).unwrap_or(false)
 }
 
-/// The path without links, of which the last parts need not exist. `None` for a link that leads nowhere:
-/// a file that is written there would come to be where it points.
+/// The path with links resolved; its last parts need not exist. `None` for a dangling link: a file written
+/// there would be created at the target of the link.
 fn resolve(disk: &dyn Disk, path: &Path) -> Option<PathBuf> {
     let path = plain(disk, path);
     for ancestor in path.ancestors() {
@@ -158,7 +162,7 @@ mod tests {
         ] {
             assert!(!below(path), "{path}");
         }
-        // A folder that is to be made is where it will be.
+        // A folder that does not exist yet has the place where it will be created.
         assert!(is_below(
             &Files,
             &root.join("out/new/a"),
@@ -184,7 +188,7 @@ mod tests {
         // The folder itself may be hidden.
         let folders = [root.clone(), root.join(".git")];
         assert!(!is_hidden(&Files, &root.join(".git/a"), &folders));
-        // A folder whose name begins alike is another one.
+        // A folder whose name has the same prefix is another folder.
         assert!(!is_below(&Files, &dir.path().join("root2/a"), &[root]));
     }
 }

@@ -1,19 +1,19 @@
-//! The structure of a Tcl script: what can be told to be wrong without running it.
+//! The structure of a Tcl script: errors that are certain without running it.
 //!
-//! Tcl reads a script command by command, and looks into a braced word only when something evaluates
-//! it. So does this: it descends where a command is known to evaluate its word, and into command
-//! substitutions. What is reported would fail, whatever the values of variables.
+//! Tcl reads a script command by command, and parses a braced word only when something evaluates it. This
+//! module does the same: it descends into the words that a known command evaluates, and into command
+//! substitutions. Every reported script fails for any values of its variables.
 
 use std::ops::Range;
 
 use super::marker::{LITERAL, SUBSTITUTE};
 
-/// Something that makes a script fail. Ranges are bytes of the script.
+/// An error that makes a script fail. Ranges are bytes of the script.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Flaw {
-    /// What to look at.
+    /// The range of the error.
     pub range: Range<usize>,
-    /// What is wrong.
+    /// The kind.
     pub kind: FlawKind,
 }
 
@@ -30,23 +30,23 @@ pub(crate) enum FlawKind {
     Name,
     /// `$name(` without `)`.
     Index,
-    /// A word goes on behind `}` or `"`.
+    /// Text right after a `}` or `"` that ends a word.
     Extra(char),
     /// A command that begins with `}`.
     Stray,
     /// `else` or `elseif` where a command begins.
     Detached,
-    /// A comment that takes a literal or a substitution of a source with it.
+    /// A comment that swallows a literal or a substitution of a source.
     Comment,
 }
 
-/// Depth of nested scripts that is looked into: deeper than anybody writes.
+/// Maximum depth of nested scripts that are checked.
 const DEPTH: usize = 100;
 
-/// The flaws of a script. The first that leaves a word without an end is the last.
+/// The flaws of a script. A flaw that leaves a word without an end is the last one.
 pub(crate) fn flaws(script: &str) -> Vec<Flaw> {
     let mut reader = Reader::new(script.as_bytes(), 0..script.len());
-    // What is read up to an open end has been looked at.
+    // The text up to an open end has been checked.
     let _ = reader.script(false);
     reader.flaws
 }
@@ -58,7 +58,7 @@ pub(crate) fn subst_flaws(text: &str) -> Vec<Flaw> {
     reader.flaws
 }
 
-/// An end that does not come; the flaw has been noted.
+/// The error for a missing end; its flaw is already recorded.
 struct Open;
 
 struct Reader<'a> {
@@ -72,7 +72,7 @@ struct Reader<'a> {
 /// A word of a command.
 struct Word {
     range: Range<usize>,
-    /// In braces: what is inside is evaluated by the command, or by nobody.
+    /// True for a word in braces: its content is evaluated only by the command.
     braced: bool,
 }
 
@@ -95,25 +95,25 @@ impl<'a> Reader<'a> {
         self.flaws.push(Flaw { range, kind });
     }
 
-    /// A word without an end begins at `start`, with so many characters.
+    /// Records a word without an end that begins at `start`, with an opening of this many characters.
     fn open(&mut self, start: usize, length: usize, kind: FlawKind) -> Open {
         self.note(start..start + length, kind);
         Open
     }
 
-    /// Skips a backslash and what it stands before.
+    /// Skips a backslash and the character after it.
     fn skip_escape(&mut self) {
         self.at = (self.at + 2).min(self.end);
     }
 
-    /// Whether a backslash and the end of a line are next: white space.
+    /// Returns true if a backslash and the end of a line are next: white space.
     fn at_continuation(&self) -> bool {
         self.peek() == Some(b'\\')
             && self.at + 1 < self.end
             && matches!(self.text[self.at + 1], b'\n')
     }
 
-    /// Commands up to the end, or, in a substitution, up to its `]`. Whether that came.
+    /// Reads commands up to the end, or, in a substitution, up to its `]`. Returns true if the `]` was found.
     fn script(&mut self, nested: bool) -> Result<bool, Open> {
         loop {
             match self.peek() {
@@ -144,7 +144,7 @@ impl<'a> Reader<'a> {
             .iter()
             .any(|it| marks.contains(it))
         {
-            // Half of what it takes stands behind it.
+            // Half of the swallowed text is behind it.
             return Err(self.open(start, 1, FlawKind::Comment));
         }
         Ok(())
@@ -172,7 +172,7 @@ impl<'a> Reader<'a> {
         self.bodies(&words)
     }
 
-    /// Whether a word ends here.
+    /// Returns true if a word ends here.
     fn at_end_of_word(&self, nested: bool) -> bool {
         match self.peek() {
             None | Some(b' ' | b'\t' | b'\r' | 0xb | 0xc | b'\n' | b';') => true,
@@ -239,7 +239,7 @@ impl<'a> Reader<'a> {
         Err(self.open(start, 1, FlawKind::Brace))
     }
 
-    /// Text with substitutions, until `ends`. Whether that came.
+    /// Reads text with substitutions, until `ends`. Returns true if the end was found.
     fn substituted(&mut self, ends: impl Fn(&Reader<'_>) -> bool + Copy) -> Result<bool, Open> {
         while let Some(c) = self.peek() {
             if ends(self) {
@@ -291,7 +291,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Looks into the words of a command that are scripts.
+    /// Checks the words of a command that are scripts.
     fn bodies(&mut self, words: &[Word]) -> Result<(), Open> {
         let Some((name, arguments)) = words.split_first() else {
             return Ok(());
@@ -305,7 +305,7 @@ impl<'a> Reader<'a> {
             _ => Vec::new(),
         };
         for word in scripts.into_iter().filter(|it| it.braced) {
-            // A word that goes on behind its brace has been noted.
+            // A word that continues after its brace is already recorded.
             let inside = word.range.start + 1..word.range.end - 1;
             if self.depth == DEPTH || self.text[word.range.end - 1] != b'}' {
                 continue;
@@ -392,7 +392,7 @@ mod tests {
             check("proc f {} { while {1} { puts $a( } }"),
             ["29 Index $a("]
         );
-        // Nobody says that this is evaluated.
+        // It is not known that this text is evaluated.
         assert_eq!(check("set a { puts [f }"), [""; 0]);
     }
 

@@ -1,4 +1,4 @@
-//! One run of a template: answers what the interpreter asks.
+//! One run of a template: answers the questions of the interpreter.
 
 mod questions;
 mod sources;
@@ -29,11 +29,11 @@ pub(super) struct Session<'a> {
     console: &'a mut dyn Console,
     compiled: Compiled,
     registry: Rc<Registry>,
-    /// Objects whose commands do not exist yet, because the parse that added them failed.
+    /// Objects without commands yet, because the parse that added them failed.
     unannounced: Vec<String>,
     output: Output,
     tmpdir: PathBuf,
-    /// What may be read, when not everything may.
+    /// The readable files, if the run is confined.
     reach: Option<Reach>,
     temporaries: u32,
     scripts: Vec<Script>,
@@ -43,7 +43,7 @@ pub(super) struct Session<'a> {
     files: u64,
 }
 
-/// How the template ended, as the interpreter tells it.
+/// The end of the template, as the interpreter reports it.
 struct Done {
     failed: bool,
     status: i32,
@@ -117,7 +117,7 @@ pub(super) fn run(
         files: 0,
     };
     let ended = session.serve();
-    // What a template wrote before it failed stays, as with GenoM3. Where dotgen ended it, nothing is
+    // Output of a template that failed stays, as with GenoM3. If dotgen ended the template, nothing is
     // written.
     let ended_by_us = ended.is_err();
     let mut place = None;
@@ -165,7 +165,10 @@ pub(super) fn run(
 }
 
 impl Session<'_> {
-    /// Answers until the template has ended.
+    /// Answers messages until the template has ended.
+    ///
+    /// # Errors
+    /// Fails if the run cannot continue.
     fn serve(&mut self) -> Result<Done, String> {
         loop {
             let words = self.host.receive()?;
@@ -183,7 +186,10 @@ impl Session<'_> {
         }
     }
 
-    /// Answers one message; `Err` when the run cannot go on.
+    /// Answers one message.
+    ///
+    /// # Errors
+    /// Fails if the run cannot continue.
     fn answer(&mut self, words: Vec<Vec<u8>>) -> Result<(), String> {
         match words.first().map(Vec::as_slice) {
             Some(b"out") => {
@@ -217,7 +223,7 @@ impl Session<'_> {
                 ])
             }
             Err(Failure::Error(message)) => {
-                // Whether a question fails depends on the same things as its answer.
+                // The failure of a question depends on the same inputs as its answer.
                 let pure: &[u8] = if words[0] == "query" { b"1" } else { b"0" };
                 self.host.send(&[b"error", message.as_bytes(), pure, b""])
             }
@@ -253,8 +259,8 @@ impl Session<'_> {
             "done_source" => {
                 let name = self.scripts.iter().rev().find(|it| it.path == word(1));
                 let name = name.map(|it| it.name.clone()).unwrap_or_default();
-                // GenoM3 looks for the path as it is and adds it normalized: one with `..` is added
-                // each time.
+                // GenoM3 searches for the path as given and adds it normalized: one with `..` is added each
+                // time.
                 let path = self.run.dir.join(&name);
                 if name != "<string>" && !self.deps.contains(&path.display().to_string()) {
                     self.deps.push(self.normalize(&path));
@@ -362,7 +368,7 @@ impl Environment for Session<'_> {
     fn format_time(&mut self, time: SystemTime) -> String {
         let seconds = time.duration_since(UNIX_EPOCH).unwrap_or_default();
         let seconds = seconds.as_secs().to_string();
-        // Tcl knows the time zone and its words.
+        // Tcl provides the time zone and its names.
         self.evaluate(&format!("clock format {seconds}"))
             .unwrap_or(seconds)
     }

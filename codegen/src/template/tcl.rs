@@ -99,7 +99,7 @@ fn quoting(text: &str, first: bool) -> Quoting {
 /// Reads a list.
 ///
 /// # Errors
-/// Tcl's words for an unbalanced list.
+/// Returns Tcl's message for an unbalanced list.
 pub(crate) fn parse_list(text: &str) -> Result<Vec<String>, String> {
     let chars: Vec<char> = text.chars().collect();
     let mut out = Vec::new();
@@ -180,7 +180,7 @@ fn trailing(what: &str, rest: &[char]) -> String {
     format!("list element in {what} followed by \"{word}\" instead of space")
 }
 
-/// Appends what a backslash sequence stands for; returns its length.
+/// Appends the characters of a backslash sequence; returns its length.
 fn escape(text: &[char], out: &mut String) -> usize {
     let number = |digits: &[char], radix: u32, max: usize| {
         let taken: String = digits
@@ -236,7 +236,7 @@ fn escape(text: &[char], out: &mut String) -> usize {
 pub(crate) fn glob_match(pattern: &str, text: &str) -> bool {
     let pattern: Vec<char> = pattern.chars().collect();
     let text: Vec<char> = text.chars().collect();
-    // Where to go on when the last `*` takes one character more.
+    // The position to resume at when the last `*` matches one more character.
     let mut retry: Option<(usize, usize)> = None;
     let (mut p, mut t) = (0, 0);
     while t < text.len() {
@@ -267,7 +267,7 @@ pub(crate) fn glob_match(pattern: &str, text: &str) -> bool {
     pattern[p..].iter().all(|c| *c == '*')
 }
 
-/// Length of the `[set]` at the start of the pattern when it holds the character.
+/// Length of the `[set]` at the start of the pattern if it contains the character.
 fn match_set(pattern: &[char], c: char) -> Option<usize> {
     let mut at = 1;
     let mut found = false;
@@ -288,7 +288,7 @@ fn match_set(pattern: &[char], c: char) -> Option<usize> {
 /// Finds a word by exact name or unambiguous prefix.
 ///
 /// # Errors
-/// `bad WHAT "X": must be A, B, or C`, or the same starting with `ambiguous`.
+/// Returns `bad WHAT "X": must be A, B, or C`, or the same starting with `ambiguous`.
 pub(crate) fn find_word(words: &[&str], wanted: &str, what: &str) -> Result<usize, String> {
     if let Some(exact) = words.iter().position(|word| *word == wanted) {
         return Ok(exact);
@@ -320,8 +320,8 @@ fn alternatives(words: &[&str]) -> String {
     }
 }
 
-/// Reads UTF-8 as Tcl 8.6 does: a byte that is not part of a character stands for itself; all line
-/// ends become newlines.
+/// Reads UTF-8 as Tcl 8.6 does: a byte that is not part of a character stands for itself; all line ends
+/// become newlines.
 pub(crate) fn decode(bytes: &[u8]) -> String {
     let mut out = String::with_capacity(bytes.len());
     for chunk in bytes.utf8_chunks() {
@@ -334,7 +334,7 @@ pub(crate) fn decode(bytes: &[u8]) -> String {
     out
 }
 
-/// What an 8-bit channel leaves of a text: the low byte of every character.
+/// The text after an 8-bit channel: the low byte of every character.
 pub(crate) fn low_bytes(text: &str) -> String {
     text.chars().map(|c| char::from(c as u32 as u8)).collect()
 }

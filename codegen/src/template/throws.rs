@@ -1,4 +1,4 @@
-//! Exceptions an object may raise: its own after those of what it belongs to, each once.
+//! Exceptions an object may raise: those of its owner first, then its own, each once.
 
 use dotgen_analysis::model::{Component, Remote, Task, TypeId};
 

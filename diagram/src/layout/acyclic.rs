@@ -1,16 +1,16 @@
-//! Which edges to turn round so that no cycle is left.
+//! The edges to reverse so that the graph has no cycle.
 
-/// For each edge, whether it has to be turned round: the back edges of a depth-first walk.
+/// For each edge, true if it must be reversed: the back edges of a depth-first search.
 ///
-/// When the graph has a beginning (`begins`), the walk starts where no edge enters, so that what people read
-/// as "back" is turned round. Otherwise (data that flows in circles) it starts at the node that leaves the
-/// fewest edges to turn, the first of them in the declared order.
+/// If the graph has an entry (`begins`), the search starts at the nodes without entering edges, so that the
+/// edges that people call "back" are reversed. Otherwise (cyclic data flow) it starts at the node that gives
+/// the fewest reversed edges, the first of them in order of declaration.
 pub(super) fn back_edges(
     nodes: usize,
     edges: &[Option<(usize, usize)>],
     begins: bool,
 ) -> Vec<bool> {
-    /// More starts than this are not tried: the walk is linear, all of them together are not.
+    /// Maximum number of start nodes to try. One search is linear, but a search from every node is not.
     const STARTS: usize = 64;
     let first = walk(nodes, edges, None);
     let count = |it: &[bool]| it.iter().filter(|it| **it).count();
@@ -27,7 +27,7 @@ pub(super) fn back_edges(
     best.1
 }
 
-/// Back edges of the depth-first walk that begins at `start`, at the nodes without entering edges, and at
+/// Back edges of the depth-first search that begins at `start`, at the nodes without entering edges, and at
 /// the others in order.
 fn walk(nodes: usize, edges: &[Option<(usize, usize)>], start: Option<usize>) -> Vec<bool> {
     let mut out = vec![Vec::new(); nodes];

@@ -1,13 +1,13 @@
-//! What the reader moved, and the edges that follow.
+//! Nodes that the reader moved, and the edges that follow them.
 
 use crate::graph::Graph;
 use crate::text;
 
 use super::{EdgePath, Layout, Point, Rect, finish};
 
-/// Moves nodes, each by so much from where it was laid out (nothing for those beyond the end of `by`). Edges
-/// between nodes that were moved alike go along; those of which one end was moved are drawn anew, straight
-/// out of the sides that face each other.
+/// Moves each node by an offset in pixels from its computed place (nodes beyond the end of `by` stay). Edges
+/// between nodes with equal offsets move along; an edge with one moved end is redrawn, straight out of the
+/// sides that face each other.
 pub fn moved(graph: &Graph, mut layout: Layout, by: &[Point]) -> Layout {
     let of = |node: usize| by.get(node).copied().unwrap_or_default();
     let still = Point::default();
@@ -46,7 +46,7 @@ fn shift(path: &mut EdgePath, by: Point) {
 /// One curve from a side of a node to the side of another that faces it, with its label in the middle.
 fn between(from: Rect, to: Rect, label: &str) -> EdgePath {
     let (a, b) = (from.center(), to.center());
-    // How far apart the nodes are, beside each other and above each other.
+    // The horizontal and vertical distances between the nodes.
     let aside = (b.x - a.x).abs() - (from.width + to.width) / 2.0;
     let above = (b.y - a.y).abs() - (from.height + to.height) / 2.0;
     let end = |of: Rect, towards: Point| {

@@ -2,9 +2,9 @@
 
 use super::ranked::Ranked;
 
-/// Sweeps of the median heuristic without improvement before giving up.
+/// Number of sweeps of the median heuristic without improvement before it stops.
 const PATIENCE: usize = 4;
-/// Sweeps in all.
+/// Maximum number of sweeps.
 const SWEEPS: usize = 24;
 
 /// Orders the ranks: weighted medians, sweeping down and up, with exchanges of neighbours

@@ -11,10 +11,11 @@ use super::ranked::Ranked;
 use super::{FRAME_PADDING, LABEL_HEIGHT};
 
 const NONE: usize = usize::MAX;
-/// Distance of two edges that pass the columns of others beside each other.
+/// Minimum distance of two edges that pass through a column next to each other, in pixels.
 const PASSING: f64 = 4.0;
 
-/// The x coordinate of the anchor of each vertex. `gap` is the least distance of two nodes.
+/// The x coordinate of the anchor of each vertex. `gap` is the minimum distance of two nodes. All are in
+/// pixels.
 pub(super) fn positions(graph: &Ranked, gap: f64) -> Vec<f64> {
     let conflicts = conflicts(graph);
     let mut candidates: Vec<Vec<f64>> = Vec::with_capacity(4);
@@ -157,8 +158,8 @@ fn compaction(
         };
         graph.extent[left].1 + graph.extent[right].0 + space
     };
-    // The block graph: block a lies left of block b. Longest paths place blocks as far left as
-    // possible; a second pass pulls them right to where their neighbours are.
+    // The block graph: block a lies left of block b. Longest paths place blocks as far left as possible; a
+    // second pass pulls them right, to their neighbours.
     let mut before_block: Vec<Vec<(usize, f64)>> = vec![Vec::new(); vertices];
     let mut after_block: Vec<Vec<(usize, f64)>> = vec![Vec::new(); vertices];
     let mut degree = vec![0_usize; vertices];
@@ -242,16 +243,15 @@ fn balance(graph: &Ranked, candidates: &mut [Vec<f64>]) -> Vec<f64> {
 
 /// Moves the nodes of each group together, `gap` apart, as near as possible to where they are.
 pub(super) fn pack_groups(graph: &Ranked, gap: f64, x: &mut [f64]) {
-    // Many columns are there to be less high: all of them are packed, and none stands lower than another.
+    // Many columns keep the picture low: all of them are packed, and none is lower than another.
     let wrapped = graph.columns && graph.layers.len() > 3;
     for layer in &graph.layers {
-        // What belongs to no group are pieces of edges that pass; they stay together where they are
-        // neighbours.
+        // Vertices without a group are pieces of passing edges; they stay together where they are neighbours.
         if !wrapped && layer.iter().all(|&it| graph.group_of(it).is_none()) {
             continue;
         }
-        // How far each node stands from the first when all are packed; the rest of its coordinate is
-        // one shift per group.
+        // The distance of each node from the first when all are packed; the rest of its coordinate is one
+        // shift per group.
         let mut offset = vec![0.0; layer.len()];
         for i in 1..layer.len() {
             let (left, right) = (layer[i - 1], layer[i]);

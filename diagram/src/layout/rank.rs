@@ -1,6 +1,6 @@
-//! Which rank each node is on.
+//! The rank of each node.
 
-/// An edge of the acyclic graph: both ends, least length in ranks, weight.
+/// An edge of the acyclic graph: both ends, minimum length in ranks, weight.
 pub(super) type Arc = (usize, usize, usize, i64);
 
 /// Ranks from 0 such that every arc spans at least its length, short in total.

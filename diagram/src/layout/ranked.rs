@@ -5,18 +5,19 @@ use crate::graph::{Graph, Shape};
 use super::rank::{Arc, ranks};
 use super::{acyclic, size::Loops};
 
-/// Every edge spans an even number of ranks, so that its label has a rank of its own.
+/// The minimum length of an edge in ranks. Every edge spans an even number of ranks, so that its label has a
+/// rank of its own.
 const EDGE_LENGTH: usize = 2;
 
 /// A graph whose edges join neighbouring ranks only. Real nodes come first and keep their index.
 pub(super) struct Ranked {
     /// Number of real nodes.
     pub(super) real: usize,
-    /// Whether the ranks are the columns that the nodes say.
+    /// True if the ranks are the columns of the nodes.
     pub(super) columns: bool,
     /// Rank of each vertex.
     pub(super) rank: Vec<usize>,
-    /// Room left and right of the anchor of each vertex, and its height.
+    /// Space left and right of the anchor of each vertex, and its height, in pixels.
     pub(super) extent: Vec<(f64, f64, f64)>,
     /// Vertices of each rank, in order.
     pub(super) layers: Vec<Vec<usize>>,
@@ -26,10 +27,10 @@ pub(super) struct Ranked {
     pub(super) down: Vec<Vec<usize>>,
     /// See [`Ranked::down`].
     pub(super) up: Vec<Vec<usize>>,
-    /// For each edge of the graph, its vertices from the upper to the lower end (empty for self loops
-    /// and edges to nowhere).
+    /// For each edge of the graph, its vertices from the upper to the lower end (empty for self loops and
+    /// edges to unknown nodes).
     pub(super) chains: Vec<Vec<usize>>,
-    /// Whether the edge was turned round.
+    /// For each edge, true if it was reversed.
     pub(super) reversed: Vec<bool>,
     /// For each edge, the vertex that holds its label.
     pub(super) label_at: Vec<Option<usize>>,
@@ -60,7 +61,7 @@ impl Ranked {
         let arcs: Vec<Arc> = (0..ends.len())
             .filter_map(|i| {
                 let (upper, lower) = upper_lower(i)?;
-                // Markers sit right above the state they lead to.
+                // Markers are right above the state they lead to.
                 let weight = if graph.edges[i].classes.iter().any(|c| c == "entry") {
                     8
                 } else {
@@ -73,7 +74,7 @@ impl Ranked {
             real,
             columns: columns.is_some(),
             rank: match columns {
-                // Without labels there is no need of ranks for them.
+                // Without labels, no ranks are needed for them.
                 Some(it) if labels.iter().all(|label| label.0 == 0.0) => it,
                 Some(it) => it.into_iter().map(|it| it * EDGE_LENGTH).collect(),
                 None => ranks(real, &arcs),
@@ -97,7 +98,7 @@ impl Ranked {
                 continue;
             };
             let (first, last) = (it.rank[upper], it.rank[lower]);
-            // The label sits in the middle, on one of the ranks between nodes.
+            // The label is in the middle, on one of the ranks between nodes.
             let middle = first + ((last - first) / 2) / EDGE_LENGTH * EDGE_LENGTH;
             let label_rank = if (middle - first).is_multiple_of(EDGE_LENGTH) {
                 middle + 1
@@ -157,7 +158,7 @@ impl Ranked {
         }
     }
 
-    /// Brings the groups of a rank together, in the order of their places in it.
+    /// Makes the groups of a rank contiguous, in the order of their places in it.
     pub(super) fn gather(&mut self, rank: usize) {
         let group = &self.group;
         let layer = &mut self.layers[rank];
@@ -189,7 +190,7 @@ impl Ranked {
         group_of(&self.group, vertex)
     }
 
-    /// Whether a vertex stands for a piece of an edge.
+    /// Returns true if a vertex stands for a piece of an edge.
     pub(super) fn is_dummy(&self, vertex: usize) -> bool {
         vertex >= self.real
     }

@@ -3,7 +3,7 @@
 use super::ranked::Ranked;
 use super::{EdgePath, Point, Rect};
 
-/// Where each rank begins and ends.
+/// The top and bottom of each rank, in pixels.
 pub(super) struct Bands {
     bands: Vec<(f64, f64)>,
 }
@@ -58,13 +58,13 @@ fn smooth(through: &[Point]) -> Vec<Point> {
     points
 }
 
-/// Height up to which a rank holds labels at the most.
+/// Maximum height of a rank that holds only labels, in pixels.
 const LABEL_RANK: f64 = 16.0;
 
-/// Least distance of two edges where they meet a node.
+/// Minimum distance of two edges at a node, in pixels.
 const PORT_GAP: f64 = 16.0;
 
-/// The curves of all edges but self loops.
+/// The curves of all edges except self loops.
 pub(super) fn edges(
     graph: &Ranked,
     x: &[f64],
@@ -95,7 +95,7 @@ pub(super) fn edges(
             ];
             for &vertex in &chain[1..chain.len() - 1] {
                 let (top, bottom) = bands.bands[graph.rank[vertex]];
-                // A rank of labels is low enough to be crossed at a slant.
+                // An edge may cross a rank of labels at a slant, since the rank is low.
                 if bottom - top <= LABEL_RANK && graph.label_at[i] != Some(vertex) {
                     through.push(Point {
                         x: x[vertex],
@@ -130,8 +130,8 @@ pub(super) fn edges(
         .collect()
 }
 
-/// Where each edge meets its upper and its lower node: spread along the side in the order of the
-/// next vertices, so that edges do not cross at the node.
+/// The points at which each edge meets its upper and its lower node: spread along the side in the order of
+/// the next vertices, so that edges do not cross at the node.
 fn ports(graph: &Ranked, x: &[f64], nodes: &[Rect]) -> Vec<(f64, f64)> {
     let mut out: Vec<(f64, f64)> = vec![(0.0, 0.0); graph.chains.len()];
     let mut bottom: Vec<Vec<(f64, usize)>> = vec![Vec::new(); graph.real];
@@ -167,7 +167,7 @@ fn ports(graph: &Ranked, x: &[f64], nodes: &[Rect]) -> Vec<(f64, f64)> {
                 *place = place.min(limit);
                 limit = *place - gap;
             }
-            // Lean towards an even spread around the centre.
+            // Prefer an even spread around the centre.
             let spread = |k: usize| {
                 center + (k as f64 - (side.len() as f64 - 1.0) / 2.0) * gap.max(PORT_GAP.min(gap))
             };

@@ -1,4 +1,4 @@
-//! How much room nodes, labels and self loops need.
+//! The space that nodes, labels and self loops need.
 
 use rustc_hash::FxHashMap;
 
@@ -7,19 +7,20 @@ use crate::text;
 
 use super::{EdgePath, Point, Rect};
 
-/// How far a self loop leaves its node.
+/// Extent of a self loop beyond its node, in pixels.
 const LOOP_REACH: f64 = 22.0;
-/// Space between a loop and its label.
+/// Space between a loop and its label, in pixels.
 const LABEL_GAP: f64 = 2.0;
 
-/// Space between the text of a node and its outline: horizontally, vertically.
+/// Space between the text of a node and its outline, horizontal and vertical, in pixels.
 pub const LINE_PADDING: (f64, f64) = (12.0, 7.0);
-/// Space a card adds between its first line and the rest.
+/// Additional space between the first line of a card and the rest, in pixels.
 pub const CARD_HEADER: f64 = 7.0;
 
-/// Width and height of all nodes. Those of one column are equally wide, and high enough for their edges.
+/// Width and height of all nodes, in pixels. Nodes of one column have equal widths and are high enough for
+/// their edges.
 pub(super) fn node_sizes(graph: &Graph, ends: &[Option<(usize, usize)>]) -> Vec<(f64, f64)> {
-    /// Height an edge takes where it meets a node of a column.
+    /// Height that an edge takes at a node of a column, in pixels.
     const EDGE: f64 = 10.0;
     let mut sizes: Vec<(f64, f64)> = graph.nodes.iter().map(node_size).collect();
     let column = |node: usize| graph.nodes[node].column;
@@ -45,7 +46,7 @@ pub(super) fn node_sizes(graph: &Graph, ends: &[Option<(usize, usize)>]) -> Vec<
     sizes
 }
 
-/// Width and height of a node.
+/// Width and height of a node, in pixels.
 fn node_size(node: &Node) -> (f64, f64) {
     match node.shape {
         Shape::Initial => return (14.0, 14.0),
@@ -76,7 +77,7 @@ fn node_size(node: &Node) -> (f64, f64) {
     )
 }
 
-/// Width and height of an edge label; nothing for an empty one.
+/// Width and height of an edge label, in pixels; 0 for an empty one.
 pub(super) fn label_size(label: &str) -> (f64, f64) {
     if label.is_empty() {
         (0.0, 0.0)
@@ -85,10 +86,10 @@ pub(super) fn label_size(label: &str) -> (f64, f64) {
     }
 }
 
-/// The self loops of a graph, on the sides where no other edges arrive: the first of a node on the
+/// The self loops of a graph, on the sides where no other edges arrive: the first loop of a node on the
 /// right, the second on the left, further ones wider on the right again.
 pub(super) struct Loops {
-    /// Edge to (node, how many loops of that node come before it).
+    /// Edge to (node, number of loops of that node before it).
     rank: FxHashMap<usize, usize>,
     /// Node to room needed on the left and right.
     reach: FxHashMap<usize, (f64, f64)>,
@@ -112,7 +113,7 @@ impl Loops {
             let reach = loops.reach.entry(from).or_insert((0.0, 0.0));
             match *nth {
                 1 => reach.0 = room,
-                // Wider loops go round the labels of those before them.
+                // Wider loops enclose the labels of the loops before them.
                 _ => reach.1 += room,
             }
             *nth += 1;

@@ -1,4 +1,4 @@
-//! Graphviz DOT, for people's own tools.
+//! Graphviz DOT, for external tools.
 
 use std::fmt::Write;
 

@@ -1,4 +1,4 @@
-//! Names that would be something else in the language of a picture.
+//! Names that contain the syntax of a picture's language.
 
 use super::{dot::dot, mermaid::mermaid, svg::svg};
 use crate::graph::{Edge, Graph, Line, LineStyle, Node};
@@ -95,7 +95,7 @@ fn mermaid_has_no_line_and_no_quote_of_a_name() {
 fn dot_strings_end_where_they_end() {
     let text = dot(&graph());
     for line in text.lines() {
-        // Outside of strings there is nothing of a name.
+        // No part of a name is outside of strings.
         let mut outside = String::new();
         let mut inside = false;
         let mut characters = line.chars();

@@ -21,7 +21,7 @@ pub fn mermaid(graph: &Graph) -> String {
         .map(|(i, node)| (node.id.as_str(), format!("n{i}")))
         .collect();
     let mut nodes: Vec<_> = graph.nodes.iter().collect();
-    // Nodes of one group follow each other, in a subgraph.
+    // Nodes of one group are consecutive, in a subgraph.
     nodes.sort_by_key(|it| {
         let group = it.group.as_deref()?;
         graph

@@ -1,4 +1,4 @@
-//! PNG, drawn with fonts that are part of the program: a robot without a display has none.
+//! PNG, drawn with fonts that are part of the program, since a robot without a display has no fonts.
 
 use std::sync::{Arc, OnceLock};
 
@@ -17,7 +17,7 @@ pub const SCALE: f32 = 2.0;
 ///
 /// # Errors
 ///
-/// A picture that is too large to be held in memory.
+/// Fails if the picture is too large to be held in memory.
 pub fn png(graph: &Graph, layout: &Layout, theme: Theme) -> Result<Vec<u8>, String> {
     let theme = match theme {
         Theme::Auto | Theme::Neutral | Theme::Editor => Theme::Light,

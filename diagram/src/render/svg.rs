@@ -60,9 +60,10 @@ pub fn svg(graph: &Graph, layout: &Layout, theme: Theme) -> String {
 
 struct Svg {
     text: String,
-    /// Size of a picture on no ground: a label cannot cover its line there, so the line is cut.
+    /// Size of a picture without a background, in pixels: a label cannot cover its line there, so the line is
+    /// cut.
     cut: Option<(f64, f64)>,
-    /// How many lines were.
+    /// Number of lines cut so far.
     cuts: usize,
 }
 
@@ -108,7 +109,7 @@ impl Svg {
         } else {
             &node.description
         });
-        // What can be reached by itself within a node makes it more than a symbol.
+        // A node with lines that can be focused on their own is more than a symbol.
         let parts = node.lines.iter().any(|it| it.origin.is_some());
         let role = match parts {
             true => "graphics-object",
@@ -283,7 +284,8 @@ impl Svg {
 }
 
 impl Svg {
-    /// Defines what of an edge is seen beside its label; the attribute that refers to it.
+    /// Defines the part of an edge that is visible next to its label; returns the attribute that refers to
+    /// it.
     fn cut_out(&mut self, path: &EdgePath) -> String {
         let (Some((w, h)), Some(label)) = (self.cut, path.label) else {
             return String::new();
@@ -301,10 +303,10 @@ impl Svg {
     }
 }
 
-/// Length and half width of an arrow head.
+/// Length and half width of an arrow head, in pixels.
 const HEAD: (f64, f64) = (9.0, 3.8);
 
-/// A chain of Bézier curves whose end, or both ends, make room for an arrow head.
+/// A chain of Bézier curves, shortened at one end or both for an arrow head.
 fn curve(points: &[Point], both_ways: bool) -> String {
     let last = points.len() - 1;
     let mut points = points.to_vec();

@@ -1,10 +1,10 @@
-//! What makes a drawing unreadable.
+//! Checks for unreadable drawings.
 
 use dotgen_diagram::graph::Graph;
 use dotgen_diagram::layout::{Layout, Point, Rect};
 
-/// Names what is wrong with a drawing: labels over labels or nodes, things outside the picture,
-/// edges that do not end on their nodes.
+/// Lists the defects of a drawing: labels over labels or nodes, elements outside the picture, edges that do
+/// not end on their nodes.
 pub(crate) fn problems(graph: &Graph, placed: &Layout) -> Vec<String> {
     let mut out = Vec::new();
     let view = Rect {
@@ -47,7 +47,7 @@ pub(crate) fn problems(graph: &Graph, placed: &Layout) -> Vec<String> {
     for (n, frame) in placed.frames.iter().enumerate() {
         for (node, rect) in graph.nodes.iter().zip(&placed.nodes) {
             let member = node.group.as_ref() == Some(&frame.name);
-            // A group that stands in several columns has a frame in each.
+            // A group in several columns has a frame in each.
             let mut own = placed.frames.iter().filter(|it| it.name == frame.name);
             let framed = own.any(|it| rect.inside(it.rect));
             if member && !framed || !member && rect.overlaps(frame.rect) {

@@ -1,4 +1,4 @@
-//! Pictures of what is large, of what the reader opened, moved and chose.
+//! Large pictures, and pictures with elements that the reader opened, moved or selected.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -42,7 +42,7 @@ fn unit(text: &str) -> UnitResult {
 
 const ABOUT: &str = "version \"1\"; lang \"c\"; email \"a@b\";";
 
-/// So many components, each of which reads what the one before it writes, and some what one far away does.
+/// A system of this many components. Each reads the port of the one before it, and some read one far away.
 fn chain(components: usize) -> UnitResult {
     let mut text = "struct s { long x; };\n".to_owned();
     for it in 0..components {
@@ -170,7 +170,7 @@ fn a_layer_says_who_takes_turns_at_a_port() {
         lines(&graph, "c0.p0"),
         ["p0", "3 codels take turns, ≤ 1 ms each"]
     );
-    // What is used within one component only takes no turns with another.
+    // A resource that is used within one component only is not shared with another.
     assert_eq!(lines(&graph, "c1.p1"), ["p1"]);
     assert_readable(&graph);
 }
@@ -228,7 +228,7 @@ fn what_was_moved_is_there_and_its_edges_follow() {
     assert_eq!(moved(&graph, before.clone(), &[]), before);
 }
 
-/// So many codels in three tasks, which share a dozen fields.
+/// This many codels in three tasks, which share a dozen fields.
 fn sharing(codels: usize) -> UnitResult {
     let fields: String = (0..12).map(|it| format!("long x{it}; ")).collect();
     let mut text = format!("component big {{ {ABOUT} ids {{ {fields} }};\n");
@@ -284,7 +284,7 @@ const LIFT: &str = "component lift { ABOUT ids { double h; };
   };
 };";
 
-/// What is said of a way, and the states that are marked.
+/// The note about a path, and the marked states.
 fn way(states: &[&str]) -> (Option<String>, Vec<String>, Vec<String>) {
     let unit = unit(&LIFT.replace("ABOUT", ABOUT));
     let component = &unit.spec.components[0];
@@ -320,7 +320,7 @@ fn a_way_says_its_longest_time() {
     );
     assert_eq!(nodes, ["start", "up", "wait", "top"]);
     assert_eq!(edges, ["start up", "up top", "top wait"]);
-    // What the reader chose step by step is taken as it is.
+    // A path that the reader selected step by step is unchanged.
     let (note, _, edges) = way(&["start", "up", "wait"]);
     assert_eq!(
         note.as_deref(),
@@ -357,7 +357,7 @@ fn a_way_that_is_none_or_endless_says_so() {
         note.starts_with("start → ether: no longest time, it can go round "),
         "{note}"
     );
-    // One state is no way yet, but shown.
+    // One state is not a path yet, but it is marked.
     let (note, nodes, _) = way(&["up"]);
     assert_eq!((note, nodes), (None, vec!["up".to_owned()]));
 }

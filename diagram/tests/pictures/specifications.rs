@@ -1,4 +1,4 @@
-//! Pictures of specifications: our examples, and published ones when they lie beside the project.
+//! Pictures of specifications: our examples, and published ones if they are next to the project.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -95,7 +95,7 @@ fn pictures(unit: &UnitResult) -> Vec<Graph> {
     graphs
 }
 
-/// The system that several specifications make, each component once.
+/// The system of several specifications, each component once.
 fn system_of(units: &[(Utf8PathBuf, UnitResult)]) -> Graph {
     let mut parts: Vec<system::Part> = Vec::new();
     for (number, (_, unit)) in units.iter().enumerate() {
@@ -197,7 +197,7 @@ fn images_need_no_fonts_of_the_system() {
     let dark = png(graph, &placed, Theme::Dark).expect("an image");
     assert!(light.starts_with(b"\x89PNG"));
     assert_ne!(light, dark);
-    // Texts are there: without them the image is another one.
+    // Texts are drawn: without them the image differs.
     let mut empty = graph.clone();
     for node in &mut empty.nodes {
         for line in &mut node.lines {

@@ -72,7 +72,7 @@ pub(super) struct Arguments {
     #[arg(long = "check", value_name = "CHECK", action = clap::ArgAction::Append)]
     checks: Vec<String>,
 
-    /// Give up a check after N states [default: 20000000; without a scenario 2000000]
+    /// Give up a check after N states [default: 20000000; without a scenario 100000]
     #[arg(long, value_name = "N")]
     max_states: Option<usize>,
 
@@ -180,7 +180,7 @@ enum DurationsName {
 
 /// States for a specification without a scenario: with a client that may send anything, most that is not
 /// found soon is not found at all, and nobody said that it matters.
-const UNASKED_STATES: usize = 2_000_000;
+const UNASKED_STATES: usize = 100_000;
 
 /// What `--sensitivity` finds.
 struct Slacks {

@@ -31,7 +31,7 @@ impl Name {
             .map_or_else(SmolStr::default, |it| map.text(&it))
     }
 
-    /// Where to point for this name: the identifier, or the macro call it comes from.
+    /// The range to report for this name: the identifier, or the macro call it comes from.
     pub fn range(&self, map: &ExpansionMap) -> TextRange {
         self.ident_token()
             .map_or_else(|| self.syntax().text_range(), |it| map.range(&it))
@@ -45,7 +45,7 @@ impl NameRef {
             .map_or_else(SmolStr::default, |it| map.text(&it))
     }
 
-    /// Where to point for this name: the identifier, or the macro call it comes from.
+    /// The range to report for this name: the identifier, or the macro call it comes from.
     pub fn range(&self, map: &ExpansionMap) -> TextRange {
         self.ident_token()
             .map_or_else(|| self.syntax().text_range(), |it| map.range(&it))
@@ -62,7 +62,7 @@ impl Path {
 }
 
 impl BaseType {
-    /// Its words, in order: `unsigned long long` has three.
+    /// The words of the type, in order: `unsigned long long` has three.
     pub fn words(&self) -> impl Iterator<Item = SyntaxKind> {
         tokens(self.syntax())
             .map(|it| it.kind())
@@ -70,7 +70,7 @@ impl BaseType {
     }
 }
 
-/// What sort of literal it is, with its tokens.
+/// The sort of a literal, with its tokens.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum LiteralKind {
     /// `TRUE` or `FALSE`.
@@ -93,7 +93,7 @@ impl Literal {
         tokens(self.syntax()).find(|it| it.kind().is_literal())
     }
 
-    /// What sort of literal it is. A string without end counts as a string.
+    /// The sort of the literal. A string without an end counts as a string.
     pub fn kind(&self) -> Option<LiteralKind> {
         let token = self.token()?;
         Some(match token.kind() {
@@ -233,7 +233,7 @@ impl PathParam {
     }
 }
 
-/// What a directive line is about.
+/// The meaning of a directive line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[allow(missing_docs, reason = "named after the directives")]
 pub enum DirectiveKind {
@@ -260,7 +260,7 @@ impl Directive {
         tokens(self.syntax()).find(|it| it.kind() == IDENT || it.kind().is_keyword())
     }
 
-    /// What the directive is about. `_Pragma("…")` in the text is a pragma.
+    /// The meaning of the directive. `_Pragma("…")` in the text is a pragma.
     pub fn kind(&self) -> DirectiveKind {
         match self.keyword_token().as_ref().map_or("", |it| it.text()) {
             "include" => DirectiveKind::Include,
@@ -280,7 +280,7 @@ impl Directive {
         }
     }
 
-    /// The kind of text that an `#include` at this place has to hold; `None` where the file would have to
+    /// The kind of text that an `#include` at this place must hold. `None` if the included file would have to
     /// start or end in the middle of a declaration.
     pub fn include_context(&self) -> Option<Fragment> {
         let parent = self.syntax().parent()?;
@@ -293,7 +293,7 @@ impl Directive {
 }
 
 impl Body {
-    /// What this body holds, according to the declaration it belongs to.
+    /// The kind of items in this body, according to the declaration it belongs to.
     pub fn fragment(&self) -> Option<Fragment> {
         Some(match self.syntax().parent()?.kind() {
             MODULE => Fragment::Module,
@@ -307,7 +307,7 @@ impl Body {
 }
 
 impl IncludePath {
-    /// The operand as spelled: `"f"`, `<f>` or a macro.
+    /// The operand as written: `"f"`, `<f>` or a macro.
     pub fn text(&self) -> String {
         self.syntax().text().to_string()
     }

@@ -1,7 +1,7 @@
 //! Writes `generated.rs` from `genom.ungram`.
 //!
-//! Runs as a test: it rewrites the file when it is stale and then fails, so that the change gets
-//! looked at and committed.
+//! Runs as a test: the test rewrites the file if it is stale and then fails, so that the change is reviewed
+//! and committed.
 
 use std::{
     collections::HashMap,
@@ -71,7 +71,7 @@ fn generate(grammar: &Grammar) -> String {
     out
 }
 
-/// The alternatives of a rule that is nothing but a choice between nodes.
+/// The alternatives of a rule that only chooses between nodes.
 fn enum_variants(grammar: &Grammar, node: Node) -> Option<Vec<String>> {
     let Rule::Alt(alternatives) = &grammar[node].rule else {
         return None;

@@ -1,4 +1,4 @@
-//! What all typed nodes have in common.
+//! The interface that all typed nodes share.
 
 use std::marker::PhantomData;
 
@@ -7,9 +7,9 @@ use crate::{
     ast::{Body, Item, Name},
 };
 
-/// A node of a known kind: a thin wrapper that costs nothing to make.
+/// A node of a known kind: a thin wrapper without a cost at run time.
 pub trait AstNode: Sized {
-    /// Whether a node of this kind can be wrapped.
+    /// Returns true if a node of this kind can be wrapped.
     fn can_cast(kind: SyntaxKind) -> bool;
     /// Wraps a node of the right kind.
     fn cast(syntax: SyntaxNode) -> Option<Self>;
@@ -42,12 +42,12 @@ pub trait HasName: AstNode {
 
 /// A declaration whose body holds items (declarations, properties, members or cases).
 pub trait HasBody: AstNode {
-    /// The braces and what is between them.
+    /// The braces with the text between them.
     fn body(&self) -> Option<Body> {
         support::child(self.syntax())
     }
 
-    /// What is between the braces, directives included; nothing without braces.
+    /// The items between the braces, directives included; empty without braces.
     fn items(&self) -> impl Iterator<Item = Item> {
         self.body().into_iter().flat_map(|body| body.items())
     }

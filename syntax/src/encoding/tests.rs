@@ -2,7 +2,7 @@ use proptest::prelude::*;
 
 use super::*;
 
-/// Bytes in which all that matters is near: parts of sequences, escapes, line ends.
+/// Bytes in which every interesting value is frequent: parts of sequences, escapes, line ends.
 fn bytes() -> impl Strategy<Value = Vec<u8>> {
     let piece = prop_oneof![
         any::<Vec<u8>>(),
@@ -47,7 +47,7 @@ proptest! {
         let edited = format!("{}{}{}", &text[..from], escape(&new), &text[to..]);
         let expected = [&encode(&text[..from])[..], new.as_bytes(), &encode(&text[to..])].concat();
         prop_assert_eq!(encode(&edited).into_owned(), expected);
-        // Both sides are what they were in the file.
+        // The text on both sides of the edit is unchanged.
         let at = bytes.len() - encode(&text[to..]).len();
         prop_assert_eq!(&encode(&text[..from])[..], &bytes[..encode(&text[..from]).len()]);
         prop_assert_eq!(&encode(&text[to..])[..], &bytes[at..]);
@@ -61,7 +61,7 @@ proptest! {
     }
 }
 
-/// Whether a file holds scalars that look like escapes: they are shown as what they are.
+/// Returns true if a file holds scalars that look like escapes: they are shown as themselves.
 fn has_real_escape(bytes: &[u8]) -> bool {
     first_escape(&String::from_utf8_lossy(bytes)).is_some()
 }

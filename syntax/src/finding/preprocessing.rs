@@ -6,7 +6,7 @@ use smol_str::SmolStr;
 
 use crate::packages;
 
-/// The places in which an included file was looked for.
+/// The directories in which an included file was searched.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Searched(pub Vec<String>);
 
@@ -19,9 +19,9 @@ impl fmt::Display for Searched {
 /// A number of arguments of a macro.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Arguments {
-    /// How many.
+    /// The count.
     pub count: usize,
-    /// Whether there may be more.
+    /// True if more arguments are allowed.
     pub open: bool,
 }
 
@@ -33,7 +33,7 @@ impl fmt::Display for Arguments {
     }
 }
 
-/// How required packages are got.
+/// The packages to install.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Install(pub Vec<SmolStr>);
 
@@ -168,7 +168,7 @@ findings! {
 }
 
 impl Preprocessing {
-    /// What the reference compiler says, if it says it in words of its own.
+    /// The message of the reference compiler, if it has its own words for this finding.
     pub fn reference(&self) -> String {
         match self {
             Self::NotFoundIn { path, searched } => {

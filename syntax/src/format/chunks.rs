@@ -7,14 +7,14 @@ use crate::{
     WalkEvent,
 };
 
-/// What a piece is.
+/// The kind of a piece.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ChunkKind {
     /// A token of the language.
     Token(SyntaxKind),
-    /// A comment after something on its line, the last of it.
+    /// A comment that ends a line and follows something on it.
     TrailingComment,
-    /// A comment between two pieces of a line.
+    /// A comment between two pieces of one line.
     InlineComment,
     /// A comment on lines of its own.
     Comment,
@@ -33,9 +33,9 @@ pub(super) struct Chunk {
     pub(super) indent: usize,
     /// Levels of lists (parameters, initializers) around it.
     pub(super) list_depth: usize,
-    /// It opens a list of this depth.
+    /// Depth of the list that the piece opens.
     pub(super) opens_list: Option<usize>,
-    /// It is the first token of a property value, under which further lines are aligned.
+    /// Set for the first token of a property value, under which further lines are aligned.
     pub(super) opens_hang: Option<usize>,
     /// White space around it is not touched.
     pub(super) frozen: bool,
@@ -43,13 +43,13 @@ pub(super) struct Chunk {
     pub(super) newlines: usize,
     /// White space before it in the text, line breaks included.
     pub(super) spaced: bool,
-    /// It is in a body that is written on one line.
+    /// True if the piece is in a body that is written on one line.
     pub(super) flat: bool,
-    /// It begins an item of a body.
+    /// True if the piece begins an item of a body.
     pub(super) first_of_item: bool,
-    /// That item is an enumerator: several may share a line.
+    /// True if that item is an enumerator: several may share a line.
     pub(super) listed: bool,
-    /// Ends in a line comment: what follows must be on another line.
+    /// True if the piece ends in a line comment: the next one must be on another line.
     pub(super) ends_line: bool,
 }
 
@@ -63,7 +63,7 @@ impl Chunk {
     }
 }
 
-/// Whether a node's children are on lines of their own, one level deeper.
+/// Returns true if a node's children are on lines of their own, one level deeper.
 fn is_block(kind: SyntaxKind) -> bool {
     matches!(kind, BODY | ENUMERATOR_LIST)
 }
@@ -120,7 +120,7 @@ pub(super) fn chunks(root: &SyntaxNode, broken: &[TextRange]) -> Vec<Chunk> {
     out
 }
 
-/// Whether each brace of a text has its partner, as the grammar reads it.
+/// Returns true if each brace of a text has its partner, as the grammar reads it.
 pub(super) fn is_paired(root: &SyntaxNode) -> bool {
     let mut open = 0;
     let mut events = root.preorder_with_tokens();
@@ -167,11 +167,11 @@ struct Level {
     property: Option<usize>,
 }
 
-/// Ranges of syntax errors, to be asked for overlaps.
+/// Ranges of syntax errors, for overlap queries.
 struct Broken {
     /// In order of their starts.
     ranges: Vec<TextRange>,
-    /// The greatest end of a range and those before it, for each range.
+    /// For each range, the greatest end of the range and all before it.
     ends: Vec<TextSize>,
 }
 
@@ -187,8 +187,8 @@ impl Broken {
         Broken { ranges, ends }
     }
 
-    /// Whether an error is in a node. An error next to the node is not in it: else white space between them,
-    /// which formatting changes, would make a difference.
+    /// Returns true if an error is in a node. An error next to the node is not in it: otherwise white space
+    /// between them, which formatting changes, would make a difference.
     fn touches(&self, range: TextRange) -> bool {
         let before = self.ranges.partition_point(|it| it.start() < range.end());
         before > 0 && range.start() < self.ends[before - 1]
@@ -197,7 +197,7 @@ impl Broken {
 
 struct Cutter {
     broken: Broken,
-    /// A line break that was found, and the brace of a block from which on it is the first.
+    /// A line break, and the brace of the block after which it is the first one.
     broken_line: Option<(TextSize, TextSize)>,
     out: Vec<Chunk>,
     /// Pieces so far, without comments.
@@ -213,14 +213,14 @@ impl Cutter {
         let above = self.path.last();
         let range = node.text_range();
         let in_body = above.is_none_or(|l| l.kind == BODY || l.kind == SOURCE_FILE);
-        // An item of a body is frozen as a whole when something in it does not parse, unless it has a
-        // body of its own in which the trouble can be isolated.
+        // An item of a body is frozen as a whole if something in it does not parse, unless it has a body of
+        // its own that contains the error.
         let troubled = kind == ERROR || self.broken.touches(range);
         let holds_body = node.children().any(|c| c.kind() == BODY);
         let frozen = above.is_some_and(|l| l.frozen)
             || (troubled && kind != SOURCE_FILE && (kind == ERROR || (in_body && !holds_body)));
-        // Inline structs keep the shape their outermost block has.
-        // Components and modules are never on one line; the others as their author has them.
+        // Inline structs keep the shape of their outermost block. Components and modules are never on one
+        // line; other blocks stay as written.
         let large = above.is_some_and(|l| matches!(l.kind, COMPONENT | MODULE));
         let (in_opaque, blocks, lists, block, property) = above
             .map_or_else(Default::default, |l| {
@@ -259,7 +259,7 @@ impl Cutter {
             return;
         }
         match token.kind() {
-            // A carriage return and a line feed are one line end also when a joined line stands between them.
+            // A carriage return and a line feed are one line end even if a joined line is between them.
             WHITESPACE | NEWLINE if token.text().contains('\\') => {
                 self.push(ChunkKind::Opaque, range, false);
             }
@@ -271,7 +271,7 @@ impl Cutter {
                     .max(usize::from(token.kind() == NEWLINE));
                 self.spaced = true;
             }
-            // A joined line is its author's business.
+            // A joined line is deliberate and stays as written.
             SPLICE => self.push(ChunkKind::Opaque, range, false),
             LINE_COMMENT => self.comment(range, true),
             BLOCK_COMMENT => self.comment(range, false),
@@ -310,8 +310,8 @@ impl Cutter {
         let closes_list = matches!(kind, ChunkKind::Token(R_PAREN | R_CURLY)) && is_list(up(1));
         let opens_list = matches!(kind, ChunkKind::Token(L_PAREN | L_CURLY)) && is_list(up(1));
         let comment = matches!(kind, ChunkKind::Comment | ChunkKind::TrailingComment);
-        // The second piece of a property is where its value begins. Comments move with those of other lines,
-        // so nothing is aligned under them.
+        // The value of a property begins at its second piece. Comments move with those of other lines, so
+        // nothing is aligned under them.
         let property = last.and_then(|l| l.property);
         let value = !comment && property.is_some_and(|before| self.out.len() == before + 1);
         let in_value = property.is_some_and(|before| self.out.len() > before);
@@ -349,10 +349,10 @@ impl Cutter {
         (self.newlines, self.spaced) = (0, false);
     }
 
-    /// Whether there is a line break between the braces of a block.
+    /// Returns true if there is a line break between the braces of a block.
     fn breaks_inside(&mut self, block: &SyntaxNode) -> bool {
         let range = block.text_range();
-        // The text up to the line break that was found for an outer block is not read again.
+        // The text up to the line break found for an outer block is not scanned again.
         if let Some((brace, at)) = self.broken_line
             && (brace..at).contains(&range.start())
         {
@@ -386,7 +386,8 @@ fn first_break(block: &SyntaxNode) -> Option<(TextSize, TextSize)> {
     None
 }
 
-/// What begins a line: items of blocks that are not written on one line, and closing braces.
+/// Returns true for a piece that begins a line: items of blocks that are not written on one line, and closing
+/// braces.
 pub(super) fn starts_line(chunk: &Chunk) -> bool {
     if chunk.flat {
         return false;
@@ -394,7 +395,7 @@ pub(super) fn starts_line(chunk: &Chunk) -> bool {
     chunk.first_of_item || (chunk.is(R_CURLY) && matches!(chunk.parent, BODY | ENUMERATOR_LIST))
 }
 
-/// Where the white space before a chunk is.
+/// The range of the white space before a piece.
 pub(super) fn gap_span(chunks: &[Chunk], i: usize) -> Range<usize> {
     let start = i
         .checked_sub(1)

@@ -1,9 +1,9 @@
-//! Columns: pieces that stand under each other because their author put them there.
+//! Columns: pieces that are aligned because their author aligned them.
 //!
-//! A piece is in a column with one of the line before or after when both begin at the same column of
-//! the text with white space before them, and at least one of them is padded (more than one blank,
-//! or a tabulator). Such a *run* of lines is printed in one column again, no further to the left than
-//! it was, so that formatting a second time finds and leaves it.
+//! A piece is in a column with one of the line before or after if both begin at the same column of the text
+//! with white space before them, and at least one of them is padded (more than one blank, or a tabulator).
+//! Such a *run* of lines is printed in one column again, no further to the left than it was, so that
+//! formatting a second time finds and leaves it.
 
 use rustc_hash::FxHashMap;
 
@@ -16,12 +16,12 @@ use super::rules;
 pub(super) struct Runs {
     /// Pieces of one column, on consecutive lines; by column.
     runs: Vec<Vec<usize>>,
-    /// Padded pieces whose white space stays as it is where they are in no column.
+    /// Padded pieces outside of every column whose white space stays as it is.
     loose: Vec<bool>,
 }
 
 impl Runs {
-    /// Whether the white space before a piece stays, though it is in no column.
+    /// Returns true if the white space before a piece stays although the piece is in no column.
     pub(super) fn is_loose(&self, i: usize) -> bool {
         self.loose[i]
     }
@@ -43,7 +43,7 @@ pub(super) fn runs(text: &str, chunks: &[Chunk], columns: &[usize], align: Align
         let chunk = &chunks[i];
         (columns[i], chunk.indent, chunk.list_depth, is_comment(i))
     };
-    // Pieces of the line above, by where they are.
+    // Pieces of the line above, by column.
     let mut above = FxHashMap::default();
     for line in lines(chunks) {
         let adjacent = chunks[line[0]].newlines == 1;
@@ -54,7 +54,7 @@ pub(super) fn runs(text: &str, chunks: &[Chunk], columns: &[usize], align: Align
                 continue;
             }
             members.push(i);
-            // A lone tabulator, or a comment to the right, is its author's business.
+            // A lone tabulator, or a comment to the right, is deliberate.
             loose[i] = padded(i) && (is_comment(i) || gap(i).contains('\t'));
             if !adjacent {
                 continue;
@@ -95,10 +95,10 @@ fn lines(chunks: &[Chunk]) -> Vec<Vec<usize>> {
     out
 }
 
-/// The column that the pieces of each run belong in, as far as the rest is printed now; by piece.
+/// The column of the pieces of each run, as far as the text is printed now; by piece.
 ///
-/// Lines that formatting has parted are no run any more, and do not become one again: a line that is
-/// broken because of its padding would be whole without it, and so on without end.
+/// Lines that formatting has separated are no longer a run and never become one again: a line that is broken
+/// because of its padding would be whole without it, and the printer would not terminate.
 pub(super) fn targets(page: &Page<'_>, runs: &mut Runs) -> Vec<Option<usize>> {
     let mut out = vec![None; page.chunks.len()];
     let mut line = 0;
@@ -147,7 +147,7 @@ fn together(numbers: &[usize], page: &Page<'_>, run: &[usize]) -> Vec<Vec<usize>
     out
 }
 
-/// How far the line of each piece was moved.
+/// The number of columns by which the line of each piece moved.
 fn shifts(page: &Page<'_>) -> Vec<isize> {
     let mut moved = 0;
     let shift = |i: usize| {

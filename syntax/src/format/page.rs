@@ -1,4 +1,4 @@
-//! A text with what of it is laid out so far.
+//! A text and the part of it that is laid out so far.
 
 use super::chunks::{Chunk, gap_span};
 use super::unit::{Unit, advance};
@@ -11,13 +11,13 @@ pub(super) struct Printed {
     pub(super) column: usize,
 }
 
-/// The pieces of a text, with where they were and where they are.
+/// The pieces of a text, with their old and new positions.
 pub(super) struct Page<'a> {
     pub(super) text: &'a str,
     pub(super) chunks: &'a [Chunk],
-    /// Columns of a line, at most.
+    /// Maximum length of a line, in columns.
     pub(super) width: usize,
-    /// By which lines are indented.
+    /// The unit of indentation.
     pub(super) unit: Unit,
     /// Column of each piece in the text.
     pub(super) old_columns: Vec<usize>,

@@ -10,13 +10,13 @@ use super::{Options, TextEdit, columns};
 use crate::SyntaxKind::*;
 use crate::{TextRange, TextSize};
 
-/// Empty lines in a row, at most.
+/// Maximum number of empty lines in a row.
 const EMPTY_LINES: usize = 2;
 
-/// Where a line that continues a list or statement begins.
+/// The start of a line that continues a list or statement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Continuation {
-    /// So many units right of the line that it continues.
+    /// This many units right of the line that it continues.
     Units(usize),
     /// Under the first piece of the list.
     Under,
@@ -25,15 +25,15 @@ enum Continuation {
 /// A list or value that further lines may continue.
 #[derive(Debug, Clone, Copy)]
 struct Open {
-    /// Its depth.
+    /// The depth.
     depth: usize,
     /// Column of the line it begins on, in the text and as printed.
     anchor: (usize, usize),
-    /// Column of its first piece, likewise.
+    /// Column of its first piece, in the text and as printed.
     first: (usize, usize),
-    /// How its last further line was continued.
+    /// The continuation of its last further line.
     last: Option<Continuation>,
-    /// For the first further line.
+    /// The continuation of its first further line.
     usual: Continuation,
 }
 
@@ -94,7 +94,7 @@ impl<'a> Printer<'a> {
         }
     }
 
-    /// The edits that make the text what is printed.
+    /// The edits that turn the text into the printed text.
     pub(super) fn print(mut self) -> Vec<TextEdit> {
         let mut runs = columns::runs(
             self.page.text,
@@ -102,8 +102,8 @@ impl<'a> Printer<'a> {
             &self.page.old_columns,
             self.options.align,
         );
-        // Where a column is depends on what is left of it, and lines that continue a list may begin in
-        // one: printed again, with the columns that came out, until nothing moves.
+        // A column depends on the text left of it, and lines that continue a list may begin in a column. So
+        // the text is printed again with the new columns until nothing moves.
         const PASSES: usize = 8;
         for _ in 0..PASSES {
             self.pass(&runs);
@@ -129,7 +129,7 @@ impl<'a> Printer<'a> {
         }
     }
 
-    /// White space up to a column. The author's own mixture stays where it does the same.
+    /// White space up to a column. The mixture in the text stays if it reaches the same column.
     fn padding(&self, i: usize, column: usize) -> String {
         let original = self.page.original(i);
         match advance(self.column, original, self.page.unit.tab()) == column {
@@ -187,7 +187,8 @@ impl<'a> Printer<'a> {
         self.column = advance(self.column, &self.page.text[chunk.span()], tab);
         if let Some(depth) = chunk.opens_list {
             let old = self.page.old_columns[i] + chunk.span().len();
-            // A list that begins on the line of its name is told apart from the body by two units.
+            // A list that begins on the line of its name is indented by two units, to distinguish it from the
+            // body.
             let goes_on = self
                 .page
                 .chunks
@@ -209,8 +210,8 @@ impl<'a> Printer<'a> {
         });
     }
 
-    /// A line break inside a list or statement: as the author continues it, if that is one of the
-    /// ways there are; else as the line before, or the usual way.
+    /// A line break inside a list or statement: as in the text, if that is one of the known continuations;
+    /// otherwise like the line before, or the usual continuation.
     fn continued(&mut self, i: usize) -> String {
         let (anchor, first, usual) = match self.open.last() {
             Some(open) => (
@@ -239,7 +240,7 @@ impl<'a> Printer<'a> {
             Continuation::Units(count) => anchor.1 + count * self.page.unit.columns(),
             Continuation::Under => first.map_or(anchor.1, |it| it.1),
         };
-        // Nothing is pushed over the width that was not over it.
+        // No text is moved beyond the width that was within it.
         let rest = self.rest_of_line(i);
         let over = |column: usize| column + rest > self.page.width;
         let mut target = column(way);
@@ -257,7 +258,7 @@ impl<'a> Printer<'a> {
         self.newlines(i, 1, target)
     }
 
-    /// Whether a line that was short enough has to be broken here because it no longer is.
+    /// Returns true if a line that was short enough must be broken here because it no longer is.
     fn breaks(&self, i: usize) -> bool {
         let ends = |&it: &usize| {
             let (before, chunk) = (&self.page.chunks[it - 1], &self.page.chunks[it]);
@@ -284,7 +285,7 @@ impl<'a> Printer<'a> {
         text.lines().next().map_or(0, |it| it.chars().count())
     }
 
-    /// Line breaks before a piece. Indentation that reaches the column is left as it is.
+    /// Line breaks before a piece. Indentation that already reaches the column is left as it is.
     fn newlines(&self, i: usize, count: usize, column: usize) -> String {
         let mut out = self.line_end.repeat(count);
         let old = self.page.original(i);
@@ -330,7 +331,7 @@ impl<'a> Printer<'a> {
         let chunk = &self.page.chunks[i];
         let (old, new) = (self.page.old_columns[i], self.page.printed[i].column);
         let comment = matches!(chunk.kind, ChunkKind::Comment | ChunkKind::TrailingComment);
-        // What follows on its last line would move as well.
+        // A token on the last line of the comment would move as well.
         let ends = self.page.chunks.get(i + 1).is_none_or(|it| it.newlines > 0);
         if !comment || !ends || chunk.ends_line || chunk.frozen || old == new {
             return;

@@ -1,4 +1,4 @@
-//! What goes between two pieces.
+//! The white space between two pieces.
 
 use crate::SyntaxKind::*;
 use crate::lexer::lex;
@@ -14,13 +14,13 @@ pub(super) enum Gap {
     None,
     /// One blank.
     Space,
-    /// A blank if the author has one.
+    /// A blank if the text has one.
     Author,
     /// One blank, or a new line where the line would be too long.
     Break,
     /// A new line at the level of the piece.
     Line {
-        /// After empty lines, if there were any.
+        /// True to keep the empty lines before it.
         blank: bool,
     },
     /// A new line inside a list or statement.
@@ -48,7 +48,7 @@ pub(super) fn gap(text: &str, before: Option<&Chunk>, chunk: &Chunk) -> Gap {
         ChunkKind::TrailingComment => return Gap::Comment,
         ChunkKind::Comment if chunk.list_depth > 0 => return Gap::Continue,
         ChunkKind::Comment => return line,
-        // It stays beside a comment that it follows.
+        // The piece stays on the line of the comment that it follows.
         ChunkKind::InlineComment if before.kind == ChunkKind::Comment => return Gap::Space,
         _ => {}
     }
@@ -71,7 +71,7 @@ pub(super) fn gap(text: &str, before: Option<&Chunk>, chunk: &Chunk) -> Gap {
     }
 }
 
-/// Pieces around which nothing is changed.
+/// Returns true for pieces around which nothing is changed.
 fn keeps(chunk: &Chunk) -> bool {
     chunk.kind == ChunkKind::Opaque
 }
@@ -87,7 +87,7 @@ fn within_line(before: &Chunk, chunk: &Chunk) -> Gap {
             Gap::Space
         };
     };
-    // The author's line breaks stay where a list or statement may be broken.
+    // Line breaks in the text stay where a list or statement may be broken.
     let breakable = match () {
         _ if chunk.flat => Gap::Space,
         _ if chunk.newlines > 0 => Gap::Continue,
@@ -142,13 +142,13 @@ fn within_line(before: &Chunk, chunk: &Chunk) -> Gap {
     }
 }
 
-/// Whether a colon between two pieces stands before the documentation of a parameter or value.
+/// Returns true if a colon between two pieces begins the documentation of a parameter or value.
 fn is_documentation(before: &Chunk, chunk: &Chunk) -> bool {
     let colon = if chunk.is(COLON) { chunk } else { before };
     !matches!(colon.parent, CASE_LABEL)
 }
 
-/// Whether a line may be broken before a piece, by the author or because it is too long.
+/// Returns true if a line may be broken before a piece, by the author or because it is too long.
 pub(super) fn may_break(text: &str, before: &Chunk, chunk: &Chunk) -> bool {
     matches!(
         gap(text, Some(before), chunk),
@@ -156,7 +156,7 @@ pub(super) fn may_break(text: &str, before: &Chunk, chunk: &Chunk) -> bool {
     )
 }
 
-/// Whether the author may have padded the white space before a piece to put it in a column.
+/// Returns true if the author may have padded the white space before a piece to put it in a column.
 pub(super) fn may_pad(text: &str, before: &Chunk, chunk: &Chunk) -> bool {
     matches!(
         gap(text, Some(before), chunk),
@@ -168,7 +168,7 @@ fn is_direction(chunk: &Chunk) -> bool {
     matches!(chunk.kind, ChunkKind::Token(IN_KW | OUT_KW | INOUT_KW))
 }
 
-/// Whether two tokens without white space between them would be read as something else.
+/// Returns true if two tokens without white space between them would be read as other tokens.
 fn glues(text: &str, before: &Chunk, chunk: &Chunk) -> bool {
     let (a, b) = (&text[before.span()], &text[chunk.span()]);
     let joined = format!("{a}{b}");

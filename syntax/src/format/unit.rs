@@ -7,9 +7,9 @@ use crate::SyntaxNode;
 /// White space of one level of indentation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Unit {
-    /// So many blanks.
+    /// This many blanks.
     Spaces(usize),
-    /// A tabulator of so many columns.
+    /// A tabulator of this many columns.
     Tabs(usize),
 }
 
@@ -46,14 +46,14 @@ impl Unit {
     }
 }
 
-/// The unit that most declarations of a file are indented by; `None` where nothing is.
+/// The unit of indentation of most declarations of a file; `None` if nothing is indented.
 pub fn unit_of(root: &SyntaxNode) -> Option<Unit> {
     let text = root.text().to_string();
     of(&text, &chunks::chunks(root, &[]))
 }
 
 pub(super) fn of(text: &str, chunks: &[Chunk]) -> Option<Unit> {
-    // Others are what hurried typing leaves.
+    // Other widths are typing mistakes.
     const USUAL: [usize; 3] = [2, 4, 8];
     let mut spaces = [0; USUAL.len()];
     let mut tabs = 0;
@@ -81,7 +81,7 @@ pub(super) fn of(text: &str, chunks: &[Chunk]) -> Option<Unit> {
     }
 }
 
-/// Where the line that an offset is on begins.
+/// The offset at which the line of an offset begins.
 pub(super) fn line_start(text: &str, at: usize) -> usize {
     text[..at].rfind('\n').map_or(0, |it| it + 1)
 }
@@ -91,7 +91,7 @@ pub(super) fn column(text: &str, at: usize, tab: usize) -> usize {
     advance(0, &text[line_start(text, at)..at], tab)
 }
 
-/// Columns of offsets that are asked for in text order. Each part of the text is read once.
+/// Columns of offsets in text order. Each part of the text is read once.
 pub(super) struct Ruler<'a> {
     text: &'a str,
     tab: usize,
@@ -109,7 +109,7 @@ impl<'a> Ruler<'a> {
         }
     }
 
-    /// Column of an offset, which is not before the last one.
+    /// Column of an offset. The offset must not be before the last one.
     pub(super) fn column(&mut self, at: usize) -> usize {
         self.column = advance(self.column, &self.text[self.at..at], self.tab);
         self.at = at;

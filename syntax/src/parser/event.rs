@@ -1,7 +1,7 @@
-//! What the parser says about the tree, as a flat list.
+//! The output of the grammar, as a flat list of events.
 //!
-//! Events keep the parser apart from the tree: it neither knows about trivia, directives and macro
-//! calls nor allocates nodes. [`crate::sink`] reads them.
+//! Events keep the grammar independent of the tree: it neither handles trivia, directives and macro calls nor
+//! allocates nodes. [`crate::sink`] reads them.
 
 use crate::kind::SyntaxKind;
 
@@ -10,17 +10,17 @@ use crate::kind::SyntaxKind;
 pub(crate) enum Event {
     /// A node begins.
     Start {
-        /// `TOMBSTONE` while the node is open and for nodes that were given up.
+        /// `TOMBSTONE` while the node is open and for abandoned nodes.
         kind: SyntaxKind,
-        /// Distance to the `Start` of a node that was found out later to begin here too, around this
-        /// one (see `CompletedMarker::precede`); 0 if there is none.
+        /// Distance to the `Start` of a later node that also begins here and encloses this one (see
+        /// `CompletedMarker::precede`); 0 if there is none.
         forward_parent: u32,
     },
     /// The last node begun ends.
     Finish,
     /// The next token of the input, under this kind.
     Token {
-        /// Its kind: a contextual keyword has become one here.
+        /// The kind: a contextual keyword has become one here.
         kind: SyntaxKind,
     },
 }

@@ -1,17 +1,14 @@
 //! The grammar of specifications (language reference, section 4), one file per area.
 //!
-//! Each function reads one rule and makes one node. A function named after a rule is called when
-//! its first token is there; one that returns `bool` or `Option` looks first and reports what is
-//! missing.
+//! Each function reads one rule and makes one node. A function named after a rule is called at its first
+//! token; a function that returns `bool` or `Option` checks that token first and reports what is missing.
 //!
-//! Recovery: a broken item is passed up to its `;`, up to the `}` of the body around it, or up to
-//! something that can only be the beginning of another declaration. A missing token is reported
-//! where something else was found, without passing it. After an error nothing is reported at the
-//! same token again, so that one mistake makes one message. Braces that are missing or too many have
-//! a file of their own (`braces`).
+//! Recovery: a broken item is skipped up to its `;`, up to the `}` of the body around it, or up to a token
+//! that can only begin another declaration. A missing token is reported at the token found in its place,
+//! which is not consumed. After an error nothing else is reported at the same token, so that one mistake
+//! makes one message. Missing and superfluous braces have a file of their own (`braces`).
 //!
-//! Comments of the form `// test NAME` hold texts that are parsed by the tests, see
-//! `tests/parser.rs`.
+//! Comments of the form `// test NAME` hold texts that are parsed by the tests, see `tests/parser.rs`.
 
 mod braces;
 mod codel;
@@ -29,7 +26,7 @@ use super::{CompletedMarker, Fragment, Marker, Parser, TokenSet};
 use crate::finding::parsing::Parsing;
 use crate::kind::SyntaxKind::{self, *};
 
-/// What may follow a `]`.
+/// The tokens that may follow a `]`.
 const AFTER_BRACKET: TokenSet = TokenSet::new(&[SEMICOLON, COMMA, L_BRACK, R_PAREN, DOT, EQ]);
 
 /// Reads a whole file.
@@ -39,7 +36,7 @@ pub(super) fn fragment(p: &mut Parser<'_>, fragment: Fragment) {
     m.complete(p, SOURCE_FILE);
 }
 
-/// Reads what follows `#pragma wcet`: a codel and a duration.
+/// Reads the words of `#pragma wcet`: a codel and a duration.
 pub(super) fn wcet_pragma(p: &mut Parser<'_>) {
     let m = p.start();
     if name_ref(p) && property::quantity(p, property::TIME_UNITS) && !p.at(EOF) {
@@ -57,7 +54,7 @@ fn name(p: &mut Parser<'_>) -> bool {
     identifier(p, NAME, "a name")
 }
 
-/// A mention of a declared name.
+/// A reference to a declared name.
 fn name_ref(p: &mut Parser<'_>) -> bool {
     identifier(p, NAME_REF, "a name")
 }
@@ -82,7 +79,7 @@ fn path(p: &mut Parser<'_>) -> bool {
     path_with(p, false)
 }
 
-/// The same where no single colon can follow: one is taken for `::`.
+/// Like [`path`], where no single colon can follow: a single colon is read as `::`.
 fn path_with(p: &mut Parser<'_>, no_colon: bool) -> bool {
     if !p.at(COLON2) && !p.at(IDENT) {
         return name_ref(p);
@@ -105,7 +102,7 @@ fn path_with(p: &mut Parser<'_>, no_colon: bool) -> bool {
     true
 }
 
-/// Another sign in the place of `::`, between two names: reported, and read as if it was `::`.
+/// Reads another sign in the place of `::`, between two names: it is reported and read as `::`.
 fn joined_by_other(p: &mut Parser<'_>, sign: SyntaxKind) -> bool {
     if !p.at(sign) || p.nth(1) != IDENT || p.is_reported() {
         return false;
@@ -120,7 +117,7 @@ fn joined_by_other(p: &mut Parser<'_>, sign: SyntaxKind) -> bool {
     true
 }
 
-/// One or more of something, separated by commas. Stops after the first that is missing.
+/// Reads one or more elements, separated by commas. Stops after the first missing element.
 fn comma_list(p: &mut Parser<'_>, mut one: impl FnMut(&mut Parser<'_>) -> bool) {
     const CLOSING: TokenSet = TokenSet::new(&[SEMICOLON, R_CURLY, R_PAREN, R_ANGLE]);
     let mut after_comma = false;
@@ -140,7 +137,7 @@ fn comma_list(p: &mut Parser<'_>, mut one: impl FnMut(&mut Parser<'_>) -> bool) 
     }
 }
 
-/// Whether another name is here, where a comma should be: reported, and read as if it was there.
+/// Returns true if another name is at the place of a comma. The missing comma is reported and assumed.
 fn lacks_comma(p: &mut Parser<'_>) -> bool {
     const AFTER: TokenSet = TokenSet::new(&[COMMA, SEMICOLON]);
     let is_word = p.current_contextual() == IDENT;
@@ -177,22 +174,22 @@ fn string_token(p: &mut Parser<'_>) {
     if p.at(OPEN_STRING) {
         p.error_here(Parsing::OpenLiteral);
         p.bump_any();
-        // It took the rest of the file with it.
+        // The string extends to the end of the file.
         p.mark_reported();
         return;
     }
     p.bump_any();
 }
 
-/// The `;` at the end of a declaration. A missing one is reported at what was found, and assumed.
+/// The `;` at the end of a declaration. A missing one is reported at the current token, and assumed.
 fn semicolon(p: &mut Parser<'_>, after: &str) {
     semicolon_or(p, after, "");
 }
 
-/// Like [`semicolon`], where something else could have followed too.
+/// Like [`semicolon`], if other tokens may follow too.
 fn semicolon_or(p: &mut Parser<'_>, after: &str, others: &'static str) {
     if p.is_reported() {
-        // Something before the `;` was wrong: what is left of it goes with this declaration.
+        // The text before the `;` was wrong: the rest of it belongs to this declaration.
         let next = p.at_item_end() || spec::at_item(p) || types::at_member(p);
         if !p.eat(SEMICOLON) && !next {
             spec::skip_to_semicolon(p);
@@ -209,7 +206,7 @@ fn semicolon_or(p: &mut Parser<'_>, after: &str, others: &'static str) {
         let found = p.describe_current().into();
         if p.is_after_long_literal() && !spec::at_item(p) {
             p.turn_inside_out();
-            // The quote that is missing is where the text begins.
+            // The missing quote is at the start of the string.
             p.error_before(Parsing::NoSemicolonOrQuote {
                 after,
                 others,

@@ -1,4 +1,4 @@
-//! What the parser reads: the kinds of the real and virtual tokens of a file.
+//! The input of the parser: the kinds of the real and virtual tokens of a file.
 
 use std::borrow::Cow;
 
@@ -17,19 +17,20 @@ pub(crate) struct Input<'a> {
     elements: &'a [Element],
     /// Kind of each token; identifiers that may be keywords are `IDENT` here.
     kinds: Vec<SyntaxKind>,
-    /// The contextual keyword a token may be; its kind for all others.
+    /// The contextual keyword that each token may be; its kind for all others.
     contextual: Vec<SyntaxKind>,
     /// Index of the element of each token.
     sources: Vec<u32>,
     /// Tokens with an `#include` between them and the token before, ascending.
     after_include: Vec<u32>,
-    /// For each token, how many `}` from there on close nothing that is opened there; empty if all
-    /// braces are paired.
+    /// For each token, the number of `}` from there on that close nothing opened there; empty if all braces
+    /// are paired.
     closing: Vec<u32>,
 }
 
 impl<'a> Input<'a> {
-    /// The grammar's tokens among `elements`. `is_include` tells `#include`s among the directives.
+    /// The grammar's tokens among `elements`. `is_include` returns true for the directives that are
+    /// `#include`s.
     pub(crate) fn new(
         text: &'a str,
         raw: &'a RawTokens,
@@ -68,7 +69,7 @@ impl<'a> Input<'a> {
         input
     }
 
-    /// Whether each `{` has its `}`.
+    /// Returns true if each `{` has its `}`.
     fn is_paired(&self) -> bool {
         let mut open = 0u32;
         for kind in &self.kinds {
@@ -95,8 +96,8 @@ impl<'a> Input<'a> {
         }
     }
 
-    /// How many `}` from token `i` on close nothing that is opened there. `None` if nothing is wrong
-    /// with the braces of the file.
+    /// The number of `}` from token `i` that close nothing opened there. `None` if the braces of the file are
+    /// paired.
     pub(crate) fn closing(&self, i: usize) -> Option<u32> {
         (!self.closing.is_empty()).then(|| self.closing.get(i).copied().unwrap_or(0))
     }
@@ -143,7 +144,7 @@ impl<'a> Input<'a> {
         self.contextual.get(i).copied().unwrap_or(EOF)
     }
 
-    /// Whether an `#include` stands right before token `i`.
+    /// Returns true if an `#include` stands right before token `i`.
     pub(crate) fn is_after_include(&self, i: usize) -> bool {
         self.after_include.binary_search(&(i as u32)).is_ok()
     }
@@ -157,8 +158,8 @@ impl<'a> Input<'a> {
         }
     }
 
-    /// Where token `i` is in the file. A virtual token is where its macro call is; beyond the last
-    /// token it is the last one, since an error at the end of the input has to be seen somewhere.
+    /// The range of token `i` in the file. For a virtual token, the range of its macro call; beyond the last
+    /// token, the range of the last token, so that an error at the end of the input is visible.
     pub(crate) fn range(&self, i: usize) -> TextRange {
         let last = i.min(self.len().saturating_sub(1));
         match self.element(last) {
@@ -168,7 +169,7 @@ impl<'a> Input<'a> {
         }
     }
 
-    /// Where the token before token `i` ends. `None` if a macro made it, or if there is none.
+    /// The end of the token before token `i`. `None` if a macro made that token, or if there is none.
     pub(crate) fn end_before(&self, i: usize) -> Option<TextSize> {
         let before = i.min(self.len()).checked_sub(1)?;
         match self.element(before) {
@@ -177,7 +178,7 @@ impl<'a> Input<'a> {
         }
     }
 
-    /// Whether a line ends between token `i` and the one before.
+    /// Returns true if a line ends between token `i` and the one before.
     pub(crate) fn line_ends_before(&self, i: usize) -> bool {
         let (Some(end), start) = (self.end_before(i), self.range(i).start()) else {
             return false;
@@ -186,7 +187,7 @@ impl<'a> Input<'a> {
         i >= self.len() || between.is_some_and(|it| it.contains(['\n', '\r']))
     }
 
-    /// The macro that token `i` comes out of. A token that a line join breaks is its own macro.
+    /// The macro that token `i` comes out of. A token with a line join inside is its own macro.
     pub(crate) fn macro_name(&self, i: usize) -> Option<&'a str> {
         let Some(Element::Virtual(_)) = self.element(i) else {
             return None;
@@ -224,8 +225,7 @@ impl<'a> Input<'a> {
     }
 }
 
-/// Whether the grammar reads tokens of this kind; the others are reported by the preprocessor and
-/// skipped.
+/// Returns true if the grammar reads tokens of this kind; the preprocessor reports and skips the others.
 pub(crate) fn is_read(kind: SyntaxKind) -> bool {
     !kind.is_trivia() && !matches!(kind, STRAY | HASH | HASH2)
 }

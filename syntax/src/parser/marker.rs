@@ -5,7 +5,7 @@ use crate::{
     parser::{Parser, event::Event},
 };
 
-/// A node that has begun. Has to be completed or abandoned.
+/// An open node. It must be completed or abandoned.
 #[must_use]
 pub(crate) struct Marker {
     position: u32,
@@ -16,7 +16,7 @@ impl Marker {
         Marker { position }
     }
 
-    /// Ends the node and says what it is.
+    /// Ends the node and sets its kind.
     pub(crate) fn complete(self, p: &mut Parser<'_>, kind: SyntaxKind) -> CompletedMarker {
         if let Event::Start { kind: slot, .. } = &mut p.events[self.position as usize] {
             *slot = kind;
@@ -27,7 +27,7 @@ impl Marker {
         }
     }
 
-    /// Ends the node if it holds something, gives it up otherwise.
+    /// Ends the node if it holds something, abandons it otherwise.
     pub(crate) fn complete_unless_empty(self, p: &mut Parser<'_>, holds: bool, kind: SyntaxKind) {
         if holds {
             self.complete(p, kind);
@@ -36,7 +36,7 @@ impl Marker {
         }
     }
 
-    /// Gives the node up; what it held belongs to its parent.
+    /// Abandons the node; its content belongs to its parent.
     pub(crate) fn abandon(self, p: &mut Parser<'_>) {
         if self.position as usize + 1 == p.events.len() {
             p.events.pop();

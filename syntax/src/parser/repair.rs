@@ -1,4 +1,4 @@
-//! What makes a text fit the grammar, where the grammar can tell.
+//! Changes that make a text fit the grammar, for errors whose correction the grammar knows.
 
 use smol_str::SmolStr;
 
@@ -13,11 +13,11 @@ use crate::{
 /// A change of the text that makes it fit the grammar.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Repair {
-    /// What is replaced; empty to insert.
+    /// The replaced range; empty to insert.
     pub range: TextRange,
     /// The new text; empty to remove.
     pub text: SmolStr,
-    /// Nobody would mend it in another way.
+    /// True if the repair is unambiguous.
     pub plain: bool,
 }
 
@@ -28,18 +28,18 @@ pub(super) struct RawRepair {
     plain: bool,
 }
 
-/// What a repair replaces.
+/// The place of a repair.
 pub(super) enum RepairPlace {
-    /// Nothing: it inserts behind the token before this one.
+    /// An insertion behind the token before this one.
     Behind(usize),
-    /// Nothing: it inserts before this token.
+    /// An insertion before this token.
     Before(usize),
-    /// These tokens, with what is between them.
+    /// A replacement of these tokens and the text between them.
     Tokens(std::ops::Range<usize>),
 }
 
 impl RawRepair {
-    /// `None` where a macro made the text.
+    /// The repair in terms of the text. `None` if a macro made the text.
     pub(super) fn locate(self, input: &Input<'_>) -> Option<Repair> {
         let real = |it: usize| input.macro_name(it).is_none();
         let range = match self.place {
@@ -60,8 +60,8 @@ impl RawRepair {
 
 /// Repairs of the last error, and words that are misspelt.
 impl Parser<'_> {
-    /// Reads the current word as the one of these keywords that it is near to, provided that what follows
-    /// `fits` then, and reports it.
+    /// Reads the current word as the nearest of these keywords, and reports it. Does nothing unless the
+    /// following tokens `fits` that reading.
     pub(crate) fn respell(
         &mut self,
         keywords: TokenSet,
@@ -91,24 +91,24 @@ impl Parser<'_> {
         true
     }
 
-    /// Shows the last error right behind the token before it.
+    /// Moves the last error to the place right behind the token before it.
     pub(crate) fn show_behind(&mut self) {
         if let Some(last) = self.errors.last_mut() {
             last.behind = true;
         }
     }
 
-    /// Has the last error mended by a text behind the token before the current one.
+    /// Repairs the last error by inserting a text behind the token before the current one.
     pub(crate) fn insert_behind(&mut self, text: &str, plain: bool) {
         self.repair(RepairPlace::Behind(self.pos), text, plain);
     }
 
-    /// Has the last error mended by a text before the current token.
+    /// Repairs the last error by inserting a text before the current token.
     pub(crate) fn insert_before(&mut self, text: &str, plain: bool) {
         self.repair(RepairPlace::Before(self.pos), text, plain);
     }
 
-    /// Has the last error mended by a text in the place of tokens.
+    /// Repairs the last error by replacing tokens with a text.
     pub(crate) fn replace(&mut self, tokens: std::ops::Range<usize>, text: &str, plain: bool) {
         self.repair(RepairPlace::Tokens(tokens), text, plain);
     }
@@ -122,7 +122,7 @@ impl Parser<'_> {
         }
     }
 
-    /// Whether a line ends between the token before and the current one.
+    /// Returns true if a line ends between the token before and the current one.
     pub(crate) fn starts_line(&self) -> bool {
         self.pos > 0 && self.input.line_ends_before(self.pos)
     }

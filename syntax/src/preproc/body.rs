@@ -13,10 +13,10 @@ use crate::{
     lexer::{RawTokens, is_trivia, is_word},
 };
 
-/// Most parameters a macro may have (language reference, 2.4).
+/// Maximum number of parameters of a macro (language reference, 2.4).
 const MAX_PARAMS: usize = 128;
 
-/// The macro that a `#define` gives, as far as it can be understood, and what is wrong with it.
+/// The macro that a `#define` defines, as far as it is valid, and its errors.
 pub(crate) fn lower_define(
     text: &str,
     raw: &RawTokens,

@@ -4,11 +4,14 @@
 use super::token::Token;
 use crate::{finding::preprocessing::Preprocessing, kind::SyntaxKind::*, lexer::is_word};
 
-/// Parentheses, unary operators and conditionals inside one another.
+/// Maximum nesting of parentheses, unary operators and conditionals.
 const MAX_DEPTH: u32 = 200;
 
-/// Whether the condition holds. `tokens` are macro-expanded, but for the operands of `defined`, about which
-/// `is_defined` is asked.
+/// Returns true if the condition holds. `tokens` are macro-expanded, except for the operands of `defined`,
+/// which are passed to `is_defined`.
+///
+/// # Errors
+/// Fails for an invalid expression, and if the value depends on a division by zero.
 pub(crate) fn evaluate(
     tokens: &[Token],
     is_defined: impl Fn(&str) -> bool,
@@ -37,7 +40,7 @@ struct Value {
     unsigned: bool,
 }
 
-/// `None` where the value depends on a division by zero.
+/// `None` if the value depends on a division by zero.
 type Known = Option<Value>;
 
 impl Value {
@@ -74,7 +77,7 @@ const SINGLES: [&str; 19] = [
     "+", "-", "*", "/", "%", "!", "~", "&", "|", "^", "<", ">", "<<", ">>", "?", ":", ",", "(", ")",
 ];
 
-/// Numbers, names and `defined` replaced by their values, operators of two characters put together.
+/// Replaces numbers, names and `defined` by their values, and joins operators of two characters.
 fn lexemes(
     tokens: &[Token],
     is_defined: impl Fn(&str) -> bool,
@@ -222,7 +225,7 @@ struct Parser<'a> {
     depth: u32,
 }
 
-/// Binding power of a binary operator, and whether it associates.
+/// Binding power of a binary operator, and true if it associates.
 fn power(operator: &str) -> Option<(u8, bool)> {
     Some(match operator {
         "||" => (1, true),
@@ -413,7 +416,7 @@ fn apply(operator: &str, lhs: Known, rhs: Known) -> Known {
     Some(Value { bits, unsigned })
 }
 
-/// A shift; by a negative count it goes the other way, as C compilers do.
+/// A shift; a negative count shifts in the other direction, as in C compilers.
 fn shift(left: bool, value: Value, count: Value) -> Value {
     let negative = !count.unsigned && (count.bits as i64) < 0;
     let by = if negative {

@@ -1,4 +1,4 @@
-//! Definitions of macros: what they are called with and what they stand for.
+//! Definitions of macros: their parameters and bodies.
 
 use smol_str::SmolStr;
 
@@ -11,9 +11,9 @@ use crate::{
 /// A macro definition.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Macro {
-    /// Its name.
+    /// The name.
     pub name: SmolStr,
-    /// How it is called and what it stands for.
+    /// The form.
     pub kind: MacroKind,
     /// The replacement.
     pub(crate) body: Vec<BodyToken>,
@@ -56,7 +56,7 @@ impl Macro {
         }
     }
 
-    /// Whether a redefinition says the same: blanks do not count (language reference, 2.4).
+    /// Returns true if a redefinition is the same: blanks do not count (language reference, 2.4).
     pub(crate) fn same_meaning(&self, other: &Macro) -> bool {
         self.kind == other.kind
             && self.body.len() == other.body.len()
@@ -64,7 +64,7 @@ impl Macro {
                 .all(|(a, b)| a.kind == b.kind && a.text == b.text && a.role == b.role)
     }
 
-    /// The definition without its name, as one would write it.
+    /// The definition without its name, as written in source text.
     pub fn definition_text(&self) -> String {
         let mut text = String::new();
         if let MacroKind::Function { params, variadic } = &self.kind {
@@ -98,7 +98,7 @@ pub(crate) struct BodyToken {
     pub(crate) role: Role,
 }
 
-/// What a body token does when the macro is expanded.
+/// The role of a body token when the macro is expanded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Role {
     /// Copied.
@@ -128,7 +128,7 @@ impl BodyToken {
     }
 }
 
-/// Whether there is a blank before the token `i`.
+/// Returns true if there is a blank before the token `i`.
 pub(crate) fn spaced(raw: &RawTokens, i: usize) -> bool {
     let before = (0..i)
         .rev()

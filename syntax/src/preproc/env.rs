@@ -1,8 +1,8 @@
-//! Macro environments: which macros are defined at one point of a translation unit.
+//! Macro environments: the macros defined at one point of a translation unit.
 //!
-//! An environment is a value: cheap to clone, comparable and hashable, so that it can be part of the
-//! key of a query. Definitions know the directive they come from by file and ordinal, never by
-//! position, so that edits elsewhere leave environments equal.
+//! An environment is a value: cheap to clone, comparable and hashable, so that it can be part of the key of a
+//! query. Definitions refer to their directive by file and ordinal, never by position, so that edits
+//! elsewhere leave environments equal.
 
 use std::{
     hash::{Hash, Hasher},
@@ -23,7 +23,7 @@ use crate::{
     release::Release,
 };
 
-/// The macro that announces the release of GenoM.
+/// The macro that holds the release of GenoM.
 const GENOM: &str = "__GENOM__";
 
 /// The macros defined at one point.
@@ -37,7 +37,7 @@ pub struct MacroEnv {
 }
 
 impl MacroEnv {
-    /// No macro at all, not even the predefined ones.
+    /// An environment without macros, not even the predefined ones.
     pub fn empty() -> MacroEnv {
         MacroEnv {
             macros: Arc::default(),
@@ -82,11 +82,11 @@ impl MacroEnv {
         env
     }
 
-    /// Defines what `-D definition` does: `NAME`, which stands for 1, or `NAME=VALUE`. A former
+    /// Defines a macro as `-D definition` does: `NAME`, which stands for 1, or `NAME=VALUE`. A former
     /// definition is silently replaced.
     ///
     /// # Errors
-    /// Says what is wrong if `definition` does not begin with a name.
+    /// Returns a message if `definition` does not begin with a name.
     pub fn define_option(&mut self, definition: &str) -> Result<(), String> {
         let (head, value) = definition.split_once('=').unwrap_or((definition, "1"));
         let text = format!("#define {head} {}", value.replace(['\n', '\r'], " "));
@@ -109,7 +109,7 @@ impl MacroEnv {
         }
     }
 
-    /// Whether there may be a macro whose name starts with this byte. Cheap.
+    /// Returns false if no macro has a name that starts with this byte. Cheap.
     #[inline]
     pub(crate) fn may_start(&self, first: u8) -> bool {
         self.first_bytes >> (first & 127) & 1 != 0
@@ -144,7 +144,7 @@ impl MacroEnv {
         Arc::make_mut(&mut self.macros).insert(definition.name.clone(), definition);
     }
 
-    /// Forgets a definition, if there is one.
+    /// Removes a definition, if there is one.
     pub fn undef(&mut self, name: &str) {
         if self.get(name).is_none() {
             return;
@@ -169,9 +169,9 @@ impl MacroEnv {
         self.macros.is_empty()
     }
 
-    /// The part of the environment that can matter to a text: the macros it mentions and, in turn,
-    /// those mentioned in their bodies. Where tokens are pasted, by the text or by one of these
-    /// macros, any name can come out, and the whole environment is returned.
+    /// The part of the environment that can matter to a text: the macros it mentions and, in turn, those
+    /// mentioned in their bodies. If the text or one of these macros pastes tokens, any name can result, and
+    /// the whole environment is returned.
     pub fn restrict(&self, mentioned: &Mentioned) -> MacroEnv {
         if mentioned.pastes || self.is_empty() {
             return self.clone();
@@ -247,7 +247,7 @@ fn fingerprint(definition: &Macro) -> u64 {
 pub struct Mentioned {
     /// The words.
     pub words: FxHashSet<SmolStr>,
-    /// The text has a `##`, so that a macro of it may make up further names.
+    /// True if the text has a `##`, so that one of its macros may form further names.
     pub pastes: bool,
 }
 

@@ -1,9 +1,9 @@
 //! Macro expansion.
 //!
-//! Expansions are a stack of token lists, as in C compilers: what a macro stands for is pushed and
-//! read again; while its list is on the stack the macro is disabled, and its name, when met, is marked for
-//! good. Arguments may run out of the lists into the text of the file, which the source at the
-//! bottom of the stack provides.
+//! Expansions are a stack of token lists, as in C compilers: the replacement of a macro is pushed and read
+//! again. While its list is on the stack the macro is disabled, and its name in the list is marked
+//! permanently. Arguments may extend from the lists into the text of the file, which the source at the bottom
+//! of the stack provides.
 
 use rowan::TextRange;
 use rustc_hash::FxHashMap;
@@ -24,19 +24,19 @@ use crate::{
     line_index::LineIndex,
 };
 
-/// Tokens that expansions may produce in one file, besides four for each of its own tokens. Stops
-/// macros that grow exponentially.
+/// Maximum number of tokens that expansions may produce in one file, besides four for each of its own tokens.
+/// Stops macros that grow exponentially.
 const BUDGET: usize = 1 << 18;
-/// Bytes of one token; longer ones come only from pasting and stringizing in a loop.
+/// Maximum length of a token in bytes; longer ones come only from pasting and stringizing in a loop.
 const MAX_TOKEN_LEN: usize = 1 << 16;
-/// Macro calls within arguments of macro calls.
+/// Maximum nesting of macro calls in arguments of macro calls.
 const MAX_DEPTH: u32 = 128;
 
-/// What went wrong in a call.
+/// An error in a call.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct CallProblem {
     pub(crate) kind: Preprocessing,
-    /// Where the call ends as far as it was read, if it is read from the text of the file.
+    /// The end of the call as far as it was read, if it is read from the text of the file.
     pub(crate) end: Option<u32>,
 }
 
@@ -56,11 +56,11 @@ pub(crate) struct Expander<'a> {
     raw: &'a RawTokens,
     lines: Option<LineIndex>,
     budget: usize,
-    /// The budget is used up, which has been reported.
+    /// True if the budget is used up, which has been reported.
     exhausted: bool,
-    /// A call that runs to the end of the file has been reported.
+    /// True if a call that runs to the end of the file has been reported.
     open_call: bool,
-    /// In the operand of `#if`: what follows `defined` is left alone.
+    /// True in the operand of `#if`: the operand of `defined` is left alone.
     pub(crate) in_condition: bool,
     pub(crate) uses: Vec<MacroUse>,
     pub(crate) problems: Vec<CallProblem>,
@@ -112,9 +112,8 @@ impl<'a> Expander<'a> {
         }
     }
 
-    /// Expands the macro named by the raw token `i`. `source` says where its arguments may be read
-    /// from, and afterwards how far they were. `None` if the name is none of a macro, or is
-    /// not called.
+    /// Expands the macro named by the raw token `i`. Arguments are read from `source`, which is advanced past
+    /// them. `None` if the name is not a macro, or if the macro is not called.
     pub(crate) fn call(
         &mut self,
         env: &MacroEnv,
@@ -142,7 +141,7 @@ impl<'a> Expander<'a> {
         };
         run.push(vec![token], None);
         let tokens = self.run(&mut run, &mut Disabled::default());
-        // A call that cannot be read is left as it is.
+        // A call with errors is left as it is.
         let unread = *source == start
             && matches!(&tokens[..], [only] if only.origin == Origin::Argument(i) && only.painted);
         (!unread).then_some(tokens)
@@ -226,7 +225,7 @@ impl<'a> Expander<'a> {
         out
     }
 
-    /// Takes from the budget; reports, once, when it is used up.
+    /// Takes tokens from the budget; reports, once, when it is used up.
     fn spend(&mut self, tokens: usize, definition: &Macro) -> bool {
         if let Some(left) = self.budget.checked_sub(tokens) {
             self.budget = left;
@@ -234,7 +233,7 @@ impl<'a> Expander<'a> {
         }
         if !self.exhausted {
             self.exhausted = true;
-            // Calls without end are read again and again: they have been reported.
+            // Calls without an end are read repeatedly: they have been reported.
             if self.open_call {
                 return false;
             }
@@ -265,7 +264,7 @@ impl<'a> Expander<'a> {
         text_range(range.start, range.end)
     }
 
-    /// Passes on `NAME` or `(NAME)` after `defined`.
+    /// Passes `NAME` or `(NAME)` after `defined` through unchanged.
     fn defined_operand(
         &mut self,
         run: &mut Run<'_>,
@@ -312,7 +311,7 @@ impl<'a> Expander<'a> {
         }
     }
 
-    /// Whether the next token to read is a parenthesis.
+    /// Returns true if the next token to read is a parenthesis.
     fn opens_call(&self, run: &Run<'_>) -> bool {
         for list in run.stack.iter().rev() {
             if let Some(token) = list.tokens.as_slice().first() {
@@ -326,7 +325,7 @@ impl<'a> Expander<'a> {
         next.is_some_and(|next| self.raw.kind(next as usize) == L_PAREN)
     }
 
-    /// The next raw token that is no blank. A comment counts: behind one, parentheses open no call.
+    /// The next raw token that is not a blank. Comments count: a parenthesis behind one does not open a call.
     fn skip_blanks(&self, source: Source) -> Option<u32> {
         let is_blank = |kind: SyntaxKind| is_trivia(kind) && !kind.is_comment();
         (source.next..source.end).find(|&i| !is_blank(self.raw.kind(i as usize)))
@@ -356,8 +355,8 @@ impl<'a> Expander<'a> {
         Err(Stop::End)
     }
 
-    /// Reads the arguments of a call, parentheses included. If that fails, gives back the tokens read
-    /// from the lists and leaves the text as it was.
+    /// Reads the arguments of a call, parentheses included. On failure, puts the tokens read from the lists
+    /// back and leaves the position in the text unchanged.
     fn arguments(
         &mut self,
         run: &mut Run<'_>,
@@ -414,7 +413,7 @@ impl<'a> Expander<'a> {
                     self.open_call = true;
                     self.problems.push(CallProblem { kind, end: None });
                 }
-                // Tokens of the text will be read again.
+                // Tokens of the text are read again.
                 let from = start.map_or(u32::MAX, |it| it.next);
                 let read = opening.into_iter().chain(args.into_iter().flatten());
                 return Err(read
@@ -464,7 +463,7 @@ impl<'a> Expander<'a> {
         name: &Token,
     ) -> Vec<Token> {
         let mut out: Vec<Token> = Vec::with_capacity(definition.body.len());
-        // Whether the operand on the left of the next `##` has tokens.
+        // True if the operand on the left of the next `##` has tokens.
         let mut left = false;
         let body = &definition.body;
         for (i, token) in body.iter().enumerate() {
@@ -560,7 +559,7 @@ impl<'a> Expander<'a> {
     }
 }
 
-/// Why the reading of arguments ended.
+/// The reasons for which reading arguments ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Stop {
     Closed,

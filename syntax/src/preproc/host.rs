@@ -1,35 +1,35 @@
-//! What the preprocessor asks for: included files and packages.
+//! The interface of the preprocessor to included files and packages.
 
 use smol_str::SmolStr;
 
 use super::MacroEnv;
 
-/// What the preprocessor needs from outside: the files and packages that a text names.
+/// The outside world of the preprocessor: the files and packages that a text names.
 pub trait Host {
-    /// An active `#include`: the environment after the included file.
+    /// Handles an active `#include`: returns the environment after the included file.
     ///
     /// # Errors
-    /// Why the file could not be included; the environment is then taken as unchanged.
+    /// Returns the reason if the file could not be included; the environment is then taken as unchanged.
     fn include(
         &mut self,
         request: &IncludeRequest,
         env: &MacroEnv,
     ) -> Result<MacroEnv, IncludeError>;
 
-    /// An active `#pragma requires`: the environment with the `-D` definitions of the packages (see
-    /// [`MacroEnv::define_option`]). Include directories are the host's business.
+    /// Handles an active `#pragma requires`: returns the environment with the `-D` definitions of the
+    /// packages (see [`MacroEnv::define_option`]). The host handles include directories itself.
     ///
     /// # Errors
-    /// A message for the user; the environment is then taken as unchanged.
+    /// Returns a message for the user; the environment is then taken as unchanged.
     fn requires(&mut self, arguments: &[SmolStr], env: &MacroEnv) -> Result<Required, String>;
 }
 
-/// What packages bring.
+/// The result of requiring packages.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Required {
     /// The environment with the definitions of the packages.
     pub env: MacroEnv,
-    /// Packages that are not installed: definitions that come with dotgen take their place.
+    /// Packages that are not installed and are replaced by definitions that come with dotgen.
     pub own: Vec<SmolStr>,
 }
 
@@ -40,7 +40,7 @@ impl From<MacroEnv> for Required {
     }
 }
 
-/// A host that finds no file and knows every package, for texts on their own.
+/// A host that finds no file and accepts every package, for standalone texts.
 #[derive(Debug, Default)]
 pub struct NoIncludes;
 
@@ -56,7 +56,7 @@ impl Host for NoIncludes {
     }
 }
 
-/// A file asked for by an active `#include`.
+/// A file requested by an active `#include`.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct IncludeRequest {
     /// Ordinal among the active `#include` directives of the file.
@@ -67,12 +67,12 @@ pub struct IncludeRequest {
     pub angled: bool,
 }
 
-/// Why a file could not be included.
+/// The reason why a file could not be included.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum IncludeError {
     /// No such file (`pp-include-not-found`).
     NotFound {
-        /// Where it was looked for, for the message; may be empty.
+        /// The directories that were searched, for the message; may be empty.
         searched: Vec<String>,
     },
     /// Found but unusable, with the reason: a directory, not readable… (`pp-include-not-found`).

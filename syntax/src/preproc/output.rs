@@ -1,4 +1,4 @@
-//! What the preprocessor says about one file.
+//! The output of the preprocessor for one file.
 
 use rowan::TextRange;
 use smol_str::SmolStr;
@@ -9,16 +9,16 @@ use crate::{
     finding::preprocessing::Preprocessing,
 };
 
-/// An active `#include` and what came of it.
+/// An active `#include` and its result.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ActiveInclude {
     /// Index of the directive.
     pub directive: u32,
-    /// What was asked for; `None` if the directive is malformed.
+    /// The requested file; `None` if the directive is malformed.
     pub request: Option<IncludeRequest>,
     /// The operand in the text, delimiters included.
     pub range: TextRange,
-    /// Whether the host included the file.
+    /// True if the host included the file.
     pub included: bool,
 }
 
@@ -33,7 +33,7 @@ pub struct MacroUse {
     pub site: Option<MacroSite>,
 }
 
-/// How grave a report is.
+/// The severity of a report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
     /// The specification is rejected.
@@ -44,29 +44,29 @@ pub enum Severity {
     Hint,
 }
 
-/// Something wrong with the characters or directives of a file.
+/// An error or warning about the characters or directives of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PpError {
-    /// What is wrong.
+    /// The error as data.
     pub kind: Preprocessing,
-    /// Where, in the text of the file.
+    /// The range in the text of the file.
     pub range: TextRange,
-    /// How grave.
+    /// The severity.
     pub severity: Severity,
-    /// Another place that explains it.
+    /// Another range that explains the error, and its description.
     pub related: Option<(TextRange, &'static str)>,
 }
 
-/// What the preprocessor makes of one file in one environment.
+/// The preprocessor's result for one file in one environment.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Preprocessed {
-    /// What each raw token is for, in text order.
+    /// The classification of the raw tokens, in text order.
     pub elements: Vec<Element>,
-    /// All directives, in text order; those in inactive text are no elements of their own.
+    /// All directives, in text order; directives in inactive text are not elements of their own.
     pub directives: Vec<Directive>,
     /// The active `#include`s; an `#include`'s ordinal is its index here.
     pub includes: Vec<ActiveInclude>,
-    /// Everything wrong, in text order.
+    /// All errors, in text order.
     pub errors: Vec<PpError>,
     /// Names of macros in the text, in text order.
     pub macro_uses: Vec<MacroUse>,
@@ -77,7 +77,7 @@ pub struct Preprocessed {
 }
 
 impl Preprocessed {
-    /// The `ordinal`-th `#define` of the file, live or not; see [`MacroSite`].
+    /// The `ordinal`-th `#define` of the file, active or not; see [`MacroSite`].
     pub fn define_directive(&self, ordinal: u32) -> Option<&Directive> {
         self.directives.iter().find(
             |it| matches!(&it.kind, DirectiveKind::Define(define) if define.ordinal == ordinal),

@@ -46,7 +46,7 @@ pub(crate) fn stringize(tokens: &[Token]) -> Token {
     }
 }
 
-/// Joins two tokens. What comes out may be several again; they are then glued, as in the text.
+/// Joins two tokens. The result may again be several tokens; they then have no blank between them.
 pub(crate) fn paste(lhs: &Token, rhs: &Token, out: &mut Vec<Token>) {
     let joined = format!("{}{}", lhs.text, rhs.text);
     let raw = lex(&joined);

@@ -53,7 +53,7 @@ pub fn preprocess(
     walker.finish()
 }
 
-/// Reports of one file; what a file of garbage has beyond them helps nobody.
+/// Maximum number of reports for one file; more are of no use.
 const MAX_ERRORS: usize = 1000;
 
 struct Walker<'a> {
@@ -64,24 +64,24 @@ struct Walker<'a> {
     host: &'a mut dyn Host,
     expander: Expander<'a>,
     out: Preprocessed,
-    /// The open conditionals; those inside text that is left out are not among them.
+    /// The open conditionals; those inside inactive text are not among them.
     conditionals: Vec<Conditional>,
-    /// Not in a group that is left out.
+    /// True outside of inactive groups.
     live: bool,
     /// The next raw token.
     at: usize,
-    /// `#define`s met so far.
+    /// Number of `#define`s so far.
     defines: u32,
-    /// Words in bodies of macros that name no macro yet.
+    /// Words in bodies of macros that do not name a macro yet.
     body_words: Vec<Name>,
-    /// A comment without end has been reported, which explains all that is missing.
+    /// True if a comment without an end has been reported, which explains everything missing.
     open_comment: bool,
 }
 
 struct Conditional {
     /// Index of the directive that opens it.
     opening: usize,
-    /// A group that was live has ended at an `#elif`: no other can be live.
+    /// True if an active group has ended at an `#elif`: no other group can be active.
     closed: bool,
     seen_else: bool,
 }
@@ -161,7 +161,7 @@ impl Walker<'_> {
 
     // ---- Text ----
 
-    /// Passes on one token. What a splice breaks is passed on as if a macro stood for it.
+    /// Passes on one token. A token with a splice inside is passed on like a macro call.
     fn real(&mut self, i: u32) {
         self.at = i as usize + 1;
         if self.raw.has_splice(i as usize) {
@@ -172,7 +172,7 @@ impl Walker<'_> {
         }
     }
 
-    /// The word at hand, if it is a macro that is called, or a `_Pragma`.
+    /// Handles the current word if it is a called macro or a `_Pragma`. Returns false otherwise.
     fn word(&mut self) -> bool {
         let i = self.at;
         let word = self.raw.clean_text(self.text, i);
@@ -181,7 +181,7 @@ impl Walker<'_> {
             self.pragma_operator();
             return true;
         }
-        // For the preprocessor, letters behind a number are part of it.
+        // For the preprocessor, letters after a number are part of it.
         if number || self.env.get(&word).is_none() {
             return false;
         }
@@ -204,7 +204,7 @@ impl Walker<'_> {
         true
     }
 
-    /// Emits a macro call and what it stands for.
+    /// Emits a macro call and its expansion.
     fn call(&mut self, first: u32, end: u32, tokens: Vec<Token>) {
         self.out.elements.push(Element::Call { first, end });
         let range = self.span(first, end);
@@ -263,7 +263,7 @@ impl Walker<'_> {
             {
                 (close + 1, Some(literal))
             }
-            // Pass what looks like the argument, within the line.
+            // Skip the text that looks like the argument, within the line.
             [open, ..] if self.raw.kind(open) == L_PAREN => {
                 let line = open..self.raw.len().min(open + 64);
                 let close = line
@@ -323,7 +323,7 @@ impl Walker<'_> {
 
     // ---- Directives ----
 
-    /// The directive whose `#` is at hand, in live text or ending a group that is not.
+    /// Handles the directive at the current `#`, in active text or at the end of an inactive group.
     fn directive(&mut self) {
         let directive = Directive::parse(self.text, self.raw, self.at, &mut self.defines);
         let (first, end) = (directive.first, directive.end);
@@ -346,7 +346,7 @@ impl Walker<'_> {
 
     // ---- Text left out ----
 
-    /// Passes a group that is left out, up to and including the directive that ends it.
+    /// Skips an inactive group, up to and including the directive that ends it.
     fn skip_group(&mut self) {
         // The line end of the directive before.
         if self.raw.kind(self.at) == NEWLINE {
@@ -372,7 +372,7 @@ impl Walker<'_> {
                     let mut defines = self.defines;
                     let mut directive =
                         Directive::parse(self.text, self.raw, self.at, &mut defines);
-                    // What is left out may not be meant for this preprocessor.
+                    // Inactive text may be meant for another preprocessor.
                     if directive.misspelt.is_some() {
                         directive.kind = DirectiveKind::Unknown;
                         directive.misspelt = None;
@@ -457,7 +457,7 @@ impl Walker<'_> {
         });
     }
 
-    /// Reports what went wrong in macro calls; `range` is where they are written.
+    /// Reports the errors in macro calls; `range` is the range of the calls.
     fn report_calls(&mut self, range: TextRange) {
         if self.expander.problems.is_empty() {
             return;
@@ -481,7 +481,7 @@ impl Walker<'_> {
         self.error(self.expander.raw_range(i), stray(text));
     }
 
-    /// The last token is a comment without end.
+    /// Reports a comment without an end as the last token.
     fn report_open_comment(&mut self) {
         if !self.open_comment {
             self.open_comment = true;
@@ -491,7 +491,7 @@ impl Walker<'_> {
     }
 }
 
-/// What is wrong with characters that start no token.
+/// The error for characters that do not start a token.
 fn stray(text: &str) -> Preprocessing {
     const SHOWN: usize = 20;
     if text.starts_with('\u{feff}') {

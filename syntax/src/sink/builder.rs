@@ -1,4 +1,4 @@
-//! A green tree under construction that knows where it is.
+//! A green tree under construction that tracks its current path.
 
 use rowan::{GreenNode, GreenNodeBuilder};
 
@@ -8,8 +8,8 @@ use crate::kind::SyntaxKind;
 #[derive(Default)]
 pub(super) struct TreeBuilder {
     green: GreenNodeBuilder<'static>,
-    /// For each open node below the root, and for what comes next in the last one: its index among
-    /// its siblings.
+    /// For each open node below the root, and for the next element in the last one: its index among its
+    /// siblings.
     path: Vec<u32>,
 }
 

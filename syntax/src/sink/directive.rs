@@ -14,8 +14,8 @@ struct Part {
 }
 
 impl Sink<'_> {
-    /// A directive line, split into what it is made of. A `_Pragma` that comes out of a macro covers no
-    /// token and makes an empty node.
+    /// Writes a directive line, split into its parts. A `_Pragma` that comes out of a macro covers no token
+    /// and makes an empty node.
     pub(super) fn directive(&mut self, first: u32, end: u32, index: u32) {
         let wcet = self.wcet_arguments(first, end, index);
         let limit = wcet.unwrap_or(end);
@@ -133,8 +133,8 @@ impl Sink<'_> {
         )
     }
 
-    /// The arguments of a `#pragma wcet`, read by the grammar. What is wrong with them is said with
-    /// the model at hand (`wcet-pragma`).
+    /// The arguments of a `#pragma wcet`, read by the grammar. The model reports their errors
+    /// (`wcet-pragma`).
     fn wcet(&mut self, first: u32, end: u32) {
         let elements: Vec<Element> = (first..end)
             .map(|i| {

@@ -1,4 +1,4 @@
-//! Codes about what the reference compiler accepts although it goes wrong later.
+//! Codes about text that the reference compiler accepts although it causes errors later.
 
 use super::{Code, hint, ours, warning};
 

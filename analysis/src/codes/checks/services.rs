@@ -1,4 +1,4 @@
-//! Codes about services and what they ask of their tasks.
+//! Codes about services and their requirements on tasks.
 
 use super::{Code, error};
 

@@ -1,4 +1,4 @@
-//! What `uses` makes of the services of an interface: remote services, as those that it uses itself.
+//! `uses`: makes the services of an interface remote services, including those that it uses itself.
 
 use crate::finding::role::Role;
 use crate::{

@@ -1,4 +1,4 @@
-//! What `provides` and `extends` make of the services of an interface: services of the importer.
+//! `provides` and `extends`: make the services of an interface services of the importer.
 
 use crate::finding::role::Role;
 use crate::{
@@ -14,8 +14,8 @@ use crate::{
 };
 
 impl<'a> Elaborator<'a> {
-    /// Adds the services of an interface, without their codels. Gives the pairs of their and our
-    /// index whose codels are to be added.
+    /// Adds the services of an interface, without their codels. Returns the pairs of their index in the
+    /// interface and in the component, for adding the codels.
     pub(super) fn import_services(
         &mut self,
         index: u32,

@@ -1,4 +1,4 @@
-//! An execution time in another of its three forms: the `wcet` clause, the bare duration of the GenoM3
+//! Converts an execution time between its three forms: the `wcet` clause, the bare duration of the GenoM3
 //! paper, and the pragma that the reference compiler ignores (language reference, section 17.4).
 
 use dotgen_syntax::ast::{self, AstNode};
@@ -38,7 +38,7 @@ pub(super) fn convert_wcet(cx: &Cx<'_, '_>) -> Vec<Assist> {
         let edits = vec![cx.edit(range.clone(), format!("wcet {duration}"))];
         out.push(rewrite("wcet-clause", "Write as a `wcet` clause", edits));
     } else if codel.yields().is_some_and(|it| {
-        // Only behind the states, and only with a unit, can a duration stand without the word.
+        // A duration without the word must follow the states and have a unit.
         cx.node_range(it.syntax()).end <= range.start
     }) && quantity.unit_token().is_some()
     {
@@ -74,7 +74,7 @@ fn into_pragma(
     if !text[line..item.start].trim().is_empty() {
         return None;
     }
-    // One line: a pragma ends with it.
+    // One line: a pragma ends with its line.
     let duration = duration.split_whitespace().collect::<Vec<_>>().join(" ");
     let pragma = format!("#pragma wcet {name} {duration}\n");
     let without = |clause: std::ops::Range<usize>| {
@@ -82,12 +82,12 @@ fn into_pragma(
         cx.edit(clause.start - blanks..clause.end, "")
     };
     let mut edits = vec![cx.edit(line..line, pragma), without(clause.clone())];
-    // The pragma is about the function: none of its other uses may have a clause beside it.
+    // The pragma is about the function: no other use of the function may have a clause.
     for other in cx.view.root().descendants().filter_map(ast::Codel::cast) {
         let clauses = other.wcets().map(|it| cx.node_range(it.syntax()));
         if other.name().is_some_and(|it| it.text(map) == name) {
             let others: Vec<_> = clauses.filter(|it| *it != clause).collect();
-            // Times that differ cannot all become the one.
+            // Different times cannot be merged into one.
             if others
                 .iter()
                 .any(|it| cx.slice(it.clone()) != cx.slice(clause.clone()))
@@ -103,7 +103,7 @@ fn into_pragma(
     wrong.is_empty().then_some(edits)
 }
 
-/// The clause goes to the end of the codel, the line of the pragma away.
+/// Moves the time into a clause at the end of the codel, and removes the line of the pragma.
 fn into_clause(cx: &Cx<'_, '_>, pragma: &ast::Directive) -> Option<Assist> {
     let map = cx.view.map();
     let mut words = pragma.syntax().children().filter_map(ast::NameRef::cast);
@@ -113,7 +113,7 @@ fn into_clause(cx: &Cx<'_, '_>, pragma: &ast::Directive) -> Option<Assist> {
     let root = cx.view.root();
     let codels = root.descendants().filter_map(ast::Codel::cast);
     let mut named = codels.filter(|it| it.name().is_some_and(|it| it.text(map) == name));
-    // With several declarations of a codel it is not for us to choose one.
+    // If a codel has several declarations, the choice is ambiguous.
     let (Some(codel), None) = (named.next(), named.next()) else {
         return None;
     };

@@ -1,4 +1,4 @@
-//! Positions to names in the default value of a struct or union.
+//! Replaces positions by names in the default value of a struct or union.
 
 use dotgen_syntax::ast::{self, AstNode};
 
@@ -15,7 +15,7 @@ pub(super) fn designate_initializers(cx: &Cx<'_, '_>) -> Option<Assist> {
     if !cx.is_plain(list.syntax()) {
         return None;
     }
-    // The outermost braces: all of the value.
+    // The outermost braces contain the whole value.
     let lists = list
         .syntax()
         .ancestors()

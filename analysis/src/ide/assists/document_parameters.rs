@@ -1,4 +1,4 @@
-//! A place for the documentation of each parameter of a service.
+//! Adds a placeholder for the documentation of each parameter of a service.
 
 use dotgen_syntax::ast::{self, AstNode};
 
@@ -8,7 +8,7 @@ use super::{Assist, AssistKind, Cx};
 pub(super) fn document_parameters(cx: &Cx<'_, '_>) -> Option<Assist> {
     let service: ast::Service = cx.ancestor()?;
     let params = service.param_list()?;
-    // From the word to the end of the parameters: not from somewhere in the body.
+    // Applies from the keyword to the end of the parameters, not in the body.
     let head = cx.node_range(service.syntax()).start..cx.node_range(params.syntax()).end;
     if !(head.start <= cx.range.start && cx.range.end <= head.end) {
         return None;

@@ -1,4 +1,4 @@
-//! Another execution time for a codel that states one.
+//! Changes the execution time of a codel that states one.
 
 use std::ops::Range;
 
@@ -8,8 +8,8 @@ use super::Cx;
 use crate::diagnostic::FileEdit;
 use crate::ide::FileView;
 
-/// The edit that gives the codel around a place the execution time `time` (`4 ms`), if it states one in a
-/// clause of its own: one that comes from a macro or a pragma is left to its author.
+/// The edit that sets the execution time of the codel around a place to `time` (`4 ms`), if the codel states
+/// one in a clause of its own. Times from a macro or a pragma are not edited.
 pub(crate) fn execution_time(
     view: &FileView<'_>,
     range: &Range<usize>,
@@ -34,8 +34,8 @@ pub enum TaskTime {
     Delay,
 }
 
-/// The edit that gives the task around a place another period, or another delay: what stands there is
-/// replaced, a delay that is missing comes behind the period. What comes from a macro is left to its author.
+/// The edit that sets the period or delay of the task around a place: the existing value is replaced; a
+/// missing delay is inserted after the period. Values from a macro are not edited.
 pub(crate) fn task_time(
     view: &FileView<'_>,
     range: &Range<usize>,
@@ -61,13 +61,13 @@ pub(crate) fn task_time(
     if which == TaskTime::Period || !cx.is_plain(period.syntax()) {
         return None;
     }
-    // Behind its `;`, before what is left blank.
+    // After its `;`, before the blanks that follow.
     let node = cx.node_range(period.syntax());
     let end = node.start + cx.slice(node.clone()).trim_end().len();
     Some(cx.edit(end..end, format!(" delay {time};")))
 }
 
-/// Another time where one is written.
+/// Replaces the time of a quantity.
 fn replaced(cx: &Cx<'_, '_>, quantity: &ast::Quantity, time: &str) -> Option<FileEdit> {
     if !cx.is_plain(quantity.syntax()) {
         return None;

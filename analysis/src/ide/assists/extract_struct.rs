@@ -1,4 +1,4 @@
-//! Members of the ids to a struct of their own.
+//! Moves members of the ids to a struct of their own.
 
 use dotgen_syntax::ast::{self, AstNode, HasBody};
 
@@ -24,7 +24,7 @@ pub(super) fn extract_struct(cx: &Cx<'_, '_>) -> Option<Assist> {
     let start = cx.node_range(first.syntax()).start;
     let end = cx.node_range(last.syntax()).end;
     let at = cx.node_range(ids.syntax()).start;
-    // A type declared in the ids is seen from there only.
+    // A type declared in the ids is visible only there.
     let plain = members.iter().all(|it| {
         cx.is_plain(it.syntax())
             && matches!(

@@ -1,4 +1,4 @@
-//! An interface with the ports and services of a component, which then provides it.
+//! Creates an interface with the ports and services of a component, which then provides it.
 
 use dotgen_syntax::ast::{self, AstNode, HasBody};
 
@@ -75,7 +75,7 @@ pub(super) fn generate_interface(cx: &Cx<'_, '_>) -> Option<Assist> {
     })
 }
 
-/// Whether a type is declared in the component, so that an interface before it cannot name it.
+/// Returns true if a type is declared in the component, so that an interface before it cannot name the type.
 fn is_local(cx: &Cx<'_, '_>, ty: TypeId, component: &str) -> bool {
     let spec = &cx.view.elaborated().spec;
     let mut work = vec![ty];
@@ -97,7 +97,7 @@ fn is_local(cx: &Cx<'_, '_>, ty: TypeId, component: &str) -> bool {
     false
 }
 
-/// Whether a parameter list mentions a constant or enumerator of the component.
+/// Returns true if a parameter list mentions a constant or enumerator of the component.
 fn mentions_constants(cx: &Cx<'_, '_>, params: &ast::ParamList, component: &str) -> bool {
     let elaborated = cx.view.elaborated();
     let range = cx.node_range(params.syntax());

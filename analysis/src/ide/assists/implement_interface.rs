@@ -1,4 +1,4 @@
-//! What a component still has to say about the services of an interface it provides.
+//! Completes the services of an interface that a component provides.
 
 use dotgen_syntax::ast::{self, AstNode};
 
@@ -12,8 +12,8 @@ use crate::{
     model::{Param, ParamDir, Service, ServiceKind, Spec, TypeId, TypeKind, fsm::Machine},
 };
 
-/// On the name of an interface after `provides` or `extends`: declares again every activity that
-/// lacks its task or its `start`, and every function without codel.
+/// On the name of an interface after `provides` or `extends`: declares every activity that lacks its task or
+/// its `start`, and every function without a codel.
 pub(super) fn implement_interface(cx: &Cx<'_, '_>) -> Option<Assist> {
     let property: ast::InterfacesProperty = cx.ancestor()?;
     let component: ast::Component = cx.ancestor()?;

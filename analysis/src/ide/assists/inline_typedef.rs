@@ -1,4 +1,4 @@
-//! A typedef's type to every place that names it.
+//! Replaces every use of a typedef by its type.
 
 use dotgen_syntax::{
     SyntaxNode, TextRange,
@@ -72,7 +72,7 @@ pub(super) fn inline_typedef(cx: &Cx<'_, '_>) -> Option<Assist> {
             .syntax()
             .parent()
             .is_some_and(|it| ast::Port::can_cast(it.kind()));
-        // A port needs a named type; what a macro wrote cannot be replaced.
+        // A port needs a named type; text from a macro cannot be replaced.
         if last != it.name || port && !named {
             return None;
         }
@@ -129,7 +129,7 @@ mod tests {
             "inline-typedef",
             "typedef long t$0[2];\nstruct s { t x; };\n",
         );
-        // `u` of the module would be meant.
+        // The name would mean `u` of the module.
         refused(
             "inline-typedef",
             "typedef string u;\ntypedef u t$0;\nmodule m { struct u { long x; }; const t x = \"a\"; };\n",

@@ -1,11 +1,11 @@
-//! Binds a codel, or one of the states of a codel, elsewhere.
+//! Binds a codel, or one of its states, elsewhere.
 
 use dotgen_syntax::ast::{self, AstNode};
 
 use super::{Assist, AssistKind, Cx};
 use crate::source_map::bytes;
 
-/// To a state that lacks a codel; and a state from a codel that has several to another codel of the
+/// Binds a codel to a state without one, or moves one of several states of a codel to another codel of the
 /// same machine.
 pub(super) fn move_codel(cx: &Cx<'_, '_>) -> Vec<Assist> {
     moves(cx).unwrap_or_default()

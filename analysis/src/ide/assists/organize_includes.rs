@@ -1,12 +1,12 @@
-//! Includes in order, each once.
+//! Sorts includes and removes duplicates.
 
 use dotgen_syntax::directive::{DirectiveKind, IncludeForm};
 
 use super::{Assist, AssistKind, Cx};
 use crate::{ide::speculate::compare, source_map::bytes};
 
-/// Sorts each run of include lines: those of the search path first, then by name; repeated ones go.
-/// Everything must be declared before it is used, so where the order matters, it stays.
+/// Sorts each run of include lines: the search path first, then by name; duplicates are removed. If the order
+/// matters, because a declaration must come before its use, it stays.
 pub(super) fn organize_includes(cx: &Cx<'_, '_>, anywhere: bool) -> Option<Assist> {
     let mut edits = Vec::new();
     for run in runs(cx) {
@@ -49,7 +49,7 @@ struct Include {
     path: String,
 }
 
-/// Includes on lines that follow each other.
+/// Runs of includes on consecutive lines.
 fn runs(cx: &Cx<'_, '_>) -> Vec<Vec<Include>> {
     let text = cx.view.text();
     let mut out: Vec<Vec<Include>> = Vec::new();
@@ -67,7 +67,7 @@ fn runs(cx: &Cx<'_, '_>) -> Vec<Vec<Include>> {
             .find('\n')
             .map_or(text.len(), |it| range.end + it);
         let rest = text[range.end..line_end].trim_end_matches('\r').trim_end();
-        // A comment that goes on in the next line cannot be moved.
+        // A comment that continues on the next line cannot be moved.
         if rest.contains("/*") && !rest.contains("*/") {
             continue;
         }

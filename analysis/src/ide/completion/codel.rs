@@ -1,4 +1,4 @@
-//! Proposals in codels: names, states, execution times.
+//! Completion in codels: names, states, execution times.
 
 use rustc_hash::FxHashSet;
 use smol_str::SmolStr;
@@ -12,7 +12,7 @@ use crate::{
     model::{Codel, Component, ComponentKind, fsm},
 };
 
-/// The words behind the cursor that belong to the codel at the cursor.
+/// The words after the cursor that belong to the codel at the cursor.
 fn own_words(context: &Context) -> impl Iterator<Item = &Word> {
     let behind = context.after.rest.iter();
     behind.take_while(|word| !word.is_any(&["codel", "async", "validate"]))
@@ -77,7 +77,7 @@ pub(super) fn clause(
     }
 }
 
-/// The name of a codel, as the others are named; with the rest of its declaration if nothing follows.
+/// The name of a codel, in the pattern of the others; with the rest of its declaration if nothing follows.
 pub(super) fn name(
     names: &Names<'_, '_>,
     context: &Context,
@@ -108,8 +108,8 @@ fn expects_state(before: &[Word]) -> bool {
     before.last().is_none_or(|it| it.is(",") || it.is("::"))
 }
 
-/// The states that may stand at the cursor, after `<` or `yield`: after `yield` those that have a codel, or
-/// that something leads to already; after `<` those that something leads to and that have none.
+/// The states allowed at the cursor, after `<` or `yield`: after `yield`, the states that have a codel or a
+/// transition to them; after `<`, the states with a transition to them and without a codel.
 fn states(
     names: &Names<'_, '_>,
     context: &Context,
@@ -148,7 +148,7 @@ fn states(
     } else {
         known.extend(wanted.iter().map(|it| it.as_str()));
         known.extend(["start", "stop"]);
-        // `stop` has to lead to the end.
+        // `stop` must lead to the end.
         let yields = context
             .after
             .rest
@@ -170,7 +170,7 @@ fn states(
             .any(|it| it == state);
         let kind = CompletionKind::Symbol(SymbolKind::State);
         let definition = names.state(state);
-        // What would go round without a pause is most likely meant to pause.
+        // A transition that closes a cycle is most likely meant to pause.
         let closes = yields && !paused && machine.closing.iter().any(|it| it == state);
         let rank = u8::from(yields && !has_codel && !paused);
         let (plain, pausing) = if closes { (2, rank) } else { (rank, 2) };
@@ -193,7 +193,7 @@ fn states(
     }
 }
 
-/// The state that a new codel of the machine is most likely for: one that something leads to, else `start` or
+/// The most likely state of a new codel of the machine: the target of a transition, otherwise `start` or
 /// `stop`.
 pub(super) fn next_state(names: &Names<'_, '_>, context: &Context) -> Option<String> {
     let machine = Machine::around(names, context);
@@ -234,20 +234,20 @@ pub(super) fn machine_snippets(names: &Names<'_, '_>, context: &Context, out: &m
     );
 }
 
-/// What is known of the machine around the cursor.
+/// The machine around the cursor.
 struct Machine {
-    /// Mentioned by it, in order.
+    /// States mentioned by it, in order.
     states: Vec<SmolStr>,
-    /// With a codel, but for the one that the cursor is in.
+    /// States with a codel, except the codel at the cursor.
     implemented: Vec<SmolStr>,
-    /// Of the codel that the cursor is in.
+    /// States of the codel at the cursor.
     here: Vec<SmolStr>,
-    /// Led to from some codel.
+    /// Targets of some codel.
     targets: Vec<SmolStr>,
-    /// A transition there from the codel that the cursor is in would close a cycle without pause.
+    /// States that would close a cycle without pause if the codel at the cursor led to them.
     closing: Vec<SmolStr>,
     activity: bool,
-    /// Of an interface: the component may have more codels.
+    /// True for an interface: the component may have more codels.
     open: bool,
 }
 
@@ -283,7 +283,7 @@ impl Machine {
         machine
     }
 
-    /// Notes a codel; `here` if the cursor is in it.
+    /// Records a codel; `here` is true for the codel at the cursor.
     fn codel(&mut self, codel: &Codel, here: bool) {
         let triggers = codel.triggers.iter().map(|it| it.name.clone());
         let yields = codel.yields.iter().map(|it| it.name.clone());
@@ -292,7 +292,7 @@ impl Machine {
                 self.states.push(it);
             }
         };
-        // States that only the codel at the cursor speaks of are being written.
+        // States that only the codel at the cursor mentions are still being written.
         if !here {
             triggers.clone().for_each(&mut mention);
             yields.clone().for_each(&mut mention);
@@ -329,7 +329,7 @@ fn written_triggers(words: &[Word]) -> Vec<SmolStr> {
         .collect()
 }
 
-/// Whether a component has codels that run beside the others.
+/// Returns true if a component has asynchronous codels.
 pub(super) fn has_async(component: &Component) -> bool {
     component
         .all_codels()

@@ -1,4 +1,4 @@
-//! Proposals in directives: their words, files, macros, packages, interfaces.
+//! Completion in directives: their words, files, macros, packages, interfaces.
 
 use camino::Utf8PathBuf;
 use dotgen_syntax::directive::DirectiveKind;
@@ -29,7 +29,7 @@ const WORDS: &[(&str, &str)] = &[
     ("pragma wcet", "pragma wcet $0"),
 ];
 
-/// Those that belong to a condition that began before.
+/// Words that need an open condition.
 const CONDITIONAL: &[&str] = &["elif", "else", "endif"];
 
 pub(super) fn complete(view: &FileView<'_>, index: u32, at: usize, out: &mut Completions) {
@@ -49,7 +49,7 @@ pub(super) fn complete(view: &FileView<'_>, index: u32, at: usize, out: &mut Com
         // Blanks between `#` and the word stay.
         let blanks = line[hash..].len() - line[hash..].trim_start().len();
         out.replace.start += blanks;
-        // What stands behind the word stays.
+        // The text after the word stays.
         let rest = super::line_behind(view, out.replace.end);
         let bare = !rest.is_empty();
         if bare
@@ -90,7 +90,7 @@ pub(super) fn complete(view: &FileView<'_>, index: u32, at: usize, out: &mut Com
     }
 }
 
-/// Whether a condition is open at an offset, with the possibility of another branch.
+/// Returns true if a condition is open at an offset and can have another branch.
 fn is_open(view: &FileView<'_>, at: usize) -> bool {
     let before = view.pre().directives.iter();
     let before = before.filter(|it| usize::from(it.range.start()) < at);
@@ -200,7 +200,7 @@ pub(super) fn macros(view: &FileView<'_>, at: usize, rank: u8, out: &mut Complet
     add(all, rank, out);
 }
 
-/// Names that guard a file of the unit: it begins with `#ifndef` and `#define` of them.
+/// Names of include guards: files of the unit begin with `#ifndef` and `#define` of them.
 fn guards(view: &FileView<'_>) -> FxHashSet<String> {
     let files = crate::unit::files(view.db, view.unit);
     let guard = |file: crate::base::SourceFile| {
@@ -243,7 +243,7 @@ fn add(all: Vec<(String, String)>, rank: u8, out: &mut Completions) {
     }
 }
 
-/// Names and definitions of the macros there are at an offset.
+/// Names and definitions of the macros defined at an offset.
 fn defined(view: &FileView<'_>, at: usize) -> Vec<(String, String)> {
     let Some((visit, _)) = serving_visit(view.db, view.unit, view.file) else {
         return Vec::new();
@@ -312,7 +312,7 @@ fn include(view: &FileView<'_>, operand: &str, at: usize, out: &mut Completions)
     let (folder, name) = written
         .rsplit_once('/')
         .map_or(("", written), |(a, b)| (a, b));
-    // Up to the delimiter, so that a path that is there already is replaced.
+    // Up to the delimiter, so that an existing path is replaced.
     let rest = view.text().get(at..).unwrap_or_default();
     let end = rest.find(['"', '>', '\n', '\r', '/']).unwrap_or(rest.len());
     out.replace = at - name.len()..at + end;
@@ -323,7 +323,7 @@ fn include(view: &FileView<'_>, operand: &str, at: usize, out: &mut Completions)
     let root = view.unit.inputs(view.db).first().unwrap_or(&view.file);
     let (searched, _) = view.db.workspace().reading(view.db, root.path(view.db));
     dirs.extend(searched.iter().cloned());
-    // Directories of packages: those in which other includes were found, without the path that was written.
+    // Directories of packages: the directories of other includes, without the path as written.
     let walked = walk_unit(view.db, view.unit);
     let mut open: Vec<Utf8PathBuf> = Vec::new();
     for visit in &walked.visits {
@@ -362,7 +362,7 @@ fn include(view: &FileView<'_>, operand: &str, at: usize, out: &mut Completions)
                 continue;
             }
             let path = dir.join(&entry.name);
-            // What includes this file would include itself.
+            // A file that includes this one would include itself.
             let own = path == *view.file.path(view.db) || open.contains(&path);
             let specification = ["gen", "idl"]
                 .iter()

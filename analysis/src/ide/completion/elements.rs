@@ -1,4 +1,4 @@
-//! Proposals for what several statements have: tasks, sizes, quantities.
+//! Completion of elements that several statements share: tasks, sizes, quantities.
 
 use super::{CompletionKind, Completions, names::Names};
 use crate::{
@@ -28,7 +28,7 @@ pub(super) fn tasks(names: &Names<'_, '_>, out: &mut Completions) {
     }
 }
 
-/// Constants that a size can be.
+/// Constants that are valid sizes.
 pub(super) fn sizes(names: &Names<'_, '_>, out: &mut Completions) {
     names.numbers(&[], true, out);
 }
@@ -42,7 +42,7 @@ pub(super) fn quantity(
 ) {
     use dotgen_syntax::SyntaxKind::*;
     match rest.last().map(|it| it.kind) {
-        // The unit is there already.
+        // The unit already follows.
         Some(IDENT) if rest.len() > 1 && rest.last().is_some_and(|it| it.is_any(units)) => {}
         Some(INT | FLOAT | IDENT | R_PAREN) => {
             for it in units {

@@ -1,4 +1,4 @@
-//! Proposals in default values.
+//! Completion in default values.
 
 use smol_str::SmolStr;
 
@@ -82,7 +82,7 @@ pub(super) fn value(
     }
 }
 
-/// A placeholder with a value that fits.
+/// A placeholder with a valid value.
 fn value_snippet(names: &Names<'_, '_>, ty: TypeId, place: usize) -> String {
     let spec = names.spec();
     let value = match &spec.ty(names.value_type(ty)).kind {
@@ -104,7 +104,7 @@ fn value_snippet(names: &Names<'_, '_>, ty: TypeId, place: usize) -> String {
     format!("${{{place}:{value}}}")
 }
 
-/// The type of what the braces of a frame initialize.
+/// The type that the braces of a frame initialize.
 pub(in crate::ide) fn compound_type(
     names: &Names<'_, '_>,
     context: &Context,
@@ -123,7 +123,7 @@ pub(in crate::ide) fn compound_type(
     }
 }
 
-/// The type of one element of a compound: that of its designator, or by position.
+/// The type of one element of a compound: the type of its designator, or by position.
 pub(in crate::ide) fn element_type(
     names: &Names<'_, '_>,
     compound: TypeId,

@@ -1,8 +1,7 @@
-//! What begins a statement, by body, with snippets for whole clauses.
+//! Keywords that begin a statement, by body, with snippets for whole clauses.
 //!
-//! A clause is filled in with what there is, so that it is right as it stands: `@task` is a task of the
-//! component, `@main` a name like `main` that is free. A clause for which there is nothing yet is not
-//! offered.
+//! Placeholders are filled with existing names, so that a clause is valid as inserted: `@task` is a task of
+//! the component, `@main` an unused name like `main`. A clause without a suitable name is not offered.
 
 use super::{
     Completions, codel,
@@ -14,7 +13,7 @@ use crate::{
     model::{ComponentKind, TypeKind},
 };
 
-/// A keyword, and what it inserts. Spellings are those most published components use.
+/// A keyword and its snippet. Spellings are those of most published components.
 type Statement = (&'static str, &'static str);
 
 const IDL: &[Statement] = &[
@@ -87,7 +86,7 @@ const COMPONENT: &[Statement] = &[
 const IMPLEMENTED: &[Statement] = &[
     (
         "task",
-        // Its machine begins, goes round and can be stopped, so that nothing is to be said of it.
+        // Its machine starts, cycles and can be stopped, so that no lint reports it.
         "task ${1:@main} {\n\tperiod ${2:@period};\n\n\tcodel<start> ${1}_start(${3:@ids})\n\t\tyield ${4:run};\n\t\
          codel<${4}> ${1}_${4}($5)\n\t\tyield pause::${4}, stop;\n\tcodel<stop> ${1}_stop()\n\t\tyield ether;$0\n};",
     ),
@@ -107,7 +106,7 @@ const IMPLEMENTED: &[Statement] = &[
     ),
 ];
 
-/// The same in interfaces, whose components have the codels.
+/// Tasks and services in interfaces, whose components have the codels.
 const DECLARED: &[Statement] = &[
     (
         "function",
@@ -155,7 +154,7 @@ const CASES: &[Statement] = &[
     ("default", "default: ${1:long} ${2:@member_name};$0"),
 ];
 
-/// What begins with a word of these is a statement of its own.
+/// A word from these tables begins a statement of its own.
 const ALL: &[&[Statement]] = &[
     SPECIFICATION,
     IDL,
@@ -169,7 +168,7 @@ const ALL: &[&[Statement]] = &[
     CASES,
 ];
 
-/// Given once only, within one pair of braces (language reference, section 9).
+/// Properties allowed only once within one pair of braces (language reference, section 9).
 const ONCE: &[&str] = &[
     "version",
     "lang",
@@ -232,7 +231,7 @@ pub(super) fn statements(
         all.any(|it| it == word)
     };
     let in_component = matches!(body, Component | Interface);
-    // The statement is there but for its first word: only that is inserted.
+    // Only the first word of the statement is missing, so only the word is inserted.
     let first_words = |word: &str| {
         let mut all = ALL.iter().flat_map(|it| it.iter());
         all.any(|it| it.0.split(' ').next() == Some(word))
@@ -243,7 +242,7 @@ pub(super) fn statements(
         .is_some_and(|it| !it.is("}") && !first_words(&it.text));
     for (table, rank) in tables {
         for (word, insert) in *table {
-            // In a component `task` declares.
+            // In a component `task` is a declaration.
             let once = ONCE.contains(word) && !(in_component && *word == "task");
             if once && (given(word) || in_component && names.is_reopened()) {
                 continue;
@@ -260,7 +259,7 @@ pub(super) fn statements(
     }
 }
 
-/// A clause with what there is in the place of each `@word`; `None` if there is nothing of the kind.
+/// A clause with an existing name for each `@word`; `None` if a name is missing.
 fn filled(
     names: &Names<'_, '_>,
     context: &Context,
@@ -337,7 +336,7 @@ fn what(names: &Names<'_, '_>, context: &Context, body: BodyKind, wanted: &str) 
     }
 }
 
-/// A value of what the union around the cursor switches on.
+/// A value of the switch type of the union around the cursor.
 fn case(names: &Names<'_, '_>, context: &Context) -> String {
     let zero = || "0".to_owned();
     let Some(ty) = names.switch_type(context) else {
@@ -356,7 +355,7 @@ fn case(names: &Names<'_, '_>, context: &Context) -> String {
     }
 }
 
-/// The longest time that all periods and delays of the component are multiples of, up to a millisecond.
+/// The greatest common divisor of all periods and delays of the component, at most one millisecond.
 fn clock(names: &Names<'_, '_>) -> Option<(i128, i128)> {
     let tasks = &names.component()?.tasks;
     let times = tasks
@@ -379,7 +378,7 @@ fn clock(names: &Names<'_, '_>) -> Option<(i128, i128)> {
     .copied()
 }
 
-/// A time as it is written, in the largest unit in which it is an integer.
+/// A time as written, in the largest unit in which it is an integer.
 fn time((numerator, denominator): (i128, i128)) -> String {
     let units = [(1, "s"), (1_000, "ms"), (1_000_000, "us")];
     let whole = units.iter().rev().rfind(|it| {

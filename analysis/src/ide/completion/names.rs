@@ -18,7 +18,7 @@ use crate::{
     model::{Codel, Component, Name, Spec, TypeId, TypeKind, Value},
 };
 
-/// What is visible at the cursor.
+/// The names visible at the cursor.
 pub(in crate::ide) struct Names<'a, 'db> {
     pub(in crate::ide) view: &'a FileView<'db>,
     pub(in crate::ide) elaborated: &'a Elaborated,
@@ -27,27 +27,27 @@ pub(in crate::ide) struct Names<'a, 'db> {
     /// The component around the cursor: index into the spec.
     component: Option<u32>,
     at: usize,
-    /// Where the statement begins in which the cursor is, with the types around it: what is declared from
-    /// here on is not known yet at the cursor.
+    /// The start of the statement around the cursor, including enclosing type declarations: declarations from
+    /// here on are not visible at the cursor.
     begins: usize,
-    /// The cursor is between the braces of `ids`.
+    /// True if the cursor is between the braces of `ids`.
     in_ids: bool,
-    /// Definitions that live in scopes, by full path.
+    /// Definitions in scopes, by full path.
     paths: FxHashMap<Vec<SmolStr>, DefId>,
 }
 
-/// The rank of what is not proposed.
+/// The rank of items that are not proposed.
 const NEVER: u8 = u8::MAX;
 
-/// Which names of scopes are wanted.
+/// The kind of names to propose.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Wanted {
     Types,
-    /// What services and ports may carry: nothing native.
+    /// Types allowed for services and ports: without natives.
     PortTypes,
-    /// Of constants.
+    /// Types allowed for constants.
     ConstTypes,
-    /// What a union may switch on.
+    /// Types allowed for the switch of a union.
     SwitchTypes,
     Constants,
     Exceptions,
@@ -134,8 +134,7 @@ impl<'a, 'db> Names<'a, 'db> {
         self.spec().components.get(self.component? as usize)
     }
 
-    /// Tasks and services of the component around the cursor, with the body that each has, its name and its
-    /// codels.
+    /// Tasks and services of the component around the cursor, each with its body, its name and its codels.
     pub(super) fn owners(&self) -> impl Iterator<Item = (BodyKind, &'a Name, &'a [Codel])> {
         let component = self.component().into_iter();
         component.flat_map(|it| {
@@ -154,13 +153,13 @@ impl<'a, 'db> Names<'a, 'db> {
         Some(found.id.0)
     }
 
-    /// Whether what was found is declared before the cursor; what has no place is.
+    /// Returns true if a definition is before the cursor; definitions without a place count as known.
     pub(super) fn is_known(&self, definition: Option<u32>) -> bool {
         let found = definition.and_then(|it| self.elaborated.definitions.get(it as usize));
         found.is_none_or(|it| self.is_before(it))
     }
 
-    /// Whether a definition stands above the cursor.
+    /// Returns true if a definition is above the cursor.
     pub(super) fn is_above(&self, definition: Option<u32>) -> bool {
         let found = definition.and_then(|it| self.elaborated.definitions.get(it as usize));
         found.is_none_or(|it| match self.view.place(it.src) {
@@ -169,8 +168,9 @@ impl<'a, 'db> Names<'a, 'db> {
         })
     }
 
-    /// Whether what comes from an interface is there at the cursor: a `provides`, `uses` or `extends` above
-    /// it names the interface, or one that has it. Own parts are, and what a pragma or another file imports.
+    /// Returns true if a part imported from an interface is visible at the cursor: a `provides`, `uses` or
+    /// `extends` above it names the interface, or one that includes it. Own parts are visible, and so are
+    /// imports by a pragma or from another file.
     pub(super) fn is_imported_above(&self, from: Option<u32>) -> bool {
         let Some(from) = from else { return true };
         let components = &self.spec().components;
@@ -211,14 +211,14 @@ impl<'a, 'db> Names<'a, 'db> {
         !below
     }
 
-    /// Whether the component has several bodies: what is given once may be in another one.
+    /// Returns true if the component has several bodies: a property allowed once may be in another one.
     pub(super) fn is_reopened(&self) -> bool {
         let own = self.component;
         let bodies = self.spec().bodies.iter();
         bodies.filter(|it| Some(it.component) == own).count() > 1
     }
 
-    /// Members that a service may carry.
+    /// Members allowed in parameters of a service.
     pub(super) fn carried(&self, ty: TypeId) -> Vec<(SmolStr, TypeId)> {
         let mut all = self.members(ty);
         all.retain(|it| !has_native(self.spec(), it.1));
@@ -237,7 +237,7 @@ impl<'a, 'db> Names<'a, 'db> {
         Some(all.iter().find(|it| it.ty == Some(ty))?.id.0)
     }
 
-    /// Whether the cursor is in a declaration.
+    /// Returns true if the cursor is in a declaration.
     pub(super) fn is_around(&self, node: crate::model::Src) -> bool {
         let found = self.view.place(node);
         found.is_some_and(|(file, range)| {
@@ -246,7 +246,7 @@ impl<'a, 'db> Names<'a, 'db> {
         })
     }
 
-    /// Whether something begins at an offset of the file.
+    /// Returns true if a declaration begins at an offset of the file.
     pub(super) fn is_at(&self, src: crate::model::Src, offset: usize) -> bool {
         let found = self.view.place(src);
         found.is_some_and(|(file, range)| {
@@ -254,7 +254,7 @@ impl<'a, 'db> Names<'a, 'db> {
         })
     }
 
-    /// What a path means from the cursor (language reference, 5.4).
+    /// The meaning of a path at the cursor (language reference, 5.4).
     pub(in crate::ide) fn resolve(
         &self,
         absolute: bool,
@@ -273,7 +273,7 @@ impl<'a, 'db> Names<'a, 'db> {
         })
     }
 
-    /// Whether a declaration comes before the cursor, as far as that can be told.
+    /// Returns true if a declaration is before the cursor, as far as known.
     fn is_before(&self, it: &Definition) -> bool {
         match self.view.place(it.src) {
             Some((file, range)) if file == self.view.file => {
@@ -318,7 +318,7 @@ impl<'a, 'db> Names<'a, 'db> {
         }
     }
 
-    /// By place of declaration, so that equal ranks come as the author wrote them.
+    /// By place of declaration, so that equal ranks keep the author's order.
     fn sorted(&self) -> Vec<(&Vec<SmolStr>, &DefId)> {
         let mut all: Vec<_> = self.paths.iter().collect();
         all.sort_by_key(|(_, id)| **id);
@@ -379,7 +379,7 @@ impl<'a, 'db> Names<'a, 'db> {
         self.base_types(wanted, rank, out);
     }
 
-    /// The types of the language, those that are used most first.
+    /// The base types of the language, the most frequent first.
     pub(super) fn base_types(&self, wanted: Wanted, rank: u8, out: &mut Completions) {
         for it in [
             "double",
@@ -416,7 +416,7 @@ impl<'a, 'db> Names<'a, 'db> {
         out.snippet("string<n>", "string<${1:64}>", rank + 1);
     }
 
-    /// A name like this one that nothing has yet, and that begins no other name.
+    /// An unused name like this one that is not a prefix of another name.
     pub(super) fn free(&self, base: &str) -> String {
         let all = &self.elaborated.definitions;
         let taken = |name: &str| {
@@ -432,7 +432,7 @@ impl<'a, 'db> Names<'a, 'db> {
         numbered.find(|it| !taken(it)).unwrap_or_default()
     }
 
-    /// Everything that may stand in an expression; what fits `expected` first.
+    /// Everything that may be in an expression; values of the `expected` type first.
     pub(super) fn constants(
         &self,
         before: &[Word],
@@ -463,7 +463,7 @@ impl<'a, 'db> Names<'a, 'db> {
             let holds = |ty| value.is_none_or(|it| holds(spec, ty, it));
             match (resolved, of) {
                 (Some(wanted), Some(of)) if self.same(wanted, of) && holds(wanted) => item.rank = 0,
-                // Anything else does not convert.
+                // Other values do not convert.
                 (Some(_), Some(_)) => item.rank = NEVER,
                 _ => {}
             }
@@ -478,7 +478,7 @@ impl<'a, 'db> Names<'a, 'db> {
         }
     }
 
-    /// Constants that are numbers; of `whole` ones, those that are not negative.
+    /// Constants that are numbers; with `whole`, only non-negative integers.
     pub(super) fn numbers(&self, before: &[Word], whole: bool, out: &mut Completions) {
         if is_operand(before) {
             return;
@@ -490,7 +490,7 @@ impl<'a, 'db> Names<'a, 'db> {
             let definition = item
                 .definition
                 .and_then(|it| self.elaborated.definitions.get(it as usize))?;
-            // What is only the beginning of a path.
+            // Names that are only the beginning of a path.
             let Some(TypeKind::Const { value, .. }) = definition.ty.map(|it| &spec.ty(it).kind)
             else {
                 return Some(!matches!(definition.kind, DefKind::Enumerator));
@@ -540,7 +540,7 @@ impl<'a, 'db> Names<'a, 'db> {
         a == b || number(a) && number(b) || self.spec().ty(a).kind == self.spec().ty(b).kind
     }
 
-    /// Members of a struct, union, exception or ids, and what an element of an array is.
+    /// Members of a struct, union, exception or ids, also of the elements of an array.
     pub(in crate::ide) fn members(&self, ty: TypeId) -> Vec<(SmolStr, TypeId)> {
         let spec = self.spec();
         let members = match &spec.ty(self.value_type(ty)).kind {
@@ -555,7 +555,7 @@ impl<'a, 'db> Names<'a, 'db> {
         named.collect()
     }
 
-    /// What `[n]` selects.
+    /// The type that `[n]` selects.
     pub(in crate::ide) fn element(&self, ty: TypeId) -> Option<TypeId> {
         match self.spec().ty(self.value_type(ty)).kind {
             TypeKind::Array { element, .. } | TypeKind::Sequence { element, .. } => Some(element),
@@ -563,7 +563,8 @@ impl<'a, 'db> Names<'a, 'db> {
         }
     }
 
-    /// Whether nothing that an interface brings has the name of something that the component has.
+    /// Returns true if no name from an interface clashes with a name of the component. False if the interface
+    /// is not known.
     fn has_room_for(&self, interface: &str) -> bool {
         let Some(interface) = self
             .spec()
@@ -584,7 +585,7 @@ impl<'a, 'db> Names<'a, 'db> {
         !all(interface).any(|name| own.is_some_and(|own| all(own).any(|it| it == name)))
     }
 
-    /// Whether the component provides, uses or extends an interface already.
+    /// Returns true if the component already provides, uses or extends an interface.
     fn lists(&self, interface: &str) -> bool {
         let all = &self.spec().components;
         let named = |it: &u32| all.get(*it as usize).is_some_and(|it| it.name == interface);
@@ -594,7 +595,7 @@ impl<'a, 'db> Names<'a, 'db> {
         })
     }
 
-    /// Components and interfaces by kind, as the author declared them.
+    /// Components and interfaces by kind, in order of declaration.
     pub(super) fn interfaces(&self, used: &[Word], rank: u8, out: &mut Completions) {
         for it in &self.elaborated.definitions {
             let own = self.component().is_some_and(|own| own.name == it.name);
@@ -625,7 +626,7 @@ pub(in crate::ide) fn qualifier(words: &[Word]) -> (bool, Vec<SmolStr>) {
     (false, segments)
 }
 
-/// Whether an expression ends in an operand: an operator comes next, or nothing.
+/// Returns true if an expression ends in an operand, so that an operator or nothing comes next.
 fn is_operand(before: &[Word]) -> bool {
     use dotgen_syntax::SyntaxKind::*;
     let last = before.last().map(|it| it.kind);
@@ -635,7 +636,7 @@ fn is_operand(before: &[Word]) -> bool {
     )
 }
 
-/// Whether constants of a type are possible, or unions that switch on it.
+/// Returns true if a type can have constants, or be the switch type of unions.
 fn has_values(kind: &TypeKind, switch: bool) -> bool {
     use TypeKind::*;
     match kind {

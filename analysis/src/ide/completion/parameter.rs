@@ -1,4 +1,4 @@
-//! Proposals in lists of parameters: of codels, and of services.
+//! Completion in lists of parameters, of codels and of services.
 
 use rustc_hash::FxHashMap;
 use smol_str::SmolStr;
@@ -43,7 +43,7 @@ pub(super) fn in_parentheses(names: &Names<'_, '_>, context: &Context, out: &mut
     }
 }
 
-/// What may stand where a parameter goes on behind the cursor: directions, if only they are missing.
+/// Items for a parameter that continues after the cursor: directions, if only they are missing.
 fn goes_on(context: &Context) -> bool {
     let next = context.after.next();
     next.is_some_and(|it| {
@@ -52,7 +52,7 @@ fn goes_on(context: &Context) -> bool {
     })
 }
 
-/// The rest of a path is replaced with its beginning.
+/// Replaces the rest of a path together with its beginning.
 fn whole_path(context: &Context, out: &mut Completions) {
     let mut depth = 0_i32;
     let rest = context.after.list();
@@ -70,7 +70,7 @@ fn whole_path(context: &Context, out: &mut Completions) {
     }
 }
 
-/// Something a codel parameter may refer to.
+/// A source that a codel parameter may refer to.
 struct Source {
     name: SmolStr,
     source: &'static str,
@@ -78,8 +78,8 @@ struct Source {
     ty: TypeId,
     kind: SymbolKind,
     definition: Option<u32>,
-    /// Something else of the component has the name, so that the source has to be said: also where that
-    /// cannot be meant.
+    /// True if another part of the component has the name, so that the source must be written, even where
+    /// that part would be invalid.
     ambiguous: bool,
 }
 
@@ -206,14 +206,14 @@ fn codel_param(
             out.keywords(DIRECTIONS, 0);
             return;
         }
-        // Between a source and its direction nothing is missing.
+        // Nothing is missing between a source and its direction.
         let next = context.after.next();
         let complete = source.is_some() && next.is_some_and(|it| it.is_any(DIRECTIONS));
         if complete && context.word.is_empty() {
             return;
         }
         for it in all.iter().filter(matching) {
-            // Ports are usually named as such.
+            // Ports are usually written with `port`.
             let explicit =
                 source.is_none() && (it.ambiguous || matches!(it.source, "port" | "remote"));
             for (i, dir) in it.directions.iter().enumerate() {
@@ -284,7 +284,7 @@ fn codel_param(
     }
 }
 
-/// The same codel in another place of the component.
+/// The same codel at another place of the component.
 fn elsewhere<'a>(names: &Names<'a, '_>, context: &Context) -> Option<&'a Codel> {
     let name = context.head(context.top()).last()?;
     let component = names.component()?;
@@ -358,7 +358,7 @@ fn attribute_param(
 }
 
 fn service_param(names: &Names<'_, '_>, context: &Context, words: &[Word], out: &mut Completions) {
-    // Its description.
+    // Its documentation.
     if words.iter().any(|it| it.is(":")) {
         return;
     }
@@ -380,7 +380,7 @@ fn service_param(names: &Names<'_, '_>, context: &Context, words: &[Word], out: 
                     names.base_types(Wanted::Types, 0, out);
                 }
             }
-            // A default value that is there fits few other types.
+            // An existing default value fits few other types.
             let mut element = context.after.list().iter().take_while(|it| !it.is(","));
             if element.any(|it| it.is("=")) {
                 out.items.retain(|it| it.kind == CompletionKind::BaseType);
@@ -400,11 +400,11 @@ fn members(names: &Names<'_, '_>, ty: Option<TypeId>, out: &mut Completions) {
 }
 
 /// Follows `.a [ 0 ] .b`.
-/// Names of the other parameters of the list that the cursor is in.
+/// Names of the other parameters of the list at the cursor.
 fn used_names(names: &Names<'_, '_>, context: &Context) -> Vec<SmolStr> {
     let frame = context.top();
     let before = &context.tokens[frame.open + 1..frame.start];
-    // A parameter right behind the cursor, to which a comma is missing.
+    // A parameter right after the cursor, with a missing comma.
     let next = context.after.next();
     let joined = next.is_some_and(|it| it.is_any(DIRECTIONS) || it.is_any(SOURCES));
     let joined = joined.then(|| context.after.list().split(|it| it.is(",")).next());
@@ -421,8 +421,8 @@ fn used_names(names: &Names<'_, '_>, context: &Context) -> Vec<SmolStr> {
     params.filter_map(name).collect()
 }
 
-/// What the codels of an attribute take from the ids without saying so: a parameter of that name would be
-/// meant as well.
+/// Ids members that the codels of an attribute use without a source: a parameter of that name would change
+/// their meaning.
 fn members_of_codels(names: &Names<'_, '_>, context: &Context) -> Vec<SmolStr> {
     let (Some(component), [.., name]) = (names.component(), context.head(context.top())) else {
         return Vec::new();
@@ -444,8 +444,8 @@ fn members_of_codels(names: &Names<'_, '_>, context: &Context) -> Vec<SmolStr> {
     named.collect()
 }
 
-/// The name of a parameter: what it is renamed to, or the last member of its path; of a parameter or local
-/// variable of the service the first (language reference, section 12).
+/// The name of a parameter: its new name, or the last member of its path; for a parameter or local variable
+/// of the service, the first (language reference, section 12).
 fn parameter_name(param: &[Word], is_local: &dyn Fn(&str) -> bool) -> Option<SmolStr> {
     let dir = param.iter().position(|it| it.is_any(DIRECTIONS))?;
     let path = param.get(dir + 1..)?;

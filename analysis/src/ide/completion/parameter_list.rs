@@ -1,4 +1,4 @@
-//! Lists of parameters: of which kind one is, and the types in it.
+//! Lists of parameters: their kinds, and the types in them.
 
 use super::names::{Names, qualifier};
 use crate::{
@@ -21,7 +21,7 @@ pub(in crate::ide) enum List {
     Service,
 }
 
-/// Which parameter list a frame is, if it is one.
+/// The kind of parameter list of a frame, if it is one.
 pub(in crate::ide) fn list_kind(context: &Context, frame: usize) -> Option<List> {
     let it = context.frames.get(frame)?;
     let parent = context.frames.get(frame.checked_sub(1)?)?;
@@ -29,7 +29,7 @@ pub(in crate::ide) fn list_kind(context: &Context, frame: usize) -> Option<List>
         return None;
     }
     let head = context.head(it);
-    // Another parenthesis before it: the list is done, this is an execution time.
+    // Another parenthesis before it: the list has ended, this is an execution time.
     if head.iter().any(|it| it.is(")")) {
         return None;
     }
@@ -77,7 +77,7 @@ pub(super) fn walk(names: &Names<'_, '_>, mut ty: TypeId, steps: &[Word]) -> Opt
     Some(ty)
 }
 
-/// The type of the parameter whose first words are given, in the parameter list of a service.
+/// The type of a parameter with these first words, in the parameter list of a service.
 pub(in crate::ide) fn parameter_type(
     names: &Names<'_, '_>,
     context: &Context,
@@ -107,19 +107,19 @@ pub(in crate::ide) fn parameter_type(
 }
 
 impl Names<'_, '_> {
-    /// What the union around the cursor switches on.
+    /// The switch type of the union around the cursor.
     pub(super) fn switch_type(&self, context: &Context) -> Option<TypeId> {
         let head = context.head(context.top());
         let open = head.iter().position(|it| it.is("("))?;
         let close = head.iter().rposition(|it| it.is(")"))?;
-        // The bracket stands where a name would.
+        // The bracket is in the place of a name.
         self.type_before_name(head.get(open + 1..=close)?)
     }
 
-    /// The named type before the name of what is declared with it: `m::t name`.
+    /// The named type before the name of a declaration: `m::t name`.
     pub(in crate::ide) fn type_before_name(&self, words: &[Word]) -> Option<TypeId> {
         let (name, path) = words.split_last()?;
-        // The bound of a string does not matter to its values.
+        // The bound of a string does not affect its values.
         let bound = path
             .iter()
             .position(|it| it.is("<"))

@@ -1,4 +1,4 @@
-//! Names of codels by the pattern that the component's other codels follow.
+//! Names of codels in the pattern of the component's other codels.
 
 use rustc_hash::FxHashMap;
 
@@ -8,12 +8,12 @@ use crate::{
     model::{CodelKind, Component},
 };
 
-/// A pattern: `{c}` is the component, `{o}` the task or service, `{s}` the state; in capitals where these are
+/// A pattern: `{c}` is the component, `{o}` the task or service, `{s}` the state; in capitals if they are
 /// written in camel case.
 type Pattern = String;
 
-/// A name for a codel of the task or service around the cursor, for a state if it is a machine's; free in the
-/// component.
+/// A name for a codel of the task or service around the cursor, with a state if it belongs to a machine;
+/// unused in the component.
 pub(super) fn codel_name(names: &Names<'_, '_>, context: &Context, state: Option<&str>) -> String {
     let (_, frame) = context.body();
     let owner = context.name_of(frame).unwrap_or_default();
@@ -36,7 +36,7 @@ pub(super) fn codel_name(names: &Names<'_, '_>, context: &Context, state: Option
     names.free(&name)
 }
 
-/// The pattern that most codels of the component follow.
+/// The pattern of most codels of the component.
 fn usual(
     names: &Names<'_, '_>,
     component: &Component,
@@ -55,14 +55,14 @@ fn usual(
             }
         }
     }
-    // Of equally usual ones, the same each time.
+    // Ties are resolved in a fixed order.
     let best = counts
         .into_iter()
         .max_by(|a, b| (a.1, &b.0).cmp(&(b.1, &a.0)));
     best.map(|it| it.0)
 }
 
-/// The pattern of one name; `None` if it does not tell one codel from another.
+/// The pattern of one name; `None` if it does not distinguish codels.
 fn pattern_of(name: &str, component: &str, owner: &str, state: &str) -> Option<Pattern> {
     let parts = [
         (owner.to_owned(), "{o}"),
@@ -72,7 +72,7 @@ fn pattern_of(name: &str, component: &str, owner: &str, state: &str) -> Option<P
         (component.to_owned(), "{c}"),
     ];
     let mut parts: Vec<_> = parts.into_iter().filter(|it| !it.0.is_empty()).collect();
-    // A longer word may hold a shorter one.
+    // A longer word may contain a shorter one.
     parts.sort_by_key(|it| std::cmp::Reverse(it.0.len()));
     let mut out = name.to_owned();
     for (word, place) in parts {
@@ -86,7 +86,7 @@ fn pattern_of(name: &str, component: &str, owner: &str, state: &str) -> Option<P
     (owner_told && state_told).then_some(out)
 }
 
-/// Where a word stands in a name, bounded by `_`, a change of case, or a place that was found already.
+/// The offset of a word in a name, bounded by `_`, a change of case, or a part that was already found.
 fn whole(name: &str, word: &str) -> Option<usize> {
     let bytes = name.as_bytes();
     let mut from = 0;
@@ -137,7 +137,7 @@ mod tests {
             Some("{O}{S}")
         );
         assert_eq!(of("fill", "fill", "").as_deref(), Some("{o}"));
-        // `all` is no part of `fallen`, and nothing tells two states apart.
+        // `all` is not a part of `fallen`, and without the state two codels have the same name.
         assert_eq!(of("fallen", "all", ""), None);
         assert_eq!(of("tank_fill", "fill", "start"), None);
     }

@@ -1,4 +1,4 @@
-//! Scopes: what is declared inside of what.
+//! Scopes: the nesting of declarations.
 
 use smol_str::SmolStr;
 
@@ -7,7 +7,7 @@ use crate::{
     ide::FileView,
 };
 
-/// What the file is included in: modules and components, outermost first.
+/// The modules and components in which the file is included, outermost first.
 pub(super) fn outer_scope(view: &FileView<'_>, elaborated: &Elaborated) -> Vec<DefId> {
     if view.key.fragment(view.db) == dotgen_syntax::Fragment::Specification {
         return Vec::new();
@@ -29,7 +29,7 @@ pub(super) fn outer_scope(view: &FileView<'_>, elaborated: &Elaborated) -> Vec<D
     chain
 }
 
-/// Whether a definition is found by its path.
+/// Returns true if a definition is found by its path.
 pub(super) fn in_scopes(kind: DefKind) -> bool {
     use DefKind::*;
     matches!(
@@ -49,7 +49,7 @@ pub(super) fn in_scopes(kind: DefKind) -> bool {
     )
 }
 
-/// Whether names are declared inside of a definition.
+/// Returns true if names are declared inside of a definition.
 pub(super) fn opens_scope(kind: DefKind) -> bool {
     use DefKind::*;
     matches!(kind, Module | Component | Interface | Struct | Union | Ids)
@@ -61,7 +61,7 @@ pub(super) fn full_path(elaborated: &Elaborated, it: &Definition) -> Vec<SmolStr
     let mut next = it.container;
     while let Some(id) = next {
         let container = elaborated.definition(id);
-        // Enumerators live beside their enum.
+        // Enumerators are in the scope of their enum.
         if container.kind != DefKind::Enum {
             path.insert(0, container.name.clone());
         }

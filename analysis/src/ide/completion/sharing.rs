@@ -1,4 +1,4 @@
-//! What codels that run at the same time share.
+//! Data shared by codels that run at the same time.
 
 use smol_str::SmolStr;
 
@@ -8,11 +8,12 @@ use crate::{
     model::{Param, ParamSource, PathElement, ServiceKind},
 };
 
-/// What the codel at the cursor must not touch, as an async codel runs at the same time, or is one itself.
+/// Data that the codel at the cursor must not access, because an async codel runs at the same time, or
+/// because it is async itself.
 pub(super) struct Shared {
     /// Source and first name.
     names: Vec<(&'static str, SmolStr)>,
-    /// Whether the whole ids are among it.
+    /// True if the whole ids are included.
     pub(super) any: bool,
 }
 

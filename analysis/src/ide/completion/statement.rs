@@ -1,4 +1,4 @@
-//! Proposals in a statement of a body.
+//! Completion in a statement of a body.
 
 use super::{
     CompletionKind, Completions,
@@ -122,7 +122,7 @@ pub(super) fn complete(
     }
 }
 
-/// Whether the cursor is in a string of a `requires` property.
+/// Returns true if the cursor is in a string of a `requires` property.
 pub(super) fn in_requires(context: &Context) -> bool {
     context
         .current()
@@ -130,7 +130,7 @@ pub(super) fn in_requires(context: &Context) -> bool {
         .is_some_and(|it| it.is_any(&["requires", "require", "codels-requires", "codels-require"]))
 }
 
-/// Whether the cursor is in the string of a `lang` property.
+/// Returns true if the cursor is in the string of a `lang` property.
 pub(super) fn in_lang(context: &Context) -> bool {
     context.current().first().is_some_and(|it| it.is("lang"))
 }
@@ -146,7 +146,7 @@ fn expects_name(rest: &[Word]) -> bool {
     rest.last().is_none_or(|it| it.is(","))
 }
 
-/// In a list of names: another name that follows without a comma gets one.
+/// In a list of names: adds a comma if another name follows.
 fn in_list(context: &Context, out: &mut Completions) {
     let follows = context
         .after
@@ -154,7 +154,7 @@ fn in_list(context: &Context, out: &mut Completions) {
         .is_some_and(|it| it.kind == dotgen_syntax::SyntaxKind::IDENT);
     let in_path = context.current().last().is_some_and(|it| it.is("::"));
     if follows && context.word.is_empty() {
-        // Behind a qualifier what follows is no name of its own.
+        // A name after a qualifier is part of the path.
         if !in_path {
             out.with_comma();
         }
@@ -163,7 +163,7 @@ fn in_list(context: &Context, out: &mut Completions) {
     }
 }
 
-/// A type, unless one is already there and a name comes next.
+/// A type, unless there already is one and a name comes next.
 pub(super) fn type_or_nothing(
     names: &Names<'_, '_>,
     context: &Context,
@@ -177,7 +177,7 @@ pub(super) fn type_or_nothing(
     let [next, then, ..] = rest.as_slice() else {
         return;
     };
-    // The words of a type of the language go together: `unsigned long`.
+    // The words of a base type belong together: `unsigned long`.
     let part = |it: &Word| it.is_any(&["long", "short", "unsigned"]);
     if !context.word.is_empty() && context.after.same_line && part(next) {
         let parts = rest.iter().take_while(|it| part(it)).last();
@@ -187,12 +187,12 @@ pub(super) fn type_or_nothing(
         }
         return;
     }
-    // A type is there already: another one does not fit before it.
+    // There already is a type: another one does not fit before it.
     let word = |it: &Word| it.kind == dotgen_syntax::SyntaxKind::IDENT;
     let typed =
         context.after.same_line && (word(next) && (word(then) || then.is_any(&["::", "<"])));
     if typed && next.range.start == names.at() {
-        // The cursor touches it: it is what is being written.
+        // The cursor touches the type that is being written.
         let path = rest
             .chunks(2)
             .take_while(|it| matches!(it, [_, colons] if colons.is("::")));
@@ -205,11 +205,11 @@ pub(super) fn type_or_nothing(
     } else if typed {
         out.items.truncate(known);
     }
-    // In front of a path, what opens a scope.
+    // Before a path, names that open a scope.
     if context.after.same_line && next.is("::") {
         out.items.retain(|it| it.kind != CompletionKind::BaseType);
     }
-    // What has angle brackets, in front of some.
+    // Before angle brackets, types that have them.
     if context.after.same_line && next.is("<") {
         for item in out.items[known..].iter_mut().filter(|it| it.snippet) {
             let bare = item.insert.split('<').next().unwrap_or_default().to_owned();

@@ -2,7 +2,7 @@ use crate::test_support::Fixture;
 
 use super::*;
 
-/// `|` separates; the best come first. `…` at the end: there may be more.
+/// `|` separates items; the best come first. A trailing `…` allows further items.
 #[track_caller]
 fn check(text: &str, expected: &str) {
     let fixture = Fixture::new(text);
@@ -19,7 +19,7 @@ fn check(text: &str, expected: &str) {
     }
 }
 
-/// All of these are proposed, and none of those after `!`.
+/// Checks that all of these are proposed, and none of those after `!`.
 #[track_caller]
 fn has(text: &str, expected: &str) {
     let fixture = Fixture::new(text);
@@ -33,7 +33,7 @@ fn has(text: &str, expected: &str) {
     }
 }
 
-/// The text after the item with this label was taken, without placeholders.
+/// Checks the text after the item with this label is inserted, without placeholders.
 #[track_caller]
 fn takes(text: &str, label: &str, expected: &str) {
     let fixture = Fixture::new(text);
@@ -308,7 +308,7 @@ fn states_of_the_machine() {
         "pause::start | go | ether | start | pause::go | pause::",
     );
     check(&in_arm("task u { codel<start> f() $0"), "yield | wcet");
-    // What the execution time is said with is no state.
+    // The word for the execution time is not a state.
     check(
         &in_arm("task u { codel<start> f() yield $0 wcet 3 us; codel<go> g() yield ether; };"),
         "go | pause::start | ether | pause::go | start | pause::",
@@ -317,7 +317,7 @@ fn states_of_the_machine() {
         &in_arm("task u { codel<start> f() yield go, $0 wcet 3 us; codel<go> g() yield ether; };"),
         "pause::start | ether | pause::go | start | pause::",
     );
-    // Round by way of others.
+    // Cycles through other states.
     check(
         &in_arm(
             "task u { codel<start> f() yield go; codel<go> g() yield $0; codel<on> h() yield go; };",
@@ -359,18 +359,18 @@ fn services_tasks_exceptions_interfaces() {
 
 #[test]
 fn what_follows_the_cursor_counts() {
-    // Another element follows: it gets its comma.
+    // Another element follows: a comma is inserted.
     takes(
         "component c { ids { long a, b; }; task t { codel<start> f($0in a) yield ether; }; };",
         "in b",
         "component c { ids { long a, b; }; task t { codel<start> f(in b, in a) yield ether; }; };",
     );
-    // A name that is used behind the cursor, too.
+    // A name that is used after the cursor, too.
     has(
         &in_arm("task u { codel<start> f($0, in goal) yield ether; };"),
         "in way | !in goal",
     );
-    // Only the direction is missing, or the statement but for its first word.
+    // Only the direction, or only the first word of the statement, is missing.
     check(
         &in_arm("task u { codel<start> f($0 goal) yield ether; };"),
         "in | out | inout",
@@ -433,7 +433,7 @@ fn directives_and_macros() {
     has("#$0", "include | define | pragma requires");
     takes("#inc$0", "include", "#include \"\"");
     has("#define LIMIT 3\n#ifdef $0", "LIMIT | !__FILE__");
-    // Only what begins a statement may stand where one begins, and what guards a file says nothing.
+    // At the start of a statement only macros for statements are proposed, and no include guards.
     has(
         "#define LIMIT 3\n#define T typedef long t;\n$0",
         "T | !LIMIT",
@@ -533,7 +533,7 @@ fn documentation_on_demand() {
         .unwrap()
         .unwrap();
     assert!(doc.markdown.contains("long x;"), "{}", doc.markdown);
-    // Stale proposals have none.
+    // Stale items have no documentation.
     assert_eq!(
         analysis
             .resolve_completion(path, definition, "other")

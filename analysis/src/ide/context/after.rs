@@ -1,4 +1,4 @@
-//! What follows the cursor: the rest of the list and statement around it, and the statements behind it.
+//! The text after the cursor: the rest of the list and statement around it, and the statements after it.
 
 use dotgen_syntax::SyntaxKind;
 use smol_str::SmolStr;
@@ -6,20 +6,20 @@ use smol_str::SmolStr;
 use super::Word;
 use crate::ide::FileView;
 
-/// Tokens that are looked at; longer bodies are seldom written.
+/// Maximum number of tokens to scan; few bodies are longer.
 const MOST: usize = 4_000;
 
-/// See the module.
+/// The text after the cursor; see the module.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(crate) struct After {
     /// The rest of the statement, brackets included, up to its `;`, to the end of the innermost body, or to a
     /// `{`.
     pub(crate) rest: Vec<Word>,
-    /// Whether the first of these stands on the line of the cursor.
+    /// True if the first of these is on the line of the cursor.
     pub(crate) same_line: bool,
     /// First words of the statements behind this one in the same body.
     pub(crate) later: Vec<SmolStr>,
-    /// Whether the next thing is the `;` that ends the statement.
+    /// True if the next token is the `;` that ends the statement.
     pub(crate) ends: bool,
 }
 
@@ -58,8 +58,8 @@ impl After {
             }
             use SyntaxKind::*;
             match kind {
-                // A bracket that is closed here was opened before the cursor, but for braces it ends a list
-                // only.
+                // A bracket that is closed here was opened before the cursor; except for braces, it ends only
+                // a list.
                 R_CURLY if depth == 0 => break,
                 R_CURLY => depth -= 1,
                 L_CURLY => {
@@ -91,7 +91,7 @@ impl After {
         out
     }
 
-    /// The next word or sign of the statement, if the cursor's line goes on with it.
+    /// The next word or sign of the statement, if it is on the line of the cursor.
     pub(crate) fn next(&self) -> Option<&Word> {
         self.rest.first().filter(|_| self.same_line)
     }

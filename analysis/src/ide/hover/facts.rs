@@ -1,4 +1,4 @@
-//! What the model knows about a task, service, codel or state beyond its declaration: callers, transitions,
+//! Facts from the model about a task, service, codel or state beyond its declaration: callers, transitions,
 //! exclusions, loads.
 
 use crate::{
@@ -12,10 +12,10 @@ use crate::{
     quantity,
 };
 
-/// More names than are worth reading in a hover.
+/// Maximum number of names in a hover.
 const MANY: usize = 6;
 
-/// Something to say, and the task or service that it is about.
+/// A fact, and the task or service that it is about.
 struct Fact {
     owner: Option<Owner>,
     text: String,
@@ -27,8 +27,7 @@ impl Fact {
     }
 }
 
-/// A Markdown list, if there is anything to say. What is about `owner`, a task or a service by name, comes
-/// first.
+/// A Markdown list, if there are facts. Facts about `owner`, a task or a service by name, come first.
 pub(super) fn facts(
     elaborated: &Elaborated,
     it: &Definition,
@@ -53,7 +52,7 @@ pub(super) fn facts(
     list(&lines)
 }
 
-/// The same for a service as a component has it.
+/// Facts about a service in a component.
 pub(super) fn of_service(component: &Component, name: &str) -> Option<String> {
     list(&service(component, name))
 }
@@ -63,8 +62,8 @@ fn list(lines: &[Fact]) -> Option<String> {
     (!lines.is_empty()).then(|| lines.join("\n"))
 }
 
-/// The component or interface that something belongs to. A codel is a function: it belongs to whichever
-/// component has it there.
+/// The component or interface of an entity. A codel is a function: it belongs to any component that declares
+/// it there.
 pub(super) fn component_of<'e>(
     elaborated: &'e Elaborated,
     it: &Definition,
@@ -166,7 +165,7 @@ fn codel(spec: &Spec, component: &Component, name: &str) -> Vec<Fact> {
     out
 }
 
-/// From which codels a codel is reached.
+/// The codels from which a codel is reached.
 fn callers(machine: &Machine<'_>, codel: &Codel) -> String {
     let mut from: Vec<String> = Vec::new();
     for (_, other) in &machine.codels {

@@ -1,4 +1,4 @@
-//! What a component says of its own about a service that an interface declares.
+//! The component's own declarations about a service of an interface.
 
 use dotgen_syntax::{SyntaxKind, TextRange};
 
@@ -8,7 +8,7 @@ use crate::{
     ide::{FileView, render::normalized},
 };
 
-/// The declaration by which the component around a mention completes a service of an interface.
+/// The declaration with which the component around a mention completes a service of an interface.
 pub(super) fn completion(view: &FileView<'_>, mention: TextRange, id: DefId) -> Option<String> {
     let elaborated = view.elaborated();
     let declared = elaborated.definitions.get(id.0 as usize)?;

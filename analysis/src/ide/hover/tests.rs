@@ -1,4 +1,4 @@
-//! What hovers say.
+//! The texts of hovers.
 
 use expect_test::{Expect, expect};
 
@@ -409,7 +409,7 @@ component d { provides i; function other() { interrupts halt; }; };
             At once.
         "#]],
     );
-    // Where the component uses it, too.
+    // Also where the component uses it.
     check(
         &at("interrupts go$0"),
         expect![[r#"
@@ -426,7 +426,7 @@ component d { provides i; function other() { interrupts halt; }; };
             * interrupted by `halt`
         "#]],
     );
-    // A component that says nothing of its own has what the interface says.
+    // A component without a declaration of its own shows the interface's.
     check(
         &at("interrupts halt$0"),
         expect![[r#"

@@ -1,4 +1,4 @@
-//! What already has the name that something else is to get.
+//! Entities that already have the new name.
 
 use crate::{
     base::Db,
@@ -7,7 +7,7 @@ use crate::{
     unit::unit_of_root,
 };
 
-/// What has a name already, where, and what to do about it; if it can be in the way of a `kind`.
+/// The entity that already has a name, its place, and advice; if it can clash with a `kind`.
 pub(super) fn taken(
     db: &dyn Db,
     unit: &Comparison,
@@ -32,7 +32,7 @@ pub(super) fn taken(
     ))
 }
 
-/// Things of one family are looked up, or stand, in the same place.
+/// The family of a kind: names of one family clash with each other.
 fn family(kind: DefKind) -> u8 {
     match kind {
         DefKind::Codel => 0,

@@ -1,4 +1,4 @@
-//! Units in which a rename cannot change anything but a name.
+//! Units in which a rename can only change a name.
 
 use std::ops::Range;
 
@@ -10,9 +10,9 @@ use crate::{
     unit::{files, unit_of_root},
 };
 
-/// A rename, asked about one unit after the other.
+/// A rename, for checks of one unit after the other.
 pub(super) struct Fresh<'a> {
-    /// What is edited, by file.
+    /// The edited ranges, by file.
     edited: FxHashMap<SourceFile, Vec<Range<usize>>>,
     old: &'a str,
     new_name: &'a str,
@@ -40,12 +40,11 @@ impl<'a> Fresh<'a> {
         }
     }
 
-    /// Whether the unit of a root is the same afterwards but for one name.
+    /// Returns true if only one name differs in the unit of a root after the rename.
     ///
-    /// The language compares names and asks for nothing else in them. So a unit means the same when one
-    /// identifier is replaced by another one wherever it stands (alpha-conversion), if nothing in the unit
-    /// has the new one: neither as it is, nor in another case, nor as a part of a name that is put together
-    /// (`COMPONENT_state`, `a ## b`).
+    /// The language only compares names. So a unit means the same after one identifier is replaced by another
+    /// everywhere (alpha-conversion), if the new one does not occur in the unit: neither as it is, nor in
+    /// another case, nor as a part of a composed name (`COMPONENT_state`, `a ## b`).
     pub(super) fn in_unit_of(&self, db: &dyn Db, root: SourceFile) -> bool {
         files(db, unit_of_root(db, root))
             .into_iter()
@@ -71,7 +70,7 @@ impl<'a> Fresh<'a> {
         })
     }
 
-    /// Whether a word may be taken for the new name, or be put together to it or with it.
+    /// Returns true if a word may be confused with the new name, or form it or a longer name with it.
     fn may_meet(&self, word: &str) -> bool {
         let (short, long) = match word.len() <= self.new_name.len() {
             true => (word, self.new_name),

@@ -216,7 +216,7 @@ fn clashes_captures_and_words_are_refused() {
         "n",
         "a state has that name already (main.gen, line 2); choose another name, or rename that one first",
     );
-    // What is not in the way is not named.
+    // Entities that do not clash are not mentioned.
     refused(
         "struct s { long b; };\ncomponent c { function f(in long a$0, in long z); attribute b(); };\n",
         "z",
@@ -294,7 +294,8 @@ fn includes_follow_their_files() {
     assert_eq!(moved(text, "/a", "/b"), [""; 0]);
 }
 
-/// A second unit has the type as well. The rename is tried there unless nothing in it can meet the new name.
+/// A second unit has the type as well. The rename is compiled there unless no word in it can clash with the
+/// new name.
 #[test]
 fn other_units_are_tried_where_the_new_name_may_meet_another() {
     let shared = |other: &str| {

@@ -13,7 +13,7 @@ use crate::item_tree::{
 };
 
 impl Lower<'_> {
-    /// A type; `owner` is where to point when it is missing.
+    /// A type; if it is missing, `owner` is reported.
     pub(super) fn type_ref(&mut self, ty: Option<ast::TypeSpec>, owner: &SyntaxNode) -> TypeRef {
         let Some(ty) = ty else {
             return TypeRef {
@@ -93,7 +93,7 @@ impl Lower<'_> {
         })
     }
 
-    /// An expression; `owner` is where to point when it is missing.
+    /// An expression; if it is missing, `owner` is reported.
     pub(super) fn expr(&mut self, expr: Option<ast::Expr>, owner: &SyntaxNode) -> Expr {
         let Some(expr) = expr else {
             return Expr {
@@ -162,7 +162,7 @@ impl Lower<'_> {
         }
     }
 
-    /// The spelling of a string, with the closing quote it may lack.
+    /// The spelling of a string, with a missing closing quote added.
     fn string_text(&self, token: &SyntaxToken) -> SmolStr {
         let text = self.map.text(token);
         match token.kind() {
@@ -213,7 +213,7 @@ fn inline(name: Option<crate::item_tree::Name>, kind: TypeDeclKind, ptr: Ptr) ->
     TypeRefKind::Inline(Box::new(TypeDecl { name, kind, ptr }))
 }
 
-/// `None` for the reserved words that nothing uses and for what the grammar has reported.
+/// `None` for unused reserved words and for errors reported by the grammar.
 fn base_type(it: &ast::BaseType) -> Option<BaseType> {
     use SyntaxKind as K;
     let words: Vec<SyntaxKind> = it.words().collect();

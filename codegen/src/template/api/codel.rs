@@ -117,6 +117,9 @@ pub(super) fn call(model: &Model<'_>, component: u32, at: CodelRef, words: &[Str
 }
 
 /// The boolean argument of a language procedure.
+///
+/// # Errors
+/// Fails for text that is not a Tcl boolean.
 pub(crate) fn boolean(text: &str) -> Result<bool, Failure> {
     super::component::truth(text)
         .ok_or_else(|| Failure::Error(format!("expected boolean value but got \"{text}\"")))

@@ -104,7 +104,7 @@ pub(super) fn call(
             return types(model, &object, arguments, lambda);
         }
         "digest" => return digest(model, &Object::Component(index), arguments, lambda),
-        // What is in no other component.
+        // Items outside of every other component.
         "loc" => model.place(model.places.place(it.src, Anchor::First), None, arguments)?,
         _ => Some(Answer::pure(
             class(model.spec, &Object::Component(index)).into(),

@@ -102,7 +102,7 @@ pub(super) fn param(model: &Model<'_>, component: u32, at: ParamRef, words: &[St
     answer.ok_or_else(|| undefined(method))
 }
 
-/// Finds the part of a default value that is for a type inside the type of the whole.
+/// Finds the part of a default value for a type inside the whole type.
 fn find_part(
     model: &Model<'_>,
     init: &Initializer,

@@ -126,7 +126,7 @@ pub(super) fn call(
         "address" => pure(mapper.address(ty, argument(0))?),
         "dereference" => {
             let passing = Passing::from_name(argument(0));
-            // C++ passes by reference whatever the kind is called.
+            // C++ passes by reference for every kind.
             let passing = match (model.language, passing) {
                 (crate::lang::Language::Cxx, Err(_)) => Passing::Value,
                 (_, passing) => passing?,
@@ -191,7 +191,7 @@ fn check_arguments(
     })
 }
 
-/// Whether values of the type have a constant size.
+/// Returns true if values of the type have a constant size.
 fn fixed(model: &Model<'_>, ty: TypeId, depth: usize) -> bool {
     let Some(depth) = depth.checked_sub(1) else {
         return false;

@@ -1,4 +1,4 @@
-//! What a template has written so far. It goes to the disk when the template has ended.
+//! The files written so far by a template. They are written to disk when the template has ended.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -9,16 +9,16 @@ use crate::disk::{Disk, NewContent, WriteError};
 use crate::template::Failure;
 use crate::template::reach::plain;
 
-/// Files in memory over those of the disk. Reads see what was written before.
+/// Files in memory over the files on disk. Reads return what was written before.
 #[derive(Debug)]
 pub(crate) struct Staged {
     files: BTreeMap<PathBuf, PreviewFile>,
-    /// Whether the files go to the disk in the end.
+    /// True if the files are written to disk at the end.
     direct: bool,
 }
 
 impl Staged {
-    /// For a sink.
+    /// A staging area for a sink.
     pub(crate) fn new(sink: OutputSink) -> Staged {
         match sink {
             OutputSink::Direct => Staged {
@@ -32,7 +32,7 @@ impl Staged {
         }
     }
 
-    /// Files that are to go to the disk.
+    /// Files to be written to disk.
     pub(crate) fn direct(files: BTreeMap<PathBuf, PreviewFile>) -> Staged {
         Staged {
             files,
@@ -46,7 +46,7 @@ impl Staged {
         self.files.values().filter(differ).count()
     }
 
-    /// Ends the run: gives the files to the disk, unless they are only to be seen or the run has failed.
+    /// Ends the run: writes the files to disk, unless they are only a preview or the run has failed.
     pub(crate) fn finish(
         self,
         disk: &dyn Disk,
@@ -59,7 +59,7 @@ impl Staged {
         if !failed {
             let (mut contents, mut modes) = (Vec::new(), Vec::new());
             for (path, file) in self.files {
-                // A file with its old content stays as it is: build tools look at times.
+                // An unchanged file is not written: build tools compare modification times.
                 match file.before.as_ref() == Some(&file.after) {
                     true => modes.extend(file.mode.map(|mode| (path, mode))),
                     false => contents.push(NewContent {
@@ -84,7 +84,10 @@ impl Staged {
         (OutputSink::Direct, written)
     }
 
-    /// Bytes of a file, `None` when it does not exist.
+    /// Bytes of a file, `None` if it does not exist.
+    ///
+    /// # Errors
+    /// Fails if the file on disk cannot be read.
     pub(crate) fn read(&self, disk: &dyn Disk, path: &Path) -> io::Result<Option<Vec<u8>>> {
         match self.files.get(&plain(disk, path)) {
             Some(file) => Ok(Some(file.after.clone())),
@@ -92,12 +95,15 @@ impl Staged {
         }
     }
 
-    /// Whether there is something at a path.
+    /// Returns true if a path exists.
     pub(crate) fn exists(&self, disk: &dyn Disk, path: &Path) -> bool {
         self.files.contains_key(&plain(disk, path)) || disk.exists(path)
     }
 
-    /// Puts bytes where they belong, whatever is there.
+    /// Stores bytes at a path, replacing any existing content.
+    ///
+    /// # Errors
+    /// Fails if an existing file on disk cannot be read.
     pub(crate) fn write(&mut self, disk: &dyn Disk, path: &Path, bytes: &[u8]) -> io::Result<()> {
         let path = plain(disk, path);
         let known = self.files.get(&path);
@@ -116,6 +122,9 @@ impl Staged {
     }
 
     /// The mode that a file would have with permissions in one of the forms of Tcl.
+    ///
+    /// # Errors
+    /// Fails for an unknown form.
     pub(crate) fn mode(&self, disk: &dyn Disk, path: &Path, text: &str) -> Result<u32, Failure> {
         let known = self.files.get(&plain(disk, path)).and_then(|it| it.mode);
         let current = known.unwrap_or_else(|| match disk.status(path).map_or(0, |it| it.mode) {
@@ -126,14 +135,17 @@ impl Staged {
             .ok_or_else(|| Failure::Error(format!("unknown permission string format \"{text}\"")))
     }
 
-    /// Notes the reason why a person has to look at a file. `folders`: those of the results.
+    /// Records the reason why the user must review a file. `folders` are the folders of the results.
     pub(crate) fn mark(&mut self, disk: &dyn Disk, path: &Path, folders: &[PathBuf]) {
         if let Some(file) = self.files.get_mut(&plain(disk, path)) {
             file.concern = concern(disk, path, file.mode, folders);
         }
     }
 
-    /// Gives a file permissions, in one of the forms of Tcl.
+    /// Sets the permissions of a file, in one of the forms of Tcl.
+    ///
+    /// # Errors
+    /// Fails for an unknown form.
     pub(crate) fn set_permissions(
         &mut self,
         disk: &dyn Disk,
@@ -145,7 +157,7 @@ impl Staged {
         let mode = self.mode(disk, path, text)?;
         match self.files.get_mut(&key) {
             Some(file) => file.mode = Some(mode),
-            // Up to date, but for its permissions.
+            // Up to date, except for its permissions.
             None if mode != on_disk_mode() => {
                 let bytes = on_disk(disk, &key).ok().flatten().unwrap_or_default();
                 let file = PreviewFile {

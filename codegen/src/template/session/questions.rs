@@ -1,4 +1,4 @@
-//! What templates ask about the model.
+//! The questions of templates about the model.
 
 use std::rc::Rc;
 
@@ -30,7 +30,7 @@ impl Session<'_> {
         }
     }
 
-    /// Runs `ask` with the current model and a way to evaluate lambdas.
+    /// Runs `ask` with the current model and a function that evaluates lambdas.
     pub(super) fn with_model<T>(
         &mut self,
         language: Language,
@@ -58,7 +58,7 @@ impl Session<'_> {
         let object = self.object(handle)?;
         self.with_model(language, |model, lambda| {
             let answer = model.call(&object, &words[1..], lambda);
-            // Other questions about the object will follow: save their round trips.
+            // Further questions about the object are likely: answering them now saves their round trips.
             let mut others = Vec::new();
             for method in Model::cheap_methods(&object) {
                 let words = [(*method).to_owned()];
@@ -294,8 +294,11 @@ impl Session<'_> {
         Ok(Answer::pure(text))
     }
 
-    /// A confined template reads the specifications it was given, those of the folders it may write to, and
+    /// A confined template may read the specifications given to it, those of the folders it may write to, and
     /// its own.
+    ///
+    /// # Errors
+    /// Fails for any other file.
     fn check_input(&self, file: &str) -> Result<(), Failure> {
         let path = self.run.base.join(file);
         let results = self.run.confined.map(|it| it.results.as_slice());
@@ -328,7 +331,7 @@ impl Session<'_> {
         let mut registry = std::mem::take(&mut self.registry);
         let created = match Rc::get_mut(&mut registry) {
             Some(registry) => registry.update(&self.compiled.spec),
-            // A lambda parses while the model is being walked: that walk keeps the old names.
+            // A lambda parses while the model is being walked: the walk keeps the old names.
             None => {
                 let mut copy = Registry::clone(&registry);
                 let created = copy.update(&self.compiled.spec);

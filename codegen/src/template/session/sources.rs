@@ -1,4 +1,4 @@
-//! Sources of templates, the places of their errors, and what the engine does with files.
+//! Sources of templates, the places of their errors, and the engine's operations on files.
 
 use std::path::Path;
 

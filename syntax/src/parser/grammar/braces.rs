@@ -1,16 +1,15 @@
-//! Braces that are missing or too many.
+//! Missing and superfluous braces.
 //!
-//! Whether a `{` or a `}` is missing cannot be seen where it is missing: `task t` may lack its `;` or
-//! its `{`. The braces of the rest of the file tell ([`Parser::has_spare_brace`],
-//! [`Parser::lacks_brace`]), and so does the indentation. Where all braces are paired nothing here
-//! changes how a text is read.
+//! A missing `{` or `}` cannot be recognised at its place: `task t` may lack its `;` or its `{`. The braces
+//! of the rest of the file decide ([`Parser::has_spare_brace`], [`Parser::lacks_brace`]), and so does the
+//! indentation. If all braces are paired, nothing here changes the reading of a text.
 
 use super::*;
 
-/// Tokens that are looked at to find where a body without `{` ends; none is longer.
+/// Maximum number of tokens searched for the end of a body without `{`; no body is longer.
 const LOOK_AHEAD: usize = 4096;
 
-/// What stands inside and outside of components.
+/// The tokens that begin items inside and outside of components.
 const COMMON: TokenSet = TokenSet::new(&[
     MODULE_KW,
     CONST_KW,
@@ -22,7 +21,7 @@ const COMMON: TokenSet = TokenSet::new(&[
     ENUM_KW,
 ]);
 
-/// Properties of components alone.
+/// Properties that only components have.
 const OF_COMPONENTS: TokenSet = TokenSet::new(&[
     VERSION_KW,
     LANG_KW,
@@ -38,13 +37,13 @@ const OF_COMPONENTS: TokenSet = TokenSet::new(&[
 /// Properties that components have too.
 const SHARED: TokenSet = TokenSet::new(&[DOC_KW, THROWS_KW]);
 
-/// A body that is being read.
+/// An open body.
 #[derive(Clone, Copy)]
 pub(super) struct Body<'a> {
     pub(super) fragment: Fragment,
-    /// What it belongs to, for messages.
+    /// The owner, for messages.
     pub(super) owner: &'a str,
-    /// Its `{`, unless that is missing.
+    /// The `{`, unless that is missing.
     brace: Option<usize>,
     /// First token of the declaration that it belongs to.
     item: usize,
@@ -73,7 +72,7 @@ pub(super) fn open<'a>(p: &mut Parser<'_>, fragment: Fragment, owner: &'a str) -
     }
 }
 
-/// Ends a body. Its `}` is missing where something else is.
+/// Ends a body. A missing `}` is reported at the token in its place.
 pub(super) fn close(p: &mut Parser<'_>, body: Body<'_>) {
     let closed = !is_left(p, body) && p.eat(R_CURLY);
     p.open -= 1;
@@ -85,7 +84,7 @@ pub(super) fn close(p: &mut Parser<'_>, body: Body<'_>) {
         let (found, owner) = (p.describe_current().into(), owner.into());
         let (missing, kind) = match p.current() {
             EOF => ("};", Parsing::BodyNotClosedAtEnd { owner }),
-            // What follows the `}` is there.
+            // The `;` that follows the `}` is there.
             SEMICOLON => {
                 let found = "this `;`".into();
                 ("}", Parsing::BodyNotClosedHere { owner, found })
@@ -104,15 +103,15 @@ pub(super) fn close(p: &mut Parser<'_>, body: Body<'_>) {
     p.unclosed += 1;
 }
 
-/// What follows the name that a member is given.
+/// The tokens that may follow the name of a member.
 const AFTER_DECLARATOR: TokenSet = TokenSet::new(&[SEMICOLON, COMMA, L_BRACK]);
 
-/// Whether a body is here, be it without its `{`.
+/// Returns true at a body, with or without its `{`.
 pub(super) fn at_body(p: &Parser<'_>, fragment: Fragment) -> bool {
     p.at(L_CURLY) || (!p.at_item_end() && lacks_open(p, fragment))
 }
 
-/// The same for the names of an enum.
+/// Like [`at_body`], for the names of an enum.
 pub(super) fn at_enumerators(p: &Parser<'_>) -> bool {
     const AFTER: TokenSet = TokenSet::new(&[COMMA, R_CURLY]);
     p.at(L_CURLY) || (p.at(IDENT) && p.nth_at_ts(1, AFTER) && p.has_spare_brace())
@@ -124,7 +123,7 @@ fn lacks_open(p: &Parser<'_>, fragment: Fragment) -> bool {
     match fragment {
         Fragment::Specification => false,
         Fragment::Module => p.at_ts(COMMON) && p.has_spare_brace(),
-        // What stands in components only needs one around it.
+        // Items that belong only in components need a component around them.
         Fragment::Component if p.at_ts(COMPONENTS) => false,
         Fragment::Component => {
             (spec::at_item(p) && !p.at_ts(COMMON))
@@ -142,8 +141,8 @@ fn lacks_open(p: &Parser<'_>, fragment: Fragment) -> bool {
     }
 }
 
-/// Whether, in a component, the properties of a task or service begin here whose first line is missing,
-/// up to its `}`.
+/// Returns true if, in a component, the properties of a task or service without its first line begin here, up
+/// to its `}`.
 pub(super) fn at_headless_properties(p: &Parser<'_>) -> bool {
     property::at_property(p)
         && !p.at_ts(OF_COMPONENTS)
@@ -151,12 +150,12 @@ pub(super) fn at_headless_properties(p: &Parser<'_>) -> bool {
         && properties_follow(p).is_some_and(|held| held)
 }
 
-/// Whether nothing but properties follows, up to the next `}`.
+/// Returns true if only properties follow, up to the next `}`.
 fn only_properties_follow(p: &Parser<'_>) -> bool {
     properties_follow(p).is_some()
 }
 
-/// If nothing but properties follows, up to the next `}`: whether some are of tasks or services only.
+/// If only properties follow, up to the next `}`: true if some of them belong only to tasks or services.
 fn properties_follow(p: &Parser<'_>) -> Option<bool> {
     const HELD: TokenSet = TokenSet::new(&[
         PERIOD_KW,
@@ -194,8 +193,8 @@ fn properties_follow(p: &Parser<'_>) -> Option<bool> {
     ends.then_some(held)
 }
 
-/// Looks at each token that something begins with, outside of braces that open here, up to the next `}` that
-/// closes nothing opened here. Whether there is one, and `goes_on` was true until then.
+/// Visits each token that begins something, outside of braces that open here, up to the next `}` that closes
+/// nothing opened here. Returns true if there is such a `}` and `goes_on` was true up to it.
 fn each_beginning(p: &Parser<'_>, start: usize, mut goes_on: impl FnMut(usize) -> bool) -> bool {
     let (mut depth, mut begins) = (0u32, true);
     for i in start..start + LOOK_AHEAD {
@@ -215,7 +214,7 @@ fn each_beginning(p: &Parser<'_>, start: usize, mut goes_on: impl FnMut(usize) -
     false
 }
 
-/// Whether a body ends here without its `}`: what is here stands too far to the left to be in it.
+/// Returns true if a body ends here without its `}`: the current token is too far to the left to be in it.
 pub(super) fn is_left(p: &Parser<'_>, body: Body<'_>) -> bool {
     if !p.lacks_brace() {
         return false;
@@ -237,10 +236,10 @@ pub(super) fn is_left(p: &Parser<'_>, body: Body<'_>) -> bool {
     }
 }
 
-/// Whether what is here may stand behind a body of this kind, in a component mostly.
+/// Returns true if the current token may follow a body of this kind, mostly in a component.
 fn may_follow(p: &Parser<'_>, fragment: Fragment) -> bool {
     match fragment {
-        // Not much stands behind components, and not everybody indents what is in them.
+        // Few items follow components, and their content is not always indented.
         Fragment::Component => false,
         Fragment::Properties => {
             spec::at_declaration(p)
@@ -250,21 +249,21 @@ fn may_follow(p: &Parser<'_>, fragment: Fragment) -> bool {
     }
 }
 
-/// Whether the `}` here does not end the body of the component: what only components hold follows, and
-/// another `}`.
+/// Returns true if the `}` here does not end the body of the component: items that only components hold
+/// follow, and another `}`.
 pub(super) fn is_stray(p: &Parser<'_>, fragment: Fragment) -> bool {
     fragment == Fragment::Component
         && p.has_spare_brace()
         && holds(p, p.position() + 1) == Some(true)
 }
 
-/// Whether a `}` follows that ends a body without a first line, before another component begins.
+/// Returns true if a `}` follows that ends a body without a first line, before another component begins.
 pub(super) fn lacks_head(p: &Parser<'_>) -> bool {
     p.has_spare_brace() && holds(p, p.position()).is_some()
 }
 
-/// Whether what only components hold is between a token and the next `}` that closes nothing opened there;
-/// `None` if a component begins before.
+/// Returns true if items that only components hold are between a token and the next `}` that closes nothing
+/// opened here; `None` if a component begins before that `}`.
 fn holds(p: &Parser<'_>, start: usize) -> Option<bool> {
     const HELD: TokenSet = TokenSet::new(&[
         IDS_KW,
@@ -283,7 +282,7 @@ fn holds(p: &Parser<'_>, start: usize) -> Option<bool> {
     ends.then_some(found)
 }
 
-/// A `}` that closes nothing, with the `;` after it.
+/// A `}` without a partner, with the `;` after it.
 pub(super) fn extra(p: &mut Parser<'_>) {
     let m = p.start();
     if p.unclosed > 0 {

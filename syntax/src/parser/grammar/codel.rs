@@ -2,17 +2,17 @@
 
 use super::*;
 
-/// Which codels may stand at a place.
+/// The forms of codels that a place allows.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Form {
     /// Without states.
     Simple,
-    /// With or without.
+    /// With or without states.
     Any,
 }
 
-/// What follows the word `codel` or `validate`. Returns what else could follow it, for the message about
-/// a missing `;`.
+/// The rest of a codel after the word `codel` or `validate`. Returns the tokens that could also follow it,
+/// for the message about a missing `;`.
 // test codel
 // component c {
 //   activity a() {
@@ -74,7 +74,7 @@ pub(super) fn codel(p: &mut Parser<'_>, form: Form) -> &'static str {
     others
 }
 
-/// Whether a codel property begins here, also where one is not expected.
+/// Returns true if a codel property begins here, even where none is expected.
 pub(super) fn at_codel(p: &Parser<'_>) -> bool {
     const AFTER: TokenSet = TokenSet::new(&[L_ANGLE, IDENT]);
     p.at(CODEL_KW) && p.nth_at_ts(1, AFTER)
@@ -102,7 +102,7 @@ fn triggers(p: &mut Parser<'_>) {
                 _ => {}
             }
         }
-        // Pass what cannot be a state, as far as the `>` is near.
+        // Skip tokens that cannot be a state, if the `>` is near.
         if !p.at(IDENT) && !p.at_item_end() && !p.at(L_PAREN) {
             let bad = p.start();
             while !p.at(R_ANGLE) && !p.at_item_end() && !p.at(L_PAREN) {
@@ -161,12 +161,12 @@ fn state(p: &mut Parser<'_>) -> bool {
     true
 }
 
-/// Whether a name is here that is not the next declaration of half-typed text.
+/// Returns true at a name that is not the next declaration of incomplete text.
 fn at_state(p: &Parser<'_>) -> bool {
     p.at(IDENT) && (!spec::at_item(p) || at_timed_state(p)) && !at_wcet(p)
 }
 
-/// Whether an execution time is here, `wcet 5 us`, rather than a state called `wcet`.
+/// Returns true at an execution time, `wcet 5 us`, not at a state called `wcet`.
 fn at_wcet(p: &Parser<'_>) -> bool {
     const VALUE: TokenSet = TokenSet::new(&[INT, FLOAT, L_PAREN]);
     const OPERATOR: TokenSet =
@@ -175,14 +175,14 @@ fn at_wcet(p: &Parser<'_>) -> bool {
     p.at(WCET_KW) && (p.nth_at_ts(1, VALUE) || of_name)
 }
 
-/// A state called like the beginning of a declaration, with an execution time: `yield period 5 us`,
-/// `yield codel wcet 5 us`.
+/// Returns true at a state that is named like the beginning of a declaration, with an execution time:
+/// `yield period 5 us`, `yield codel wcet 5 us`.
 fn at_timed_state(p: &Parser<'_>) -> bool {
     const NUMBER: TokenSet = TokenSet::new(&[INT, FLOAT]);
     p.nth_at(1, WCET_KW) || p.nth_at_ts(1, NUMBER)
 }
 
-/// `wcet D [unit]`, any number of times: which is one too many is said with the model at hand.
+/// `wcet D [unit]`, any number of times: repeated ones are reported later, by the model.
 fn wcet(p: &mut Parser<'_>) {
     const WORD: TokenSet = TokenSet::new(&[WCET_KW]);
     const NUMBER: TokenSet = TokenSet::new(&[INT, FLOAT]);
@@ -190,7 +190,7 @@ fn wcet(p: &mut Parser<'_>) {
     while p.at(WCET_KW) {
         let m = p.start();
         p.bump(WCET_KW);
-        // A missing value is an error of the clause, not of the text (`wcet-value`).
+        // A missing value is an error of the clause (`wcet-value`), not of the syntax.
         if !p.at(SEMICOLON) && !p.at(YIELDS_KW) {
             property::quantity(p, property::TIME_UNITS);
         }
@@ -208,7 +208,7 @@ fn bare_wcet(p: &mut Parser<'_>) {
     let at = p.position();
     let m = p.start();
     if property::quantity(p, property::TIME_UNITS) {
-        // Warned about with the model at hand (`wcet-bare`), together with its fix.
+        // The model warns about it (`wcet-bare`), with its fix.
         m.complete(p, WCET);
     } else {
         p.error_at(at, Parsing::BareNumber);

@@ -1,4 +1,4 @@
-//! Components, interfaces and what only they hold.
+//! Components, interfaces and the items that only they hold.
 
 use super::*;
 

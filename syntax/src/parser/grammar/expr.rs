@@ -2,10 +2,10 @@
 
 use super::*;
 
-/// A finished expression and how deep it is: a long chain of operators makes a deep tree too.
+/// A finished expression and its depth: a long chain of operators makes a deep tree too.
 type Operand = (CompletedMarker, u32);
 
-/// How deep an expression may be.
+/// Maximum depth of an expression.
 const MAX_HEIGHT: u32 = 200;
 
 const FIRST: TokenSet = TokenSet::new(&[
@@ -38,7 +38,7 @@ pub(super) fn expr(p: &mut Parser<'_>) -> bool {
     expr_or(p, "a value")
 }
 
-/// Like [`expr`], saying what was expected.
+/// Like [`expr`]; `what` is the expected thing, for the message.
 pub(super) fn expr_or(p: &mut Parser<'_>, what: &str) -> bool {
     let outer = std::mem::replace(&mut p.in_angles, false);
     let found = binary(p, 1, what).is_some();
@@ -53,7 +53,7 @@ pub(super) fn in_angles(p: &mut Parser<'_>) {
     p.in_angles = outer;
 }
 
-/// How tight the current token binds as a binary operator; 0 if it is none.
+/// The binding power of the current token as a binary operator; 0 if it is not one.
 fn strength(p: &Parser<'_>) -> u8 {
     match p.current() {
         PIPE => 1,

@@ -64,7 +64,7 @@ fn list(p: &mut Parser<'_>) {
     let m = p.start();
     p.bump(L_CURLY);
     const END: TokenSet = TokenSet::new(&[R_CURLY, R_PAREN, SEMICOLON, EOF]);
-    // Nothing may stand before the first comma.
+    // A comma must not come first.
     if p.eat(COMMA) && p.at(R_CURLY) && p.expected_because("a value", "remove the comma") {
         let comma = p.position() - 1;
         p.replace(comma..comma + 1, "", true);
@@ -96,7 +96,7 @@ fn list(p: &mut Parser<'_>) {
     p.leave();
 }
 
-/// Passes the rest of a bad value, up to `,` or the end of the list.
+/// Skips the rest of a bad value, up to `,` or the end of the list.
 fn skip_value(p: &mut Parser<'_>) {
     let m = p.start();
     let mut open = 0u32;

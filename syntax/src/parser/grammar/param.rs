@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Whose parameters they are.
+/// The kinds of parameter lists.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Params {
     /// Paths into the ids, with default values.
@@ -16,10 +16,10 @@ pub(super) enum Params {
 const DIRECTION: TokenSet = TokenSet::new(&[IN_KW, OUT_KW, INOUT_KW]);
 const SOURCE: TokenSet = TokenSet::new(&[IDS_KW, LOCAL_KW, PORT_KW, REMOTE_KW]);
 
-/// What ends a list of parameters that has no `)`.
+/// The tokens that end a list of parameters without its `)`.
 const LIST_END: TokenSet = TokenSet::new(&[R_PAREN, L_CURLY, R_CURLY, SEMICOLON, EOF]);
 
-/// `( … )`. A bad parameter is passed up to the next `,` or `)`.
+/// `( … )`. A bad parameter is skipped up to the next `,` or `)`.
 pub(super) fn param_list(p: &mut Parser<'_>, params: Params) {
     if !p.at(L_PAREN) {
         const FOLLOWERS: TokenSet = TokenSet::new(&[L_CURLY, SEMICOLON, YIELDS_KW]);
@@ -65,7 +65,7 @@ fn at_list_end(p: &Parser<'_>, params: Params) -> bool {
         || property::at_certain_property(p)
 }
 
-/// Passes the rest of a bad parameter, up to `,` or the end of the list.
+/// Skips the rest of a bad parameter, up to `,` or the end of the list.
 fn skip_param(p: &mut Parser<'_>, params: Params) {
     let m = p.start();
     let mut open = 0u32;
@@ -97,7 +97,7 @@ fn typed_param(p: &mut Parser<'_>) {
         p.nth_at_ts(1, types::TYPE_FIRST) && p.nth(2) != COMMA
     });
     if !p.at_ts(DIRECTION) && types::begins_param(p) {
-        // A habit from C.
+        // A type before the name, as in C.
         if p.expected("the direction of a parameter, `in`, `out` or `inout`") {
             p.insert_before("in ", false);
         }

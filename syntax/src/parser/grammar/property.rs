@@ -1,8 +1,8 @@
-//! Properties of components, tasks, ports and services. Grammatically any may stand in any list.
+//! Properties of components, tasks, ports and services. In the grammar any property may be in any list.
 
 use super::*;
 
-/// Words that begin a property. `local` and `task` need a look at what follows them.
+/// Words that begin a property. `local` and `task` depend on the token after them.
 pub(super) const PROPERTY_FIRST: TokenSet = TokenSet::new(&[
     DOC_KW,
     VERSION_KW,
@@ -39,8 +39,8 @@ pub(super) fn at_property(p: &Parser<'_>) -> bool {
     p.at_ts(PROPERTY_FIRST)
 }
 
-/// Whether what begins here can only be a property, judged by what follows the keyword. Broken text
-/// is passed up to it.
+/// Returns true at an item that can only be a property, given the token after its keyword. Broken text is
+/// skipped up to it.
 pub(super) fn at_certain_property(p: &Parser<'_>) -> bool {
     const NAME: TokenSet = TokenSet::new(&[IDENT]);
     const TEXT: TokenSet = TokenSet::new(&[STRING, OPEN_STRING]);
@@ -61,23 +61,23 @@ pub(super) fn at_certain_property(p: &Parser<'_>) -> bool {
     }
 }
 
-/// Whether the properties of a port are here, behind the `{`.
+/// Returns true at the properties of a port, behind the `{`.
 pub(super) fn at_body(p: &Parser<'_>, n: usize) -> bool {
     p.nth_at(n, R_CURLY) || p.nth_at_ts(n, PROPERTY_FIRST)
 }
 
-/// A name in a list of a property. In half-typed text the next declaration may follow instead; its words
-/// could be names, but not with what comes after them.
+/// A name in a list of a property. In incomplete text the next declaration may follow instead: its words
+/// could be names, but not with the tokens after them.
 fn reference(p: &mut Parser<'_>) -> bool {
     unless_item(p, name_ref)
 }
 
-/// The same, `[::]a::b`.
+/// Like [`reference`], for `[::]a::b`.
 fn qualified(p: &mut Parser<'_>) -> bool {
     unless_item(p, path)
 }
 
-/// One of something, unless the next declaration begins here.
+/// Reads one element, unless the next declaration begins here.
 pub(super) fn unless_item(p: &mut Parser<'_>, one: fn(&mut Parser<'_>) -> bool) -> bool {
     if spec::at_item(p) {
         p.expected("a name");
@@ -86,7 +86,7 @@ pub(super) fn unless_item(p: &mut Parser<'_>, one: fn(&mut Parser<'_>) -> bool) 
     one(p)
 }
 
-/// `{ … }`, if there.
+/// `{ … }`, if present.
 pub(super) fn properties(p: &mut Parser<'_>, owner: &str) {
     if braces::at_body(p, Fragment::Properties) {
         spec::body(p, Fragment::Properties, true, owner);
@@ -195,10 +195,10 @@ pub(super) fn property(p: &mut Parser<'_>) -> bool {
     true
 }
 
-/// A number with an optional unit; says whether it has one.
+/// A number with an optional unit. Returns true if it has a unit.
 pub(super) fn quantity(p: &mut Parser<'_>, units: TokenSet) -> bool {
     let m = p.start();
-    // In half-typed text the next declaration may follow.
+    // In incomplete text the next declaration may follow.
     if spec::at_item(p) && !p.nth_at_ts(1, units) {
         p.expected("a number");
         m.abandon(p);
@@ -218,7 +218,7 @@ pub(super) fn quantity(p: &mut Parser<'_>, units: TokenSet) -> bool {
     unit
 }
 
-/// A word behind a number that is no unit of time, but plainly stands for one.
+/// A word after a number that is not a unit of time but clearly stands for one.
 fn foreign_unit(p: &mut Parser<'_>) {
     const AFTER: TokenSet = TokenSet::new(&[SEMICOLON, YIELDS_KW]);
     if !p.at(IDENT) || !p.nth_at_ts(1, AFTER) || p.is_reported() {
@@ -244,7 +244,7 @@ fn foreign_unit(p: &mut Parser<'_>) {
     let word = word.into();
     if let Some(factor) = factor {
         p.error_here(Parsing::Frequency { word });
-        // In whole microseconds at least, if the number is written here.
+        // The rate in whole microseconds, at least one, if the number is written here.
         let rate = p.nth_text_at(at - 1).parse::<f64>().ok();
         let time = rate.filter(|it| *it > 0.0).map(|it| 1e6 / (it * factor));
         if let Some(time) = time.filter(|it| it.fract() == 0.0) {

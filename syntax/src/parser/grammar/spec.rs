@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Words that begin a declaration and never anything else.
+/// Words that always begin a declaration.
 const RESERVED_STARTS: TokenSet = TokenSet::new(&[
     MODULE_KW, CONST_KW, TYPEDEF_KW, STRUCT_KW, UNION_KW, ENUM_KW,
 ]);
@@ -42,7 +42,7 @@ pub(super) fn body(p: &mut Parser<'_>, fragment: Fragment, may_be_empty: bool, o
     m.complete(p, BODY);
 }
 
-/// One item, whatever is there; passes at least one token.
+/// One item of any kind; consumes at least one token.
 fn item(p: &mut Parser<'_>, fragment: Fragment) {
     let start = p.position();
     let around = std::mem::replace(&mut p.item, start);
@@ -62,7 +62,7 @@ fn item(p: &mut Parser<'_>, fragment: Fragment) {
     p.item = around;
 }
 
-/// Reads the first word of an item as the keyword that it is near to.
+/// Reads the first word of an item as the nearest keyword.
 fn respell_first(p: &mut Parser<'_>, fragment: Fragment) {
     const TOP: TokenSet = TokenSet::new(&[
         COMPONENT_KW,
@@ -99,7 +99,7 @@ fn respell_first(p: &mut Parser<'_>, fragment: Fragment) {
     });
 }
 
-/// Modules, constants, types: what may stand nearly everywhere.
+/// Modules, constants, types: the declarations that are allowed nearly everywhere.
 fn declaration(p: &mut Parser<'_>) -> bool {
     match p.current_contextual() {
         MODULE_KW => module(p),
@@ -132,8 +132,8 @@ fn module(p: &mut Parser<'_>) {
     m.complete(p, MODULE);
 }
 
-/// Whether something begins here that only a declaration outside the current item can be. Words
-/// that are also identifiers count when what follows fits.
+/// Returns true at a token that can only begin a declaration outside the current item. Words that are also
+/// identifiers count if the tokens after them fit.
 pub(super) fn at_declaration(p: &Parser<'_>) -> bool {
     if p.at_ts(RESERVED_STARTS) {
         return true;
@@ -158,12 +158,13 @@ pub(super) fn at_declaration(p: &Parser<'_>) -> bool {
     }
 }
 
-/// Whether a declaration or property certainly begins here: broken text ends before it.
+/// Returns true if a declaration or property certainly begins here: broken text ends before it.
 pub(super) fn at_item(p: &Parser<'_>) -> bool {
     at_declaration(p) || property::at_certain_property(p)
 }
 
-/// Whether what begins here cannot belong to the current body, so that its `}` must be missing.
+/// Returns true if the item that begins here cannot belong to the current body, so that its `}` must be
+/// missing.
 fn leaves_body(p: &Parser<'_>, fragment: Fragment) -> bool {
     const NAME: TokenSet = TokenSet::new(&[IDENT]);
     const NAMED_BLOCK: TokenSet = TokenSet::new(&[L_CURLY]);
@@ -188,8 +189,8 @@ fn leaves_body(p: &Parser<'_>, fragment: Fragment) -> bool {
     }
 }
 
-/// Something that is no item here. A declaration that belongs elsewhere is read all the same, so
-/// that what is inside it is not reported as well.
+/// An item that is not allowed here. A declaration that belongs elsewhere is parsed, so that its content is
+/// not reported as well.
 fn bad_item(p: &mut Parser<'_>, fragment: Fragment) {
     let m = p.start();
     if p.at(SEMICOLON) {
@@ -222,7 +223,7 @@ fn bad_item(p: &mut Parser<'_>, fragment: Fragment) {
     let outside = known && matches!(fragment, Fragment::Specification | Fragment::Module);
     let member = fragment == Fragment::Component && p.at_ts(types::TYPE_FIRST);
     if outside || member {
-        // The line with the `{` of the body this is in may be missing: that is said once.
+        // The line with the `{` of the body may be missing: this is reported once.
         match p.headless {
             true => p.mark_reported(),
             false => p.headless = fragment != Fragment::Module && braces::lacks_head(p),
@@ -267,15 +268,15 @@ fn headless_properties(p: &mut Parser<'_>) -> bool {
     true
 }
 
-/// Passes the rest of a broken declaration, with its `;`.
+/// Skips the rest of a broken declaration, with its `;`.
 pub(super) fn skip_to_semicolon(p: &mut Parser<'_>) {
     let m = p.start();
     skip_tokens(p);
     m.complete(p, ERROR);
 }
 
-/// Passes at least one token, up to and including the next `;`, or up to a `}` or declaration.
-/// Blocks in braces are passed whole unless a component begins inside.
+/// Skips at least one token, up to and including the next `;`, or up to a `}` or declaration. Blocks in
+/// braces are skipped whole unless a component begins inside.
 fn skip_tokens(p: &mut Parser<'_>) {
     let mut open = 0u32;
     let mut first = true;

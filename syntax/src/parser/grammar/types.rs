@@ -167,11 +167,11 @@ pub(super) fn declarator(p: &mut Parser<'_>) -> bool {
     true
 }
 
-/// What follows the name that a type is given to.
+/// The tokens that may follow the name that a type is given to.
 const AFTER_NAME: TokenSet =
     TokenSet::new(&[SEMICOLON, COMMA, L_BRACK, EQ, R_PAREN, L_CURLY, COLON]);
 
-/// The name that a type is given to. In half-typed text the next declaration may follow instead.
+/// The name that a type is given to. In incomplete text the next declaration may follow instead.
 pub(super) fn declared_name(p: &mut Parser<'_>) -> bool {
     // `port in t ids { doc "…"; };` is a port called `ids`.
     let is_port = p.at(IDS_KW) && p.nth_at(1, L_CURLY) && property::at_body(p, 2);
@@ -182,30 +182,31 @@ pub(super) fn declared_name(p: &mut Parser<'_>) -> bool {
     name(p)
 }
 
-/// Whether the next declaration begins here, where a type could: not what reads as a type and a name.
+/// Returns true if the next declaration begins here, in the place of a type. A type and a name are not a
+/// declaration.
 pub(super) fn at_next(p: &Parser<'_>) -> bool {
     spec::at_item(p) && !(p.nth_at(1, IDENT) && p.nth_at_ts(2, AFTER_NAME))
 }
 
-/// Whether a type and a name are here, where one name could be: a declaration of its own.
+/// Returns true at a type and a name in the place of one name: a declaration of its own.
 pub(super) fn at_member(p: &Parser<'_>) -> bool {
     const END: TokenSet = TokenSet::new(&[SEMICOLON, COMMA, L_BRACK]);
     p.at(IDENT) && (p.nth_at(1, COLON2) || (p.nth_at(1, IDENT) && p.nth_at_ts(2, END)))
 }
 
-/// Whether a type and a name are here, or what certainly is a type.
+/// Returns true at a type and a name, or at a token that is certainly a type.
 pub(super) fn begins_member(p: &Parser<'_>) -> bool {
     at_member(p) || p.at_ts(TYPE_FIRST) && !p.at(IDENT) && !p.at(COLON2)
 }
 
-/// Whether a parameter of a service is here that lacks its direction: a type and a name.
+/// Returns true at a parameter of a service without its direction: a type and a name.
 pub(super) fn begins_param(p: &Parser<'_>) -> bool {
     const AFTER: TokenSet = TokenSet::new(&[COMMA, R_PAREN, L_BRACK, EQ]);
     let named = p.at(IDENT) && p.nth(1) == IDENT && p.nth_at_ts(2, AFTER);
     named || p.at_ts(TYPE_FIRST) && !p.at(IDENT) && !p.at(COLON2)
 }
 
-/// Which types may stand at a place.
+/// The types that a place allows.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Allow {
     /// All but declarations of structs, unions and enums.
@@ -214,7 +215,7 @@ pub(super) enum Allow {
     Constructed,
 }
 
-/// What a type begins with.
+/// The tokens that begin a type.
 pub(super) const TYPE_FIRST: TokenSet = TokenSet::new(&[
     IDENT,
     COLON2,
@@ -239,7 +240,7 @@ pub(super) const TYPE_FIRST: TokenSet = TokenSet::new(&[
     OPTIONAL_KW,
 ]);
 
-/// A type where it is used. Reports what is missing.
+/// A type where it is used. Reports a missing type.
 // test type_spec
 // typedef boolean a; typedef octet b; typedef char c; typedef any d; typedef float e;
 // typedef double f; typedef short g; typedef long h; typedef long long i;
@@ -260,7 +261,7 @@ pub(super) fn type_spec(p: &mut Parser<'_>, allow: Allow) -> bool {
         STRING_KW => string_type(p),
         SEQUENCE_KW | OPTIONAL_KW => return template_type(p),
         FIXED_KW => fixed_type(p),
-        // In half-typed text.
+        // In incomplete text.
         IDENT if at_next(p) => {
             p.expected("a type");
             return false;
@@ -289,7 +290,7 @@ pub(super) fn type_spec(p: &mut Parser<'_>, allow: Allow) -> bool {
     true
 }
 
-/// A type that may not stand here: read, reported and kept out of sight.
+/// A type that is not allowed here: parsed, reported and hidden from the tree's users.
 fn unfit_type(p: &mut Parser<'_>, kind: Parsing) {
     let m = p.start();
     p.error_here(kind);
@@ -308,7 +309,7 @@ fn base_type(p: &mut Parser<'_>) {
             foreign_int(p);
         } else if p.expected("`short` or `long` after `unsigned`") {
             let at = p.position();
-            // Habits from C.
+            // Types of C.
             let (tokens, text) = match p.current_text().as_str() {
                 "int" => (at..at + 1, "long"),
                 "char" => (at - 1..at + 1, "octet"),
@@ -333,7 +334,7 @@ fn base_type(p: &mut Parser<'_>) {
     m.complete(p, BASE_TYPE);
 }
 
-/// The word `int` behind `long` or `short`, a habit from C.
+/// The word `int` after `long` or `short`, as in C.
 fn foreign_int(p: &mut Parser<'_>) {
     if !p.at(IDENT) || p.nth(1) != IDENT || p.current_text() != "int" || p.is_reported() {
         return;
@@ -393,8 +394,8 @@ fn template_type(p: &mut Parser<'_>) -> bool {
     true
 }
 
-/// The `>` of a template. `>>` is one token, the shift operator: it is reported by the inner template
-/// and passed by the outer one.
+/// The `>` of a template. `>>` is one token, the shift operator: the inner template reports it and the outer
+/// one consumes it.
 fn close_angle(p: &mut Parser<'_>) {
     if p.at(SHR) {
         if p.is_reported() {
@@ -542,7 +543,7 @@ fn enumerators(p: &mut Parser<'_>) {
     m.complete(p, ENUMERATOR_LIST);
 }
 
-/// The name of a struct, union or enum; there are no anonymous ones.
+/// The name of a struct, union or enum; anonymous ones do not exist.
 fn type_name(p: &mut Parser<'_>) -> bool {
     if p.at(L_CURLY) {
         p.expected_because("a name", "structs, unions and enums cannot be anonymous");

@@ -1,4 +1,4 @@
-//! What the directives do.
+//! The effects of the directives.
 
 use std::ops::Range;
 
@@ -20,11 +20,11 @@ use crate::{
     },
 };
 
-/// Arguments of `#pragma requires` (language reference, 17.1).
+/// Maximum number of arguments of `#pragma requires` (language reference, 17.1).
 const MAX_PACKAGES: usize = 8;
 
 impl Walker<'_> {
-    /// Does what a directive says. For one that begins a group, says whether the group is live.
+    /// Executes a directive. For one that begins a group, returns true if the group is active.
     pub(super) fn execute(&mut self, directive: &Directive, index: usize) -> Option<bool> {
         let range = directive.range;
         if let Some(it) = &directive.misspelt {
@@ -122,7 +122,7 @@ impl Walker<'_> {
         });
     }
 
-    /// The file that macros in an `#include` name, and whether in angle brackets.
+    /// The file that macros in an `#include` name, and true if it is in angle brackets.
     fn include_operand(&mut self, tokens: Range<u32>, range: TextRange) -> Option<(SmolStr, bool)> {
         let tokens = self.expand(tokens, range);
         match &tokens[..] {
@@ -176,7 +176,7 @@ impl Walker<'_> {
         if let Some(old) = self.env.get(&definition.name)
             && !old.same_meaning(&definition)
         {
-            // Looking for the former directive takes time that a file of garbage does not deserve.
+            // Finding the former directive is too slow for files with very many errors.
             let here =
                 old.site.file.as_ref() == Some(self.file) && self.out.errors.len() < MAX_ERRORS;
             let related = here
@@ -233,7 +233,7 @@ impl Walker<'_> {
         }
     }
 
-    /// Notes that a name was looked up.
+    /// Records that a name was looked up.
     fn record(&mut self, name: &Name) {
         let site = self.env.get(&name.text).map(|it| it.site.clone());
         self.expander.uses.push(MacroUse {
@@ -263,7 +263,7 @@ impl Walker<'_> {
         match evaluate(&tokens, |name| self.env.get(name).is_some()) {
             Ok(value) => value,
             Err(error) => {
-                // A call gone wrong explains a condition gone wrong.
+                // An error in a call explains an error in the condition.
                 if self.out.errors.len() == errors {
                     self.error(range, error);
                 }
@@ -326,7 +326,7 @@ impl Walker<'_> {
         self.live = true;
     }
 
-    /// Warns of what follows `#else` and `#endif`, or of the line end that does not.
+    /// Warns about superfluous tokens after `#else` and `#endif`, or about a missing line end.
     fn tail(&mut self, rest: &Range<u32>, directive: &Directive) {
         let keyword = directive.keyword.as_ref().map_or("", |it| it.text.as_str());
         if !rest.is_empty() {

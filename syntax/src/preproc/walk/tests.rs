@@ -120,7 +120,7 @@ fn assert_covers(text: &str, raw: &RawTokens, out: &Preprocessed) {
     }
 }
 
-/// What the parser reads, as text, one line for each line of the file.
+/// The tokens that the parser reads, as text, one line for each line of the file.
 fn live_text(text: &str, raw: &RawTokens, out: &Preprocessed) -> String {
     let mut live = String::new();
     for element in &out.elements {
@@ -166,7 +166,7 @@ fn run(fixture: &str) -> (Files, Preprocessed, String) {
     (files, out, live)
 }
 
-/// Checks what the parser reads of the main file, and the errors of all files.
+/// Checks the tokens that the parser reads of the main file, and the errors of all files.
 fn check(fixture: &str, expect: Expect) {
     let (files, _, mut live) = run(fixture);
     for error in &files.errors {
@@ -217,7 +217,7 @@ fn conditional_mistakes() {
     );
 }
 
-/// Whether each condition holds.
+/// Checks the value of each condition.
 #[test]
 fn conditions() {
     let value = |condition: &str| {
@@ -489,7 +489,7 @@ fn garbage_does_not_flood() {
     assert_eq!(out.errors.len(), MAX_ERRORS + 1);
 }
 
-/// Each of these takes ages if some step is quadratic.
+/// Each of these texts takes very long if a step is quadratic.
 #[test]
 fn large_files_of_one_piece() {
     for piece in [
@@ -528,7 +528,7 @@ fn environments_are_values() {
         rustc_hash::FxBuildHasher.hash_one(env)
     };
     let a = env("#define A 1\n#define B A\n");
-    // Order and detours do not matter, sites and bodies do.
+    // Order and intermediate definitions do not matter, sites and bodies do.
     let b = env("#define A 1\n#define B A\n#define C\n#undef C\n");
     assert_eq!(a, b);
     assert_eq!(hash(&a), hash(&b));

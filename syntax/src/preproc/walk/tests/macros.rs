@@ -1,4 +1,4 @@
-//! Macros: definitions, calls, and what is left of them.
+//! Macros: definitions, calls, and the result of expansion.
 
 use super::*;
 
