@@ -15,7 +15,7 @@ use super::Problem;
 use super::view::{Outcome, View};
 
 /// More states than this are not looked at for one of them.
-const STATES: usize = 100_000;
+const STATES: usize = 30_000;
 
 /// What holds under an assumption about requests.
 #[derive(Debug, Clone, Serialize)]

@@ -20,6 +20,9 @@ const STAGES: [(Option<usize>, usize); 4] = [
     (Some(2), 100_000),
 ];
 
+/// No stage takes more than this part of the states that the whole may have.
+const SHARE: usize = 4;
+
 /// By check, the worst that has been seen: a failure, or the longest time.
 pub(super) struct Seen(Vec<Option<CheckReport>>);
 
@@ -91,7 +94,7 @@ impl Group<'_> {
             let stage = Group {
                 built,
                 limits: Limits {
-                    states: self.limits.states.min(states),
+                    states: (self.limits.states / SHARE).min(states),
                     ..self.limits
                 },
                 ..*self
