@@ -1,14 +1,14 @@
-//! Which reductions the explorations of a verification used, and why others were not.
+//! The reductions that the explorations of a verification used, and the reasons against the others.
 
 use crate::abstraction::Refusal;
 use crate::explore::{Activity, Kind, Reason};
 
-/// What became of each reduction, over all explorations.
+/// The use of each reduction, over all explorations.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Explained {
     /// Number of explorations.
     pub explorations: usize,
-    /// What became of the abstraction that comes before them, and how often: used, or why not.
+    /// The outcomes of schedule abstraction before the explorations, each with its count: used, or refused.
     pub abstractions: Vec<(Option<Refusal>, usize)>,
     /// One per reduction, in the order in which they were first met.
     pub reductions: Vec<Explanation>,
