@@ -1,4 +1,4 @@
-//! The tests of this crate, in one program: it is linked once.
+//! The tests of this crate, in one program, to link only once.
 
 mod held;
 #[path = "support/random_systems.rs"]

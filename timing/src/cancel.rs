@@ -36,7 +36,7 @@ impl Interrupt {
 
 struct Deadline {
     after: Duration,
-    /// Time of the interrupt. `None`: too far in the future to be represented.
+    /// Time of the deadline. `None`: too far in the future to be represented.
     at: Option<Instant>,
 }
 

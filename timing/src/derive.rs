@@ -27,7 +27,7 @@ use crate::system::settings::Settings;
 use crate::verify::{Cancel, Options, SystemInput, settings, to_f64};
 pub use sensitivity::{NextToBreak, Progress, Quantity, Sensitivity, Told, sensitivity};
 
-/// The answer to `--minimum-cores`: the fewest cores that suffice.
+/// The fewest cores that suffice.
 #[derive(Debug, Clone, Serialize)]
 pub struct MinimumCores {
     /// The smallest number of cores with which all tasks asked about are schedulable.

@@ -14,14 +14,14 @@ pub struct Explained {
     pub reductions: Vec<Explanation>,
 }
 
-/// What became of one reduction.
+/// The use of one reduction.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Explanation {
-    /// Which one.
+    /// Kind of the reduction.
     pub kind: Kind,
     /// Number of explorations in which it was used.
     pub used: usize,
-    /// Why it was not used in others, and in how many of them.
+    /// Reasons for not using it, each with the number of explorations.
     pub off: Vec<(Reason, usize)>,
 }
 
@@ -51,7 +51,7 @@ impl Explained {
         }
     }
 
-    /// Adds a system that was looked at in abstract states, or why it could not be.
+    /// Adds a system that schedule abstraction treated or refused.
     pub(crate) fn add_abstraction(&mut self, off: Option<Refusal>) {
         match self.abstractions.iter_mut().find(|it| it.0 == off) {
             Some((_, count)) => *count += 1,
@@ -75,7 +75,7 @@ impl Explained {
         (all > 0).then(|| (Kind::ScheduleAbstraction.name(), parts.join("; ")))
     }
 
-    /// One line for each reduction: its name, and what became of it.
+    /// Returns one line for each reduction: its name, and how often it was used or why not.
     pub fn lines(&self) -> Vec<(&'static str, String)> {
         let line = |it: &Explanation| {
             let mut parts = Vec::new();

@@ -288,7 +288,7 @@ pub struct Service {
     pub after: Vec<usize>,
     /// Services that must not have succeeded when the service is accepted.
     pub before: Vec<usize>,
-    /// The request of the middleware that the service stands for, if any.
+    /// The request that every component accepts, if the service is one.
     pub builtin: Option<Builtin>,
     /// Place of its declaration.
     pub src: Option<Src>,

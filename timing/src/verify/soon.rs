@@ -1,10 +1,9 @@
-//! What can be answered soon: with few requests, and in few states.
+//! Early answers: with few requests, and in few states.
 //!
-//! Clients that may send anything at any time make most systems too large to be explored to the end. But what
-//! fails usually fails after no request, one or two, and small systems are explored at once. So both are
-//! tried before the whole system is explored for what is left. What was seen on the way is not lost: if that
-//! exploration has to be given up, failures with a longest time not known and longest times seen are still
-//! worth telling.
+//! Clients that may send requests at any time make most systems too large for a complete exploration. But
+//! most failures show after no request, one or two, and small systems are explored at once. So runs with few
+//! requests are explored before the whole system. The results are kept: if the complete exploration has to be
+//! given up, failures and longest times seen are still reported.
 
 use super::checks::Single;
 use super::{Analysed, Group};
@@ -12,7 +11,8 @@ use crate::explore::{Limits, Stop, explore};
 use crate::report::{CheckReport, Report, Value, Verdict};
 use crate::system::built::Built;
 
-/// How often clients that may wait for ever go on; `None`: as often as they like.
+/// The stages: number of requests of clients that may wait for ever (`None`: no limit), and upper limit on
+/// states.
 const STAGES: [(Option<usize>, usize); 4] = [
     (Some(0), 100_000),
     (None, 20_000),
@@ -20,7 +20,7 @@ const STAGES: [(Option<usize>, usize); 4] = [
     (Some(2), 100_000),
 ];
 
-/// By check, the worst that has been seen: a failure, or the longest time.
+/// The worst result so far, by check: a failure, or the longest time.
 pub(super) struct Seen(Vec<Option<CheckReport>>);
 
 impl Seen {
@@ -41,7 +41,7 @@ impl Seen {
         }
     }
 
-    /// Adds what has been seen to what is known of a check after an exploration that was given up.
+    /// Adds the early results to a check whose exploration was given up.
     pub(super) fn add_to(&self, check: usize, out: &mut CheckReport) {
         let Some(it) = &self.0[check] else {
             return;
@@ -68,7 +68,8 @@ impl Seen {
 }
 
 impl Group<'_> {
-    /// Answers what can be answered soon. What is alone and has no clients that may wait is explored anyway.
+    /// Answers the checks that few requests or few states can answer. A single group without clients that may
+    /// wait is left to the complete exploration.
     pub(super) fn soon(
         &self,
         checks: &[Single],
@@ -117,7 +118,7 @@ impl Group<'_> {
     ) {
         let analysed = Analysed::new(self.built);
         let (mut watch, places) = self.watch(checks, part.into_iter(), &analysed);
-        // What fails later is left to later stages.
+        // Later failures are left to later stages.
         watch.in_order = true;
         if places.is_empty() {
             return;
@@ -135,7 +136,7 @@ impl Group<'_> {
                 self.bound_unknown(&checks[i], &analysed, &mut it);
                 self.bound_between_units(&checks[i], &analysed, &mut it);
             }
-            // With more requests some other run may take longer, unless this one takes for ever.
+            // With more requests another run may take longer, unless this run already takes for ever.
             let final_value = matches!(it.value, None | Some(Value::Unbounded));
             if complete || (it.verdict == Verdict::Refuted && final_value) {
                 report.answer(i, it);
