@@ -123,7 +123,7 @@ pub(crate) fn tell_broken(stepper: &Stepper, live: &mut Live<'_>, watch: &mut dy
     }
 }
 
-/// Returns the thread of an action, if the thread can choose between several actions.
+/// Returns the executor or client of an action that chooses between several outcomes.
 fn chooser(action: &Action) -> Option<(u8, usize)> {
     match *action {
         Action::Finish { executor, .. } => Some((0, executor)),
@@ -133,7 +133,8 @@ fn chooser(action: &Action) -> Option<(u8, usize)> {
     }
 }
 
-/// Chooses first the thread, then its action. A thread with more possible actions is not chosen more often.
+/// Chooses first the executor or client, then its action. More possible outcomes do not make a choice more
+/// likely.
 pub(crate) fn choose(
     actions: &[Action],
     works: &[Option<Work>],
