@@ -121,7 +121,7 @@ impl OfServers {
         false
     }
 
-    /// Writes, by executor, whether its end can be postponed in a calm state.
+    /// Returns true if the ends of lazy executors can be postponed in a calm state.
     fn put_off(&self, rules: &Servers, s: &State) -> bool {
         self.lazy.contains(&true)
             && !rules.keeps_first_tick(s, |task| self.lazy[task])
