@@ -236,7 +236,7 @@ impl Servers<'_> {
         }
     }
 
-    /// Frees a slot. Waits for the end of its activity end.
+    /// Frees a slot, and ends all waits for its activity.
     fn make_void(&self, s: &mut State, it: usize) {
         let l = &self.layout;
         self.clear_visits(s, it);
