@@ -61,7 +61,7 @@ impl<'t> Trial<'t> {
         &self.built
     }
 
-    /// Returns whether all checks hold with these settings.
+    /// Verifies the checks that must hold, with these settings.
     fn holds(&self, settings: &Settings) -> Verdict {
         let late = self.end.is_some_and(|end| Instant::now() > end);
         if late || self.cancel.is_over() {
