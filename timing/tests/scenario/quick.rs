@@ -140,8 +140,8 @@ component bus {
 
 #[test]
 fn who_works_for_ever_is_in_the_way_until_the_next_break() {
-    // `fast` waits for one `read`, as the line is free for a millisecond then; but `fast` can go first eight
-    // times while `slow` is at work.
+    // `fast` waits for one `read`, as the line is free for a millisecond then; but that free time can pass
+    // eight times while `slow` is at work.
     let scenario = "duration bus.comm.poll [1,*] ms; loop once bus.comm;";
     insta::assert_snapshot!(bounds(ENDLESS, scenario), @r"
     bus.comm -

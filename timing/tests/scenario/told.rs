@@ -209,7 +209,7 @@ fn what_was_caught_beside_an_exploration_is_told_while_it_goes_on() {
         [Verdict::Unknown, Verdict::Refuted],
     ];
     assert_eq!(all, expected);
-    // Long before the end, although the exploration must go on.
+    // Reported long before the end, and the counterexample is nevertheless the shortest one.
     assert!(
         2 * told[1].states < last.states,
         "{} of {}",

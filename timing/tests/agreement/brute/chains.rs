@@ -26,8 +26,8 @@ struct Followed {
 type Node = (State, Option<Followed>);
 
 impl Brute<'_> {
-    /// Returns the greatest time: `Some(CAP)` if it is unbounded, `None` if no datum is ever followed. Fails
-    /// above `limit` states.
+    /// Returns the greatest time: `Some(Some(CAP))` if it is unbounded, `Some(None)` if no datum is ever
+    /// followed, and `None` above `limit` states.
     pub(crate) fn chain(&self, chain: &Chain, limit: usize) -> Option<Option<u32>> {
         let mut greatest = None;
         let mut seen: HashSet<Node> = HashSet::new();

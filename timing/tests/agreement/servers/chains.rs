@@ -36,8 +36,8 @@ pub(crate) struct Chain {
 }
 
 impl Interpreter<'_> {
-    /// Returns the greatest time: `Some(CAP)` if it is unbounded, `None` if no datum is ever followed. Fails
-    /// above `limit` nodes.
+    /// Returns the greatest time: `Some(Some(CAP))` if it is unbounded, `Some(None)` if no datum is ever
+    /// followed, and `None` above `limit` nodes.
     pub(crate) fn chain(&self, chain: &Chain, limit: usize) -> Option<Option<u32>> {
         let mut greatest = None;
         let mut seen: HashSet<Node> = HashSet::new();
