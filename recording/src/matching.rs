@@ -72,7 +72,9 @@ pub fn event(text: &str) -> Event<'_> {
 
 /// Returns the codel of a line.
 ///
-/// # Errors Returns the reason if the line belongs to no codel of the specifications.
+/// # Errors
+///
+/// Returns the reason if the line belongs to no codel of the specifications.
 pub fn site(names: &Names<'_>, kind: &Kind) -> Result<Site, Stray> {
     let from = event(&kind.from);
     let component = component(names, kind, &from).ok_or(Stray::Component)?;

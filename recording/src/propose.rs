@@ -13,7 +13,9 @@ pub struct Margin(Ratio<i128>);
 impl Margin {
     /// Reads a decimal number of at least 1.
     ///
-    /// # Errors Returns a message if the text is not such a number.
+    /// # Errors
+    ///
+    /// Returns a message if the text is not such a number.
     pub fn parse(text: &str) -> Result<Margin, String> {
         let wrong = || "give a number of at least 1, for example 1.2".to_owned();
         let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));

@@ -50,7 +50,9 @@ pub struct Writer<W: Write> {
 impl<W: Write> Writer<W> {
     /// Begins a recording.
     ///
-    /// # Errors Returns an error if the recording cannot be written.
+    /// # Errors
+    ///
+    /// Returns an error if the recording cannot be written.
     pub fn new(out: W) -> McapResult<Self> {
         let options = WriteOptions::new()
             .compression(None)
@@ -84,7 +86,9 @@ impl<W: Write> Writer<W> {
 
     /// Writes a step, at a time in nanoseconds.
     ///
-    /// # Errors Returns an error if the recording cannot be written.
+    /// # Errors
+    ///
+    /// Returns an error if the recording cannot be written.
     pub fn step(&mut self, at: u64, step: &Step) -> McapResult<()> {
         let bytes = serde_json::to_vec(step).map_err(|it| McapError::Io(it.into()))?;
         self.count += 1;
@@ -94,7 +98,9 @@ impl<W: Write> Writer<W> {
     /// Writes new data of a port. `schema` returns the name and JSON Schema of its type, and is called once
     /// per port.
     ///
-    /// # Errors Returns an error if the recording cannot be written.
+    /// # Errors
+    ///
+    /// Returns an error if the recording cannot be written.
     pub fn data(
         &mut self,
         at: u64,
@@ -131,7 +137,9 @@ impl<W: Write> Writer<W> {
 
     /// Ends the recording.
     ///
-    /// # Errors Returns an error if the recording cannot be written.
+    /// # Errors
+    ///
+    /// Returns an error if the recording cannot be written.
     pub fn finish(mut self, about: &About) -> McapResult<W> {
         let text = |it: &str| it.to_owned();
         let metadata = BTreeMap::from([
@@ -163,7 +171,9 @@ pub struct Read {
 
 /// Reads a recording.
 ///
-/// # Errors Returns a message if the bytes are not a recording, are truncated, or contain no steps.
+/// # Errors
+///
+/// Returns a message if the bytes are not a recording, are truncated, or contain no steps.
 pub fn read(bytes: &[u8]) -> Result<Read, String> {
     let wrong = |it: McapError| format!("it is no whole MCAP file: {it}");
     let mut out = Read::default();

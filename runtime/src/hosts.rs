@@ -177,7 +177,9 @@ pub enum Message {
 pub trait Hosts {
     /// Starts all components afresh.
     ///
-    /// # Errors A message that names a component that cannot be started.
+    /// # Errors
+    ///
+    /// A message that names a component that cannot be started.
     fn start(&mut self) -> Result<(), String>;
 
     /// Begins a request, with its inputs.

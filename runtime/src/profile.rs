@@ -79,7 +79,9 @@ impl<'s, W: Write> Profile<'s, W> {
 
     /// Returns the writer and the number of lines.
     ///
-    /// # Errors Returns the first error of a write.
+    /// # Errors
+    ///
+    /// Returns the first error of a write.
     pub fn finish(self) -> io::Result<(W, u64)> {
         match self.error {
             Some(error) => Err(error),
