@@ -6,5 +6,5 @@ mod random_systems;
 mod recorded;
 mod replayed;
 
-// The random texts are written against `crate::systems`.
+// The random texts use the path `crate::systems`.
 use random_systems::systems;

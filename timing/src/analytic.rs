@@ -88,7 +88,7 @@ struct Analysis<'s> {
     system: &'s TimedSystem,
     /// Turns in jobs, by automaton.
     turns: Vec<Ways>,
-    /// Per task, the sets of automata that can have turns in the same job.
+    /// Sets of automata that can have turns in the same job, by task.
     parties: Vec<Vec<Vec<usize>>>,
     /// Work that can keep each codel waiting for its locks.
     of_codel: Vec<Rivals>,

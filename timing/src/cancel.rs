@@ -12,7 +12,7 @@ pub struct Cancel {
     interrupt: Interrupt,
     deadline: OnceLock<Deadline>,
     ask: Option<Box<dyn Fn() -> bool + Send + Sync>>,
-    /// States of explorations that have ended.
+    /// Number of states of explorations that have ended.
     before: AtomicUsize,
     /// Explorations under way, each with the thread that reports its progress.
     now: Mutex<Vec<(ThreadId, Effort)>>,

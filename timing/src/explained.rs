@@ -10,7 +10,7 @@ pub struct Explained {
     pub explorations: usize,
     /// The outcomes of schedule abstraction before the explorations, each with its count: used, or refused.
     pub abstractions: Vec<(Option<Refusal>, usize)>,
-    /// One per reduction, in the order in which they were first met.
+    /// Reductions, in the order of their first occurrence.
     pub reductions: Vec<Explanation>,
 }
 

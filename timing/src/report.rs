@@ -1,4 +1,5 @@
-//! Results, as data and as text. The JSON form is part of the interface of `dotgen verify`.
+//! The report of a verification, as data and as text. The JSON form is part of the interface of `dotgen
+//! verify`.
 
 use dotgen_analysis::model::Src;
 use serde::Serialize;
@@ -24,7 +25,7 @@ pub struct Report {
     pub semantics: String,
     /// Unit of all times: `ms`, `10 us`, …
     pub unit: String,
-    /// One per check, in order of the scenario; `*` gives one per task.
+    /// Checks, in order of the scenario; `*` gives one per task.
     pub checks: Vec<CheckReport>,
     /// Number of states kept.
     pub states: usize,
@@ -142,7 +143,7 @@ pub struct CheckReport {
     /// Kind of property.
     #[serde(rename = "check")]
     pub kind: PropertyKind,
-    /// The task, or the predicates, in words.
+    /// Task, or predicates, in words.
     pub of: String,
     /// Limit of the value.
     #[serde(skip)]

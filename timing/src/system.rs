@@ -38,7 +38,7 @@ pub struct TimedSystem {
     pub unit: Seconds,
     /// Components.
     pub components: Vec<Component>,
-    /// Execution tasks; those of one component are consecutive and in order of declaration.
+    /// Execution tasks. Those of one component are consecutive, in order of declaration.
     pub tasks: Vec<Task>,
     /// State machines of permanent activities and activities.
     pub machines: Vec<Machine>,
@@ -267,7 +267,7 @@ impl CodelSet {
     }
 }
 
-/// A service, as the control task handles it.
+/// A service, in the view of the control task.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Service {
     /// Name, without the component.

@@ -156,6 +156,7 @@ impl<'m> Batches<'m> {
             jobs.sort_by_key(|it| it.release);
             self.bound(&mut jobs, begin, rest)?;
             let over = jobs.iter().map(|it| it.end).max()?;
+            // The window ends when all jobs released so far are done.
             if over <= until {
                 return Some(jobs);
             }
@@ -167,6 +168,7 @@ impl<'m> Batches<'m> {
     /// missed.
     fn bound(&self, jobs: &mut [Job], begin: i64, rest: i64) -> Option<()> {
         let backlog = backlog(jobs, begin, rest);
+        // Fixed-point iteration from below, which finds the least bounds.
         for _ in 0..ROUNDS {
             let ends: Vec<i64> = (0..jobs.len())
                 .map(|it| self.end(jobs, it, (begin, rest), backlog[it]))

@@ -167,6 +167,8 @@ impl Model<'_> {
                     begin.to += others.longest[place.codel].ok_or(Refusal::Endless)?;
                 }
             }
+            // This codel comes first, so all others of the group take their tickets (or, without a queue,
+            // begin) no earlier.
             let others = |&other: &usize| other != thread && self.threads[other].group == it.group;
             let others: Vec<usize> = s.all(Stage::Active).filter(others).collect();
             for other in others {

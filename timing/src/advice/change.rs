@@ -29,7 +29,7 @@ pub enum Change {
         #[serde(skip)]
         src: Option<(usize, Src)>,
     },
-    /// The period of a task. Longer ones need not hold.
+    /// The period of a task. The checks need not hold with longer periods.
     Period {
         /// `component.task`
         task: String,

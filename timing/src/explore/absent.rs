@@ -13,7 +13,7 @@ pub struct Absent {
     atoms: Vec<Atom>,
 }
 
-/// A task of which no job is ever released.
+/// A task without any released job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NoJob {
     task: usize,

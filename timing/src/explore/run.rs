@@ -65,6 +65,8 @@ impl Run {
                     }
                     let (lower, upper) = rules.duration(s, e);
                     let elapsed = time - began[e];
+                    // Without an upper bound, the codel can end at any time after its lower bound. Longer
+                    // times make no difference.
                     if upper == FOREVER {
                         elapsed.min(u64::from(lower))
                     } else {

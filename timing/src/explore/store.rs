@@ -287,6 +287,7 @@ impl Store {
         // Join the box with adjoining covers, until there are none; drop covers that it contains.
         let mut dims: SmallVec<[Ticks; 32]> = SmallVec::from_slice(&it.dims);
         let mut tag = tag;
+        // A join may let covers adjoin that were examined before, so the list is examined again.
         let mut again = true;
         while again {
             again = false;

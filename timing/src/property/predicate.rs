@@ -21,7 +21,7 @@ pub enum Predicate {
 pub enum Atom {
     /// A task is in a state.
     Task(usize, TaskState),
-    /// One of the automata of a machine is in the middle of a codel state.
+    /// One of the automata of a machine is in a codel state.
     State {
         /// The machine.
         machine: usize,
@@ -30,7 +30,7 @@ pub enum Atom {
         /// Waiting for locks, executing, or either.
         phase: StatePhase,
     },
-    /// Some slot of an activity has a status (`Void`: all have).
+    /// Some slot of an activity has a status. For `Void`, all slots have it.
     Slot(usize, SlotStatus),
     /// The control task is handling a request for a service (functions, attributes, validation).
     Handling {

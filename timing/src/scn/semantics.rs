@@ -43,7 +43,7 @@ point! {
 point! {
     /// `turns`
     TurnRule {
-        /// One codel of each automaton, then of each again: passes.
+        /// Passes: one codel of each automaton, then one of each again.
         Codel = "codel",
         /// An automaton executes until it pauses or ends, then the next.
         Pause = "pause",

@@ -32,7 +32,7 @@ pub struct Built {
     pub exact_unit: Option<Seconds>,
 }
 
-/// A time of a codel that was rounded, in seconds.
+/// The rounded time of a codel, in seconds.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Rounded {
     /// Path of the codel.

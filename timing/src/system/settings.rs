@@ -12,7 +12,7 @@ use crate::scn::semantics::{Points, Preset, Semantics};
 pub struct Settings {
     /// Name of the scenario.
     pub name: String,
-    /// Unit of values in the result; durations are rounded to it.
+    /// Unit of values in the result. Durations are rounded to it.
     pub unit: Option<(u64, Unit)>,
     /// Number of cores; `None`: no limit.
     pub cores: Option<u32>,

@@ -44,7 +44,7 @@ pub struct Asked {
 pub enum Question {
     /// No tick comes before the previous job has ended.
     Schedulable(usize),
-    /// No job waits for a core for as long as its period.
+    /// No job waits for a core for its whole period.
     NoOverdue(usize),
     /// No job lasts longer than the limit, in base units, if there is one.
     Response(usize, Option<Ticks>),

@@ -255,9 +255,11 @@ impl<'a, R: Reduced> Layers<'a, R> {
             self.watching
                 .settle(&mut s, &mut held, &mut enabled, |_| at);
             encode(self.watching.rules.frame(), &s, &mut it);
+            // States with different sleep sets have different actions to follow, and are different.
             if held != 0 {
                 it.key.extend(held.to_le_bytes());
             }
+            // An earlier crowded moment has followed the state already.
             if self.crowd.holds(&it) {
                 self.spare.push(s);
                 continue;

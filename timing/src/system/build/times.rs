@@ -1,4 +1,4 @@
-//! Times: durations of codels, periods, the base unit, and from seconds to ticks.
+//! Times: durations of codels, periods, the base unit, and the conversion from seconds to ticks.
 
 use std::ops::Range;
 

@@ -10,7 +10,7 @@ pub(crate) mod mode {
     // 0: its task is not started.
     /// First codel of the start-up.
     pub(crate) const FIRST_CODEL: u16 = 1;
-    /// Still in its first run, past the first codel.
+    /// In its first run, past the first codel.
     pub(crate) const FIRST_RUN: u16 = 2;
     /// Runs with its task.
     pub(crate) const NORMAL: u16 = 3;

@@ -30,7 +30,7 @@ pub(super) mod thread {
 pub(super) mod flag {
     /// A tick has come since the last cycle began.
     pub(in super::super) const TICK: u16 = 1;
-    /// Paused automata are to be resumed (aperiodic tasks).
+    /// Paused automata must be resumed (aperiodic tasks).
     pub(in super::super) const RUNNABLE: u16 = 2;
     /// The other tasks must be woken before any other action.
     pub(in super::super) const WAKE: u16 = 4;

@@ -84,6 +84,8 @@ impl<R: Reduced> Layers<'_, R> {
             let Some((parent, actions, order)) = self.segment_to(node, &point) else {
                 return left_out();
             };
+            // The state was put in order here. Later actions have the names after that, and the run has the
+            // names before.
             if let Some(back) = order.map(|it| it.inverse()) {
                 for (_, later) in &mut segments {
                     later.iter_mut().for_each(|it| *it = back.action(*it));
@@ -118,6 +120,8 @@ impl<R: Reduced> Layers<'_, R> {
             .map(|e| {
                 let executing = self.watching.rules.frame().is_executing(s, e);
                 let (a, b) = self.watching.rules.frame().window(s, e);
+                // Any end within the window is possible. The latest end is chosen, or the earliest if there
+                // is no upper bound.
                 executing.then_some(if b == crate::system::FOREVER { a } else { b })
             })
             .collect()
