@@ -43,7 +43,7 @@ pub(super) enum Wrong {
 #[derive(Debug)]
 pub(super) struct Order {
     recent: VecDeque<Executing>,
-    /// Number of cores.
+    /// Number of cores, if a codel keeps its core to its end.
     cores: Option<u32>,
     in_order: bool,
     queue: bool,

@@ -201,7 +201,7 @@ impl<R: Rules> Graph<'_, R> {
         }
     }
 
-    /// Returns the states in which the obligation is still open; `None` if the search must end.
+    /// Returns, by state, whether the obligation is still open; `None` if the search must end.
     fn unanswered(&self, visits: &[Visit]) -> Option<Vec<bool>> {
         let mut open = Vec::with_capacity(visits.len());
         for (i, it) in visits.iter().enumerate() {

@@ -11,8 +11,8 @@ use crate::explore::{Limits, Stop, explore};
 use crate::report::{CheckReport, Report, Value, Verdict};
 use crate::system::built::Built;
 
-/// The stages: number of requests of clients that may wait for ever (`None`: no limit), and upper limit on
-/// states.
+/// The stages: number of delays without an upper bound that clients pass (`None`: no limit), and upper limit
+/// on states.
 const STAGES: [(Option<usize>, usize); 4] = [
     (Some(0), 100_000),
     (None, 20_000),

@@ -89,8 +89,8 @@ fn reaction_and_age_are_those_worked_out_by_hand() {
 fn an_input_that_nobody_writes_is_new_at_any_moment() {
     let items = "durations fixed; connect filter.raw to none;
          check reaction filter.raw -> filter.clean; check age filter.raw -> filter.clean;";
-    // The longest: from just after the filter has read at 20 until it writes at 42. The age: read at 20, and
-    // visible until 42.
+    // Reaction: from just after the filter has read at 20 until it writes at 42. Age: read at 20, and visible
+    // until 42.
     let report = two(Preset::Servers, items);
     let time = |it| (Verdict::Proved, Some(Value::Time(it)));
     assert_eq!(values(&report), [time(22.0), time(22.0)]);
