@@ -14,7 +14,7 @@ use rustc_hash::FxHashMap;
 
 use crate::propose::written;
 
-/// In which form an execution time is written where there is none (language reference, section 17.4).
+/// The form of a new execution time (language reference, section 17.4).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
     /// `wcet 1 ms` in the declaration of the codel.
@@ -23,33 +23,33 @@ pub enum Form {
     Pragma,
 }
 
-/// An execution time to be written.
+/// An execution time to write.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Wanted {
     /// Index into [`dotgen_analysis::model::Spec::components`].
     pub component: u32,
-    /// The codel.
+    /// Codel.
     pub codel: CodelRef,
-    /// Its time, in microseconds.
+    /// Execution time, in microseconds.
     pub micros: u64,
 }
 
-/// Why an execution time could not be written.
+/// The reason why an execution time was not written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Refusal {
-    /// The codel, or the time that it has, comes from a macro.
+    /// The codel, or its present time, comes from a macro.
     Macro,
-    /// A comment stands within the time that it has.
+    /// Its present time contains a comment.
     Comment,
 }
 
-/// What is to be done to a text, and what cannot be.
+/// The edits for a text, and the execution times that must be changed by hand.
 #[derive(Debug, Default)]
 pub struct Written {
     /// Edits that do not overlap, by file, in order.
     pub edits: Vec<FileEdit>,
-    /// Functions whose time is to be changed by hand.
+    /// Functions whose time must be changed by hand, with the reason.
     pub refused: Vec<(String, Refusal)>,
 }
 
@@ -58,13 +58,13 @@ struct Use<'u> {
     codel: &'u Codel,
     path: Utf8PathBuf,
     range: Range<usize>,
-    /// The time it has: where that stands.
+    /// Place of its present time.
     time: Option<(Utf8PathBuf, Range<usize>)>,
     wanted: Option<u64>,
 }
 
-/// The edits for one specification. A time that is there is changed where and as it stands; a pragma is about
-/// a function, so it gets the greatest time of all its uses.
+/// Returns the edits for one specification. A present time is changed in its place and form. A pragma applies
+/// to a function, so it gets the greatest time of all uses of the function.
 pub fn specification(
     unit: &UnitResult,
     text: &dyn Fn(&Utf8Path) -> Option<Arc<str>>,
@@ -81,7 +81,7 @@ pub fn specification(
             let Some((path, range)) = place(codel.node) else {
                 continue;
             };
-            // A service of an interface is one declaration, however many components provide it.
+            // A service of an interface is declared once, however many components provide it.
             let same = |it: &&mut Use<'_>| it.path == path && it.range == range;
             if let Some(known) = uses.iter_mut().find(same) {
                 known.wanted = known.wanted.max(time);
@@ -119,7 +119,7 @@ pub fn specification(
     out
 }
 
-/// The edits for all uses of one function.
+/// Adds the edits for all uses of one function.
 fn function(
     name: &str,
     uses: &[&Use<'_>],
@@ -139,7 +139,7 @@ fn function(
         });
     if let (Some((path, range)), Some(micros)) = (pragma, greatest) {
         let old = slice(&path, &range).ok_or(Refusal::Macro)?;
-        // The name may come from a macro as well; then this is not for us to replace.
+        // The name may come from a macro as well. Such a pragma must not be replaced.
         if !old.split_whitespace().any(|it| it == name) {
             return Err(Refusal::Macro);
         }
@@ -198,24 +198,24 @@ fn function(
     Ok(edits)
 }
 
-/// Whether something in a text may be a comment.
+/// Returns true if a text may contain a comment.
 fn has_comment(text: &str) -> bool {
     text.contains("//") || text.contains("/*")
 }
 
-/// A pragma above a declaration; where that does not begin its line, at the end of the file, where it means
-/// the same.
+/// Adds a pragma above a declaration. If the declaration does not begin its line, the pragma goes to the end
+/// of the file, where it has the same meaning.
 fn above(it: &Use<'_>, text: &str, name: &str, micros: u64) -> FileEdit {
     let end = LineEnd::of(text).as_str();
     let pragma = format!("#pragma wcet {name} {}{end}", written(micros));
     let before = text.get(..it.range.start).unwrap_or_default();
     let line = before.rfind('\n').map_or(0, |it| it + 1);
     let between = before.get(line..).unwrap_or_default();
-    // Words that begin the declaration of a codel.
+    // The words that begin the declaration of a codel.
     let begins = between
         .split_whitespace()
         .all(|it| matches!(it, "async" | "validate" | "codel"));
-    // A line that a backslash joins to the one before is not a line of its own.
+    // A line that a backslash joins to the previous line is not a line of its own.
     let joined = before
         .get(..line)
         .is_some_and(|it| it.trim_end_matches(['\n', '\r']).ends_with('\\'));
@@ -233,7 +233,8 @@ fn above(it: &Use<'_>, text: &str, name: &str, micros: u64) -> FileEdit {
     }
 }
 
-/// The edits for a scenario: `duration PATH [0,N] us;` for each codel, where there is one in its place.
+/// Returns the edits for a scenario: `duration PATH [0,N] us;` for each codel. A present statement for the
+/// codel is replaced.
 pub fn scenario(
     path: &Utf8Path,
     text: &str,
@@ -260,12 +261,12 @@ pub fn scenario(
         });
         match known.and_then(|(from, lower, unit)| Some((from, statement_end(from)?, lower, unit)))
         {
-            // A comment there, and all that follows its first semicolon, would be lost.
+            // Replacing this statement would lose a comment in it, or the text after its first semicolon.
             Some((from, end, ..)) if has_comment(text.get(from..end).unwrap_or_default()) => {}
             Some((from, end, lower, unit)) => {
                 let unit = unit.seconds();
                 let lower = unit * num_rational::Ratio::from_integer(i128::from(lower) * 1_000_000);
-                // Rounded down: a least time only adds runs.
+                // Rounded down: a smaller least time only adds runs.
                 let lower = u64::try_from(lower.to_integer()).unwrap_or(0).min(*micros);
                 edits.push(edit(from..end, format!(" [{lower},{micros}] us")));
             }
@@ -278,7 +279,7 @@ pub fn scenario(
         _ => None,
     });
     let last = last.max().and_then(statement_end).map(|it| it + 1);
-    // A comment behind a statement is about that statement.
+    // A comment behind a statement belongs to the statement.
     let last = last.map(|at| {
         let rest = text.get(at..).unwrap_or_default();
         let line = rest.lines().next().unwrap_or_default();
@@ -302,7 +303,7 @@ pub fn scenario(
     edits
 }
 
-/// A text after edits that are in order and do not overlap.
+/// Applies edits to a text. The edits must be in order and must not overlap.
 pub fn applied<'e>(text: &str, edits: impl IntoIterator<Item = &'e FileEdit>) -> String {
     let mut out = String::with_capacity(text.len());
     let mut at = 0;

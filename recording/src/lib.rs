@@ -1,11 +1,11 @@
 //! Recorded runs.
 //!
-//! Servers that are generated with profiling, and `dotgen run --profile`, write a line for each run of a
-//! codel: see [`log`]. From such logs come statistics ([`statistics`]), execution times ([`measured`],
-//! [`propose`]) and the edits that write them into specifications ([`edits`]), comparisons with the model
-//! that is verified ([`monitor`]), and traces ([`trace`]).
+//! Servers generated with profiling, and `dotgen run --profile`, write a line for each run of a codel: see
+//! [`log`]. From such logs this crate computes statistics ([`statistics`]), execution times ([`measured`],
+//! [`propose`]), the edits that write them into specifications ([`edits`]), comparisons with the verified
+//! model ([`monitor`]), and traces ([`trace`]).
 //!
-//! Nothing here reads or writes files: what is read is handed over as bytes.
+//! This crate neither reads nor writes files: callers pass the bytes.
 
 pub mod edits;
 pub mod log;

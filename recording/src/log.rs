@@ -1,45 +1,45 @@
 //! The log of GenoM3's profiler, line by line.
 //!
-//! A line has nine columns: when a codel asked for its locks, got them and released them (seconds with nine
-//! digits after the point), instance, task, service, function, and the events that it came from and led to.
-//! The facts are from the recorder (`templates/common/prof.c`) and from `profundis`, which reads its logs
-//! (both of GenoM3 2.99.39). The recorder writes lines about itself: those of the instance `genom`, and those
-//! of the function `genom_prof_record`, where a thread had to wait for the recorder.
+//! A line has nine columns: the times at which a codel asked for its locks, got them and released them (in
+//! seconds, with nine digits after the point), instance, task, service, function, and the events before and
+//! after the run. The facts are from the recorder (`templates/common/prof.c`) and from `profundis`, which
+//! reads its logs (both of GenoM3 2.99.39). The recorder writes lines about itself: those of the instance
+//! `genom`, and those of the function `genom_prof_record`, when a thread had to wait for the recorder.
 
 use memchr::memchr;
 use rustc_hash::FxHashMap;
 
-/// Nanoseconds of a second.
+/// Nanoseconds per second.
 const NANOS: i64 = 1_000_000_000;
 
-/// Names after the three times.
+/// Number of names after the three times.
 const NAMES: usize = 6;
 
-/// Instance under which the recorder writes about itself.
+/// Instance of the lines of the recorder about itself.
 const RECORDER: &[u8] = b"genom";
 
-/// Function under which it writes that a thread had to wait for it.
+/// Function of the lines about threads that had to wait for the recorder.
 const OVERLOAD: &[u8] = b"genom_prof_record";
 
-/// A line longer than this is no line of a log: it is given up, so that no memory is taken for it.
+/// Upper limit on the bytes of a line. A longer line is skipped, so that it takes no memory.
 const LONGEST: usize = 1 << 16;
 
-/// How lines begin in which `dotgen run` says where the times of a log are from. Other readers skip these
-/// lines, because they do not begin with a time.
+/// The beginning of a line in which `dotgen run` names the source of the times of a log. Other readers skip
+/// such lines, because they do not begin with a time.
 const SAYS: &[u8] = b"# dotgen: ";
 
 /// The source of the times of a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Origin<'l> {
-    /// The real clock: from here, times are measured unless their codel is named.
+    /// The real clock: from this line on, times are measured, except those of codels that are named.
     Measured,
-    /// The virtual clock: from here, no time is measured.
+    /// The virtual clock: from this line on, no time is measured.
     Simulated,
     /// A simulated codel in a run on the real clock, by its path.
     Codel(&'l str),
 }
 
-/// The lines of a log that name the source of its times.
+/// Returns the lines of a log that name the source of its times.
 pub fn origins<'c>(measured: bool, simulated: impl Iterator<Item = &'c str>) -> String {
     let says = String::from_utf8_lossy(SAYS);
     if !measured {
@@ -52,7 +52,7 @@ pub fn origins<'c>(measured: bool, simulated: impl Iterator<Item = &'c str>) -> 
     out
 }
 
-/// Reads a line that names the source of times; `None` for other lines.
+/// Reads a line that names the source of times; returns `None` for other lines.
 pub fn origin(text: &[u8]) -> Option<Origin<'_>> {
     match std::str::from_utf8(text.strip_prefix(SAYS)?).ok()?.trim() {
         "times are measured" => Some(Origin::Measured),
@@ -61,37 +61,37 @@ pub fn origin(text: &[u8]) -> Option<Origin<'_>> {
     }
 }
 
-/// A line, as far as it is different from others.
+/// A line, with the names unparsed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Line<'l> {
-    /// When locks were asked for, in nanoseconds.
+    /// Time of the request for locks, in nanoseconds.
     pub asked: i64,
-    /// When all of them were held.
+    /// Time when all locks were held, in nanoseconds.
     pub began: i64,
-    /// When they were released.
+    /// Time of their release, in nanoseconds.
     pub ended: i64,
     /// The times have nine digits after the point, as the recorder writes them.
     pub exact: bool,
-    /// The names that follow the times.
+    /// Names after the times.
     pub tail: &'l [u8],
 }
 
-/// What a line is about.
+/// The subject of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum About {
     /// A run of a codel.
     Codel,
     /// The recorder itself.
     Recorder,
-    /// A thread that waited for the recorder: what it measured then is late.
+    /// A thread that waited for the recorder: its next time is measured too late.
     Overload,
-    /// Some of its names are missing.
+    /// A line with missing names.
     Cut,
-    /// It has too many names.
+    /// A line with too many names.
     Garbage,
 }
 
-/// Reads a line, as `profundis` does: the first three words are times. `None`: they are not.
+/// Reads a line like `profundis`: the first three words are times. Returns `None` if they are not.
 pub fn line(text: &[u8]) -> Option<Line<'_>> {
     if let Some(([asked, began, ended], rest)) = recorded(text) {
         return Some(Line {
@@ -123,8 +123,8 @@ pub fn line(text: &[u8]) -> Option<Line<'_>> {
 }
 
 impl<'l> Line<'l> {
-    /// Instance, task, service, function, and the events from which and to which. Missing ones are empty.
-    /// `None`: there are too many.
+    /// Returns instance, task, service, function, and the events before and after the run. Missing names are
+    /// empty. Returns `None` if there are too many.
     pub fn names(&self) -> Option<[&'l [u8]; NAMES]> {
         let mut names: [&[u8]; NAMES] = [b""; NAMES];
         let mut rest = self.tail;
@@ -137,14 +137,14 @@ impl<'l> Line<'l> {
         Some(names)
     }
 
-    /// Whether its times go backwards.
+    /// Returns true if the times go backwards, because the clock was set.
     pub fn is_step(&self) -> bool {
         self.began < self.asked || self.ended < self.began
     }
 }
 
-/// The times, where they stand as the recorder writes them: seconds, a point, nine digits and a blank. Most
-/// lines are so, and this is fast. `None` says nothing about any other line.
+/// Reads times in the form that the recorder writes: seconds, a point, nine digits and a blank. This fast
+/// path covers most lines. `None` does not mean that the line is invalid.
 fn recorded(text: &[u8]) -> Option<([i64; 3], &[u8])> {
     let mut rest = text;
     let mut times = [0; 3];
@@ -178,10 +178,10 @@ fn recorded(text: &[u8]) -> Option<([i64; 3], &[u8])> {
     Some((times, rest))
 }
 
-/// Digits of seconds, as many as those since 1970 have.
+/// Number of digits of the seconds since 1970.
 const SECONDS: usize = 10;
 
-/// A number of eight digits, all at once: pairs of neighbours are put together, then pairs of those.
+/// Reads a number of eight digits in parallel: pairs of neighbours are combined, then pairs of pairs.
 fn eight_digits(text: [u8; 8]) -> Option<u32> {
     let digits = u64::from_le_bytes(text) ^ 0x3030_3030_3030_3030;
     let beyond = digits.wrapping_add(0x7676_7676_7676_7676) | digits;
@@ -194,19 +194,19 @@ fn eight_digits(text: [u8; 8]) -> Option<u32> {
     u32::try_from(eight).ok()
 }
 
-/// The first word, and what follows it.
+/// Returns the first word, and the rest.
 fn word(text: &[u8]) -> Option<(&[u8], &[u8])> {
     let start = text.iter().position(|it| !it.is_ascii_whitespace())?;
     let text = text.get(start..)?;
     let end = memchr(b' ', text).unwrap_or(text.len());
     let word = text.get(..end)?;
-    // Blanks are the rule.
+    // Blanks are the usual separator.
     let end = (word.iter().position(u8::is_ascii_whitespace)).unwrap_or(end);
     Some(text.split_at(end))
 }
 
-/// Seconds with a fraction, as nanoseconds, and how many digits the fraction has. What stands behind the
-/// point is a number of nanoseconds, whatever its length: the recorder writes all nine digits.
+/// Reads seconds with a fraction. Returns nanoseconds and the number of digits of the fraction. The fraction
+/// is a number of nanoseconds, whatever its length: the recorder writes all nine digits.
 fn stamp(word: &[u8]) -> Option<(i64, usize)> {
     let point = memchr(b'.', word)?;
     let (seconds, fraction) = word.split_at(point);
@@ -218,10 +218,10 @@ fn stamp(word: &[u8]) -> Option<(i64, usize)> {
     Some((seconds.checked_mul(NANOS)?.checked_add(nanos)?, digits))
 }
 
-/// Digits of numbers that are never too great.
+/// Number of digits that never overflow.
 const DIGITS: usize = 18;
 
-/// The number at the start of a word, and its length.
+/// Returns the number at the start of a word, and its length.
 fn number(word: &[u8]) -> Option<(i64, usize)> {
     let mut value: i64 = 0;
     let mut used = 0;
@@ -239,18 +239,18 @@ fn number(word: &[u8]) -> Option<(i64, usize)> {
     (used > 0).then_some((value, used))
 }
 
-/// Cuts lines out of what is read piece by piece.
+/// Splits a stream of bytes into lines.
 #[derive(Debug, Default)]
 pub struct Lines {
-    /// The beginning of a line whose end has not come.
+    /// Incomplete line at the end.
     rest: Vec<u8>,
-    /// The line is too long, its end is awaited.
+    /// The present line is too long, and is skipped to its end.
     lost: bool,
     number: u64,
 }
 
 impl Lines {
-    /// Reads on. The function gets each line that has ended, with its number from 1, without its end.
+    /// Reads more bytes. `each` gets every complete line, with its number from 1, without its line break.
     pub fn feed(&mut self, mut bytes: &[u8], mut each: impl FnMut(u64, &[u8])) {
         while let Some(end) = memchr(b'\n', bytes) {
             let (line, after) = bytes.split_at(end);
@@ -275,61 +275,61 @@ impl Lines {
         }
     }
 
-    /// The last line, if it has no end: its writer may have been stopped within it.
+    /// Returns the last line if its line break is missing: the writer may have been stopped within the line.
     pub fn unended(&self) -> Option<(u64, &[u8])> {
         (self.lost || !self.rest.is_empty()).then_some((self.number + 1, self.rest.as_slice()))
     }
 }
 
-/// Who executed what, and where it led.
+/// A combination of names: all lines of a log with the same names have the same kind.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Kind {
-    /// The instance: the name of the component, unless the server was started under another.
+    /// Instance: the name of the component, unless the server was started under another name.
     pub instance: String,
-    /// The task.
+    /// Task.
     pub task: String,
-    /// The service.
+    /// Service.
     pub service: String,
-    /// The function.
+    /// Function.
     pub function: String,
-    /// The event from which.
+    /// Event before the run.
     pub from: String,
-    /// The event to which.
+    /// Event after the run.
     pub to: String,
 }
 
 /// One run of a codel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Run {
-    /// When it asked for its locks, in nanoseconds.
+    /// Time of the request for its locks, in nanoseconds.
     pub asked: i64,
-    /// When it had them.
+    /// Time of their grant, in nanoseconds.
     pub began: i64,
-    /// When it released them.
+    /// Time of their release, in nanoseconds.
     pub ended: i64,
-    /// Of what kind: see [`Kinds`].
+    /// Number of its kind: see [`Kinds`].
     pub kind: u32,
 }
 
-/// The kinds of lines of a log, each once.
+/// The kinds of the lines of a log, without repetition.
 #[derive(Debug, Clone, Default)]
 pub struct Kinds {
-    /// By what follows the times.
+    /// Numbers of kinds, by the text after the times.
     known: FxHashMap<Box<[u8]>, u32>,
-    /// In order of first appearance.
+    /// Kinds, in order of first appearance.
     pub all: Vec<Kind>,
     abouts: Vec<About>,
 }
 
 impl Kinds {
-    /// The number of the kind of a line, and what such lines are about.
+    /// Returns the number of the kind of a line, and the subject of such lines.
     pub fn of(&mut self, line: &Line<'_>) -> (u32, About) {
         let known = self.known.get(line.tail).copied();
         let kind = known.unwrap_or_else(|| self.fresh(line));
         (kind, self.about(kind as usize))
     }
 
-    /// What lines of a kind are about.
+    /// Returns the subject of the lines of a kind.
     pub fn about(&self, kind: usize) -> About {
         self.abouts.get(kind).copied().unwrap_or(About::Garbage)
     }
@@ -366,7 +366,7 @@ fn about([instance, _, _, function, _, last]: [&[u8]; NAMES]) -> About {
     }
 }
 
-/// What lines of a log were not used for.
+/// The lines of a log that were not used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct Left {
@@ -378,18 +378,18 @@ pub struct Left {
     pub clock_steps: u64,
     /// Lines that are cut: columns are missing, or the end of the line.
     pub cut: u64,
-    /// Lines that are none of a log.
+    /// Lines that do not belong to a log.
     pub garbage: u64,
 }
 
 impl Left {
-    /// All of them.
+    /// Returns the number of all of these lines.
     pub fn total(&self) -> u64 {
         self.recorder + self.overloads + self.clock_steps + self.cut + self.garbage
     }
 
-    /// Takes a line that stands for a run of a codel, with its kind, and counts any other. `ended`: the end
-    /// of the line was seen.
+    /// Returns the run of a codel that a line stands for, with its kind; counts any other line. `ended`: the
+    /// line has its line break.
     pub fn sift<'l>(
         &mut self,
         kinds: &mut Kinds,
@@ -397,7 +397,7 @@ impl Left {
         ended: bool,
     ) -> Option<(Line<'l>, u32)> {
         if !ended {
-            // What is there may be a part of a name.
+            // The last name may be incomplete.
             self.cut += 1;
             return None;
         }
@@ -412,7 +412,7 @@ impl Left {
         self.count(&line, about, ended).then_some((line, kind))
     }
 
-    /// Whether a line stands for a run of a codel; any other is counted.
+    /// Returns true if a line stands for a run of a codel; counts any other line.
     pub fn count(&mut self, line: &Line<'_>, about: About, ended: bool) -> bool {
         let count = match about {
             _ if !ended => &mut self.cut,
@@ -468,7 +468,7 @@ mod tests {
             "0.020500000 0,020500001 0.023000000",
         ] {
             let fast = line(format!("{times}{tail}").as_bytes()).map(|it| (it.ended, it.exact));
-            // A blank in front is nothing that a recorder writes.
+            // A recorder never writes a blank in front.
             let careful = line(format!(" {times}{tail}").as_bytes()).map(|it| (it.ended, it.exact));
             assert_eq!(fast, careful, "{times}");
         }
@@ -509,7 +509,7 @@ mod tests {
             garbage: 3,
         };
         assert_eq!(left, expected);
-        // A word too many.
+        // One word too many.
         let more = format!("{PLAIN} more");
         assert_eq!(line(more.as_bytes()).and_then(|it| it.names()), None);
     }

@@ -1,25 +1,25 @@
-//! Which codel of the specifications a line of a log is about.
+//! The assignment of log lines to codels of the specifications.
 
 use dotgen_analysis::model::{Codel, CodelKind, CodelRef, Component, Owner};
 use dotgen_timing::scn::names::Names;
 
 use crate::log::Kind;
 
-/// The task under which a control task writes.
+/// Task name of the lines of a control task.
 pub const CONTROL: &str = "<control>";
 
 /// A codel in a place of use.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Site {
-    /// The component, as numbered by [`Names`].
+    /// Component, as numbered by [`Names`].
     pub component: usize,
-    /// The codel.
+    /// Codel.
     pub codel: CodelRef,
-    /// The state in which it is executed; `None` for codels of the control task.
+    /// State in which the codel runs; `None` for codels of the control task.
     pub state: Option<String>,
 }
 
-/// Why a line is about no codel of the specifications.
+/// The reason why a line belongs to no codel of the specifications.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stray {
@@ -29,26 +29,26 @@ pub enum Stray {
     Task,
     /// Neither the service nor the task has such a state, or the service has no such codel.
     State,
-    /// What is executed there is another function.
+    /// The codel there has another function.
     Function,
     /// The activity belongs to another task.
     WrongTask,
-    /// The service is handled without a codel: an attribute that is set or read.
+    /// The service has no codel: it is an attribute that is set or read.
     NoCodel,
 }
 
-/// What an event names.
+/// The parts of an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Event<'k> {
-    /// The component, if it has one.
+    /// Component, if the event names one.
     pub component: Option<&'k str>,
-    /// The state, or the exception, without `pause::`.
+    /// State or exception, without `pause::`.
     pub name: &'k str,
-    /// Written with `pause::`.
+    /// The event has `pause::`.
     pub paused: bool,
 }
 
-/// Takes `::component::pause::state` apart.
+/// Parses `::component::pause::state`.
 pub fn event(text: &str) -> Event<'_> {
     let names: Vec<&str> = text.trim_start_matches("::").split("::").collect();
     match *names.as_slice() {
@@ -70,10 +70,11 @@ pub fn event(text: &str) -> Event<'_> {
     }
 }
 
-/// Looks up what a line is about.
+/// Returns the codel of a line.
 ///
 /// # Errors
-/// It is about no codel of the specifications.
+///
+/// Returns the reason if the line belongs to no codel of the specifications.
 pub fn site(names: &Names<'_>, kind: &Kind) -> Result<Site, Stray> {
     let from = event(&kind.from);
     let component = component(names, kind, &from).ok_or(Stray::Component)?;
@@ -102,8 +103,8 @@ pub fn site(names: &Names<'_>, kind: &Kind) -> Result<Site, Stray> {
     })
 }
 
-/// The component of the event; for what a control task executes the instance, or the only one that has such a
-/// codel: a server may have been started under another name.
+/// Returns the component of a line. The event names it. For codels of the control task, it is the instance,
+/// or the only component with such a codel, because a server may have been started under another name.
 fn component(names: &Names<'_>, kind: &Kind, from: &Event<'_>) -> Option<usize> {
     let all = &names.components;
     let named = |name: &str| all.iter().position(|it| it.component.name == name);
@@ -130,7 +131,7 @@ fn of_machine(it: &Component, task: u32, kind: &Kind, state: &str) -> Result<Cod
             false => Err(Stray::WrongTask),
         };
     }
-    // How recorders call the service of a permanent activity is theirs; no service has that name.
+    // Recorders differ in their name for the service of a permanent activity. No service has such a name.
     match service {
         Some(_) => Err(Stray::State),
         None => in_state(it, Owner::Task(task), state).ok_or(Stray::State),
@@ -165,7 +166,7 @@ fn of_control(it: &Component, kind: &Kind) -> Option<CodelRef> {
     })
 }
 
-/// Why a control task executes no codel.
+/// Returns the reason why a control task executes no codel.
 fn without(it: &Component, kind: &Kind) -> Stray {
     let service = it.services.iter().find(|of| of.name == kind.service);
     let of = |it: &dotgen_analysis::model::Service| {
@@ -178,7 +179,7 @@ fn without(it: &Component, kind: &Kind) -> Stray {
     }
 }
 
-/// `component.task.state`, `component.service.state` or `component.service.codel`, as scenarios name a codel.
+/// Returns `component.task.state`, `component.service.state` or `component.service.codel`, as in scenarios.
 pub fn path(names: &Names<'_>, site: &Site) -> String {
     let Some(member) = names.components.get(site.component) else {
         return String::new();
@@ -191,7 +192,7 @@ pub fn path(names: &Names<'_>, site: &Site) -> String {
     format!("{}.{}.{last}", it.name, it.owner_name(site.codel.owner))
 }
 
-/// Every codel of the specifications in each of its states.
+/// Returns every codel of the specifications in each of its states.
 pub fn sites(names: &Names<'_>) -> Vec<Site> {
     let mut out = Vec::new();
     for (component, member) in names.components.iter().enumerate() {

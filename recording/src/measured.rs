@@ -1,4 +1,4 @@
-//! How long codels took, of those lines of a log that tell it.
+//! Execution times of codels, from the lines of a log that measure them.
 
 use std::collections::BTreeMap;
 
@@ -8,23 +8,23 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use crate::log::{Kind, Kinds, Left, Origin, origin};
 use crate::matching::{Site, Stray, path, site, sites};
 
-/// Times of execution, in nanoseconds.
+/// Statistics of execution times, in nanoseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Measure {
-    /// How many runs.
+    /// Number of runs.
     pub runs: u64,
-    /// The least.
+    /// Least time.
     pub least: i64,
-    /// The greatest.
+    /// Greatest time.
     pub greatest: i64,
-    /// All together.
+    /// Sum.
     pub total: i128,
-    /// File, from 0, and line, from 1, of the greatest.
+    /// File, from 0, and line, from 1, of the greatest time.
     pub at: (usize, u64),
 }
 
 impl Measure {
-    /// The mean.
+    /// Returns the mean, in nanoseconds.
     pub fn mean(&self) -> i64 {
         let mean = self.total / i128::from(self.runs.max(1));
         i64::try_from(mean).unwrap_or(i64::MAX)
@@ -56,42 +56,42 @@ impl Measure {
     }
 }
 
-/// What was read of logs.
+/// The measurements of logs.
 #[derive(Debug, Default)]
 pub struct Measured {
-    /// What was not used.
+    /// Lines that were not used.
     pub left: Left,
     kinds: Kinds,
-    /// Sections of logs: each has one source of times.
+    /// Sections of logs. Each has a single source of times.
     sections: Vec<Section>,
-    /// The file of the last section.
+    /// File of the last section.
     file: Option<usize>,
 }
 
-/// A part of a log, from one line about the source of times to the next.
+/// A part of a log, from one line about the source of times to the next such line.
 #[derive(Debug, Default)]
 struct Section {
-    /// No time is measured.
+    /// No time is measured, because the clock is virtual.
     simulated: bool,
-    /// Paths of simulated codels; the times of all others are measured.
+    /// Paths of simulated codels. The times of all other codels are measured.
     codels: FxHashSet<String>,
-    /// By kind.
+    /// Measurements, by kind.
     of: Vec<Measure>,
 }
 
-/// What logs tell of specifications.
+/// The measurements of logs for specifications.
 #[derive(Debug, Default)]
 pub struct Measurements {
-    /// Of each codel in each of its states: what was measured, with no runs where it was never seen.
+    /// Measurements of each codel in each of its states. A codel that was never seen has no runs.
     pub sites: Vec<(Site, Measure)>,
-    /// Lines about no codel of the specifications, by kind, with their number.
+    /// Kinds of lines that belong to no codel of the specifications, with the number of lines.
     pub strays: Vec<(Kind, Stray, u64)>,
-    /// Paths of simulated codels, with the number of their runs: their times are not measured.
+    /// Paths of simulated codels, with their number of runs. Their times are not measured.
     pub simulated: BTreeMap<String, u64>,
 }
 
 impl Measured {
-    /// A line of a file. `ended`: its end was seen.
+    /// Reads a line of a file. `ended`: the line has its line break.
     pub fn line(&mut self, file: usize, number: u64, text: &[u8], ended: bool) {
         if self.file != Some(file) {
             self.file = Some(file);
@@ -124,7 +124,7 @@ impl Measured {
         }
     }
 
-    /// Brings what was measured to the codels of specifications.
+    /// Assigns the measurements to the codels of specifications.
     pub fn found(&self, names: &Names<'_>) -> Measurements {
         let sites = sites(names);
         let mut places: FxHashMap<(usize, _, Option<String>), usize> = FxHashMap::default();

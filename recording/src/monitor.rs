@@ -1,23 +1,23 @@
-//! A recorded run beside the model that is verified.
+//! Conformance of a log with the verified model.
 //!
-//! Lines are looked at in their order, so a log can be followed while it grows; memory does not grow with it.
-//! Every deviation is something that no run of the model shows (the numbers are sections of the timed
-//! semantics):
+//! The monitor reads lines in order, so it can follow a log while the log grows. Its memory does not grow
+//! with the log. Every deviation is an event that no run of the model shows (the numbers are sections of the
+//! timed semantics):
 //!
-//! * a codel that the specifications do not have, a transition that they do not declare (2);
-//! * a codel that executes in another state than the one before has led to (2);
-//! * an execution longer or shorter than declared, where threads do not lose their core meanwhile (2, 22);
-//! * codels that exclude each other at the same time (7), or in another order than they asked, where that
-//!   counts (8);
-//! * codels of one task at the same time, or more of them than cores (9);
-//! * a codel that goes on although one of higher priority has begun on the core to which both are tied (22);
-//! * ticks of a periodic task that are not one period apart, as far as its greatest response time allows to
-//!   tell (4);
+//! * a codel that is not in the specifications, or a transition that they do not declare (2);
+//! * a codel that executes in a state that does not follow from the previous one (2);
+//! * an execution longer or shorter than declared, if threads are not preempted meanwhile (2, 22);
+//! * codels that exclude each other at the same time (7), or in another order than their requests, if the
+//!   order matters (8);
+//! * codels of one task at the same time, or more codels than cores (9);
+//! * a codel that continues although one of higher priority has begun on the core to which both are bound
+//!   (22);
+//! * ticks of a periodic task that are not one period apart, as far as its greatest response time shows (4);
 //! * a response time beyond its proved bound.
 //!
-//! Releases of jobs are not in a log. What is compared with a bound is therefore a time that the response has
-//! lasted for sure: from the first codel of a chain to its last one in the same turn, or from a moment at
-//! which its tick must have come.
+//! A log does not contain the releases of jobs. The monitor therefore compares with a bound only the time
+//! that a response has certainly lasted: from the first codel of a chain to its last codel in the same turn,
+//! or from a moment at which its tick must have come.
 
 mod deviation;
 mod model;
@@ -38,22 +38,22 @@ use model::{Model, Resolved, To};
 use order::{Executing, Order};
 use ticks::Periodic;
 
-/// Clocks of threads are read one after the other: differences up to this many nanoseconds say nothing about
-/// an order.
+/// Tolerance in nanoseconds: clocks of threads are read one after the other, so that smaller differences do
+/// not prove an order.
 pub const SLACK: i64 = 50_000;
 
-/// Places of an activity that are kept in mind.
+/// Upper limit on the tracked activities.
 const PLACES: usize = 32;
 
-/// Of each kind of deviation so many are kept; all are counted.
+/// Upper limit on the kept deviations of each kind; all are counted.
 const KEPT: usize = 100;
 
-/// Where a chain of codels goes on.
+/// The state in which a chain of codels continues.
 #[derive(Debug, Clone, Copy)]
 struct Awaited {
     state: usize,
     paused: bool,
-    /// When the chain began in this turn.
+    /// Beginning of the chain in this turn, in nanoseconds.
     since: i64,
 }
 
@@ -61,7 +61,7 @@ struct Awaited {
 #[derive(Debug, Default)]
 struct Machine {
     seen: bool,
-    /// It has paused, or ended.
+    /// The machine has paused or ended.
     paused: bool,
     awaited: Vec<Awaited>,
 }
@@ -82,11 +82,11 @@ struct Codel {
     waited: i64,
 }
 
-/// See the [module](self).
+/// Compares a log with the verified model. See the [module](self).
 #[derive(Debug)]
 pub struct Monitor<'s> {
     model: Model<'s>,
-    /// What was not looked at.
+    /// Lines that were not used.
     pub left: Left,
     kinds: Kinds,
     resolved: Vec<Resolved>,
@@ -94,7 +94,7 @@ pub struct Monitor<'s> {
     machines: FxHashMap<(u32, usize), Machine>,
     tasks: FxHashMap<(u32, usize), Task>,
     codels: Vec<Codel>,
-    /// By machine, state and outcome.
+    /// Number of runs, by machine, state and outcome.
     taken: FxHashMap<(usize, usize, usize), u64>,
     order: Order,
     foreign: BTreeMap<String, u64>,
@@ -103,35 +103,35 @@ pub struct Monitor<'s> {
     counts: BTreeMap<&'static str, u64>,
 }
 
-/// A task, in nanoseconds.
+/// The times of a task, in nanoseconds.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct OfTask {
     /// `component.task`
     pub task: String,
-    /// Chains of codels in one turn.
+    /// Number of chains of codels in one turn.
     pub chains: u64,
-    /// The greatest response time that was seen for sure.
+    /// Greatest response time that is certain.
     pub greatest: i64,
-    /// The proved bound.
+    /// Proved bound.
     pub bound: Option<i64>,
-    /// The period.
+    /// Period.
     pub period: Option<i64>,
 }
 
-/// A codel, in nanoseconds.
+/// The times of a codel, in nanoseconds.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct OfCodel {
-    /// Its path.
+    /// Path.
     pub codel: String,
-    /// How often it was executed.
+    /// Number of runs.
     pub runs: u64,
-    /// The greatest time.
+    /// Greatest execution time.
     pub greatest: i64,
-    /// The greatest time it waited for its locks.
+    /// Greatest wait for its locks.
     pub waited: i64,
-    /// The greatest time that is declared.
+    /// Greatest declared execution time.
     pub declared: Option<i64>,
 }
 
@@ -140,42 +140,43 @@ pub struct OfCodel {
 pub struct Never {
     /// `component.task` or `component.service`.
     pub machine: String,
-    /// The state from which.
+    /// State before the transition.
     pub from: String,
-    /// The state to which, with `pause::`; `ether`.
+    /// State after the transition, with `pause::`, or `ether`.
     pub to: String,
 }
 
-/// What came of it.
+/// The report of a monitor.
 #[derive(Debug, Clone, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct MonitorReport {
-    /// Version of the form.
+    /// Version of the JSON form.
     pub format: u32,
-    /// Runs of codels that were compared.
+    /// Number of runs of codels that were compared.
     pub runs: u64,
     /// Tasks.
     pub tasks: Vec<OfTask>,
     /// Codels that were executed.
     pub codels: Vec<OfCodel>,
-    /// Codels that never were.
+    /// Codels that were never executed.
     pub never_executed: Vec<String>,
-    /// Transitions that never were taken.
+    /// Transitions that were never taken.
     pub never_taken: Vec<Never>,
-    /// Components that are not in the scenario, with the number of their lines.
+    /// Components that are not in the scenario, with their number of lines.
     pub foreign: BTreeMap<String, u64>,
     /// The first deviations of each kind, in order.
     pub deviations: Vec<Deviation>,
-    /// All of them, by kind.
+    /// Number of all deviations, by kind.
     pub counts: BTreeMap<&'static str, u64>,
-    /// All of them.
+    /// Number of all deviations.
     pub deviation_count: u64,
-    /// What was not looked at.
+    /// Lines that were not used.
     pub left: Left,
 }
 
 impl<'s> Monitor<'s> {
-    /// For logs of a system. `bounds` are those on the response times of its tasks, where they are known.
+    /// Creates a monitor for logs of a system. `bounds` are the known bounds on the response times of its
+    /// tasks, in base units.
     pub fn new(system: &'s TimedSystem, names: &'s Names<'s>, bounds: Vec<Option<Ticks>>) -> Self {
         Monitor {
             codels: vec![Codel::default(); system.codels.len()],
@@ -195,7 +196,7 @@ impl<'s> Monitor<'s> {
         }
     }
 
-    /// A line of a log. `ended`: its end was seen.
+    /// Reads a line of a log. `ended`: the line has its line break.
     pub fn line(&mut self, number: u64, text: &[u8], ended: bool) {
         let Some((line, kind)) = self.left.sift(&mut self.kinds, text, ended) else {
             return;
@@ -277,17 +278,17 @@ impl<'s> Monitor<'s> {
         }
     }
 
-    /// Deviations that were found since; those beyond the first of each kind are counted only.
+    /// Returns the kept deviations from index `since` on.
     pub fn found(&self, since: usize) -> &[Deviation] {
         self.found.get(since..).unwrap_or_default()
     }
 
-    /// How many deviations were found.
+    /// Returns the number of all deviations.
     pub fn deviations(&self) -> u64 {
         self.counts.values().sum()
     }
 
-    /// A run of a codel, whoever executed it.
+    /// Checks a run of a codel, by any thread.
     fn codel(&mut self, codel: usize, run: &Executing) {
         self.runs += 1;
         let took = run.ended - run.began;
@@ -305,7 +306,7 @@ impl<'s> Monitor<'s> {
         }
     }
 
-    /// Who else executes at the same time, and who asked first.
+    /// Checks mutual exclusion, order and cores against runs at the same time.
     fn ordered(&mut self, run: Executing) {
         let mut all = Vec::new();
         self.order.add(self.model.system, run, &mut all);
@@ -322,7 +323,7 @@ impl<'s> Monitor<'s> {
                 },
                 order::Wrong::SameCore(other, core) => What::SameCore {
                     other: self.model.path(other),
-                    // Scenarios count from 1.
+                    // Scenarios count cores from 1.
                     core: core + 1,
                 },
                 order::Wrong::Cores(executing, cores) => What::Cores { executing, cores },
@@ -335,7 +336,7 @@ impl<'s> Monitor<'s> {
         self.codel(at.codel, &run);
         let key = (at.instance, at.machine);
         let machine = self.machines.entry(key).or_default();
-        // Servers start their tasks before cores are given out.
+        // Servers start their tasks before cores matter.
         let starts_up = at.permanent && !machine.paused;
         machine.paused |= at.next.is_none_or(|it| it.1);
         let core = self.model.core(at.task, at.is_async);
@@ -361,7 +362,7 @@ impl<'s> Monitor<'s> {
             *self.taken.entry(key).or_default() += 1;
         }
         let machine = self.machines.entry(key).or_default();
-        // The last of them: those before may be of activities that were interrupted.
+        // The last one: earlier ones may belong to interrupted activities.
         let place = machine.awaited.iter().rposition(|it| it.state == at.state);
         let alone = machine.awaited.len() <= 1;
         let known = place.map(|it| machine.awaited.remove(it));
@@ -394,7 +395,8 @@ impl<'s> Monitor<'s> {
             };
             self.report(&run, self.model.path(at.codel), what);
         }
-        // A chain that lasts over several turns, as its codels have threads of their own, is no job.
+        // A chain of asynchronous codels with threads of their own lasts over several turns, and is not a
+        // job.
         if alone && !(at.is_async && self.model.system.platform.async_free) {
             let begins = known.is_none_or(|it| it.paused);
             let ends = at.next.is_none_or(|it| it.1);
@@ -402,7 +404,7 @@ impl<'s> Monitor<'s> {
         }
     }
 
-    /// A codel of a chain that began at a moment in this turn.
+    /// Adds a codel to a chain that began at `since` in this turn.
     fn chain(&mut self, at: model::At, run: &Executing, since: i64, begins: bool, ends: bool) {
         let limits = self.model.of_task(at.task);
         let task = self.tasks.entry((at.instance, at.task)).or_default();
@@ -434,7 +436,7 @@ impl<'s> Monitor<'s> {
         }
     }
 
-    /// What was seen so far.
+    /// Returns the report so far.
     pub fn report_so_far(&self) -> MonitorReport {
         let system = self.model.system;
         let tasks = (0..system.tasks.len()).map(|task| {

@@ -1,12 +1,12 @@
-//! Execution times, proposed from measured ones.
+//! Proposals of execution times, from measured times.
 
 use dotgen_analysis::model::Seconds;
 use num_rational::Ratio;
 
-/// Nanoseconds of a microsecond.
+/// Nanoseconds per microsecond.
 const MICRO: i128 = 1_000;
 
-/// By how much the greatest measured time is multiplied; at least 1.
+/// The factor of a proposal over the greatest measured time; at least 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Margin(Ratio<i128>);
 
@@ -14,7 +14,8 @@ impl Margin {
     /// Reads a decimal number of at least 1.
     ///
     /// # Errors
-    /// It is none, in words.
+    ///
+    /// Returns a message if the text is not such a number.
     pub fn parse(text: &str) -> Result<Margin, String> {
         let wrong = || "give a number of at least 1, for example 1.2".to_owned();
         let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
@@ -33,8 +34,8 @@ impl Margin {
     }
 }
 
-/// Microseconds to write for a greatest time in nanoseconds: multiplied by the margin, rounded up to two
-/// digits, at least one microsecond.
+/// Returns the proposed time in microseconds for a greatest time in nanoseconds: multiplied by the margin,
+/// rounded up to two digits, at least one microsecond.
 pub fn micros(greatest: i64, margin: Margin) -> u64 {
     let exact = Ratio::from_integer(i128::from(greatest.max(1))) * margin.0;
     let micros = (exact / Ratio::from_integer(MICRO)).ceil().to_integer();
@@ -46,7 +47,7 @@ pub fn micros(greatest: i64, margin: Margin) -> u64 {
     u64::try_from(rounded).unwrap_or(u64::MAX).max(1)
 }
 
-/// Microseconds as people write them: whole, in the largest unit that allows that.
+/// Returns microseconds in readable form: a whole number of the largest possible unit.
 pub fn written(micros: u64) -> String {
     match micros {
         it if it % 1_000_000 == 0 => format!("{} s", it / 1_000_000),
@@ -55,29 +56,29 @@ pub fn written(micros: u64) -> String {
     }
 }
 
-/// Microseconds in seconds.
+/// Converts microseconds to seconds.
 pub fn seconds(micros: u64) -> Seconds {
     Ratio::new(i128::from(micros), 1_000_000)
 }
 
-/// What becomes of the execution time of a codel.
+/// The decision about the execution time of a codel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Decision {
-    /// It has none, and gets the proposed one.
+    /// Without a time, the codel gets the proposed one.
     New,
-    /// Its own is less than the proposed one, which replaces it.
+    /// A smaller time is replaced by the proposed one.
     Raised,
-    /// Its own is not less, and stays.
+    /// A time that is not smaller is kept.
     Kept,
-    /// Its own is greater, and was asked to be replaced.
+    /// A greater time is replaced, on request.
     Lowered,
-    /// It was never seen: nothing is known.
+    /// The codel was never seen: there is no proposal.
     NeverSeen,
 }
 
-/// Decides. An execution time is lowered only where that is asked for: runs that were not recorded may take
-/// longer.
+/// Decides. An execution time is lowered only on request (`replace`), because runs that were not recorded may
+/// take longer.
 pub fn decide(declared: Option<Seconds>, proposed: Option<u64>, replace: bool) -> Decision {
     match (declared, proposed.map(seconds)) {
         (_, None) => Decision::NeverSeen,
@@ -89,7 +90,7 @@ pub fn decide(declared: Option<Seconds>, proposed: Option<u64>, replace: bool) -
 }
 
 impl Decision {
-    /// Whether something is to be written.
+    /// Returns true if a time must be written.
     pub fn writes(self) -> bool {
         matches!(self, Decision::New | Decision::Raised | Decision::Lowered)
     }
@@ -118,7 +119,7 @@ mod tests {
                 let micros = micros(nanos, margin(it));
                 let proposed = Ratio::from_integer(i128::from(micros) * MICRO);
                 assert!(proposed >= exact, "{nanos} {it}");
-                // Ten per cent at most, and a microsecond.
+                // At most ten per cent and one microsecond more.
                 let most = exact * Ratio::new(11, 10) + Ratio::from_integer(MICRO);
                 assert!(proposed <= most, "{nanos} {it}: {micros}");
             }

@@ -1,8 +1,8 @@
 //! Recordings of whole runs, as files in the [MCAP](https://mcap.dev) format.
 //!
 //! Each output port is a channel of JSON messages with the JSON Schema of its type, so
-//! [Foxglove](https://foxglove.dev) opens the file. One more channel, [`STEPS`], has the steps of the run,
-//! from which it can be [followed](crate::replay). What the run was is in the metadata [`RUN`].
+//! [Foxglove](https://foxglove.dev) opens the file. One more channel, [`STEPS`], contains the steps of the
+//! run, for a [replay](crate::replay). The metadata [`RUN`] describes the run.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -21,21 +21,21 @@ pub const STEPS: &str = "/dotgen/steps";
 /// The name of the metadata.
 pub const RUN: &str = "dotgen.run";
 
-/// Bytes of messages that are written together, about.
+/// Approximate number of bytes of a chunk of messages.
 const CHUNK: u64 = 256 << 10;
 
-/// What a run was.
+/// The description of a run.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct About {
-    /// The scenario.
+    /// Scenario.
     pub scenario: String,
-    /// Seconds of a unit of time, as a fraction: `1/1000000`.
+    /// Unit of time in seconds, as a fraction: `1/1000000`.
     pub unit: String,
     /// `real` or `virtual`.
     pub clock: String,
-    /// Clients stand for somebody outside.
+    /// Some clients stand for requests from outside.
     pub outside: bool,
-    /// When it has ended, in units.
+    /// End of the run, in units.
     pub end: u64,
 }
 
@@ -51,7 +51,8 @@ impl<W: Write> Writer<W> {
     /// Begins a recording.
     ///
     /// # Errors
-    /// It cannot be written.
+    ///
+    /// Returns an error if the recording cannot be written.
     pub fn new(out: W) -> McapResult<Self> {
         let options = WriteOptions::new()
             .compression(None)
@@ -83,20 +84,23 @@ impl<W: Write> Writer<W> {
         })
     }
 
-    /// A step, at a time in nanoseconds.
+    /// Writes a step, at a time in nanoseconds.
     ///
     /// # Errors
-    /// It cannot be written.
+    ///
+    /// Returns an error if the recording cannot be written.
     pub fn step(&mut self, at: u64, step: &Step) -> McapResult<()> {
         let bytes = serde_json::to_vec(step).map_err(|it| McapError::Io(it.into()))?;
         self.count += 1;
         self.write(self.steps, self.count, at, &bytes)
     }
 
-    /// New data of a port. Its `schema` (name and JSON Schema) is asked for once.
+    /// Writes new data of a port. `schema` returns the name and JSON Schema of its type, and is called once
+    /// per port.
     ///
     /// # Errors
-    /// It cannot be written.
+    ///
+    /// Returns an error if the recording cannot be written.
     pub fn data(
         &mut self,
         at: u64,
@@ -134,7 +138,8 @@ impl<W: Write> Writer<W> {
     /// Ends the recording.
     ///
     /// # Errors
-    /// It cannot be written.
+    ///
+    /// Returns an error if the recording cannot be written.
     pub fn finish(mut self, about: &About) -> McapResult<W> {
         let text = |it: &str| it.to_owned();
         let metadata = BTreeMap::from([
@@ -153,21 +158,22 @@ impl<W: Write> Writer<W> {
     }
 }
 
-/// What is in a recording beside the data of ports.
+/// The contents of a recording, except the data of ports.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Read {
-    /// What the run was.
+    /// Description of the run.
     pub about: About,
-    /// Its steps.
+    /// Steps.
     pub steps: Vec<Step>,
-    /// Messages of ports.
+    /// Number of messages of ports.
     pub data: u64,
 }
 
 /// Reads a recording.
 ///
 /// # Errors
-/// In words: it is none, it breaks off, or it has no steps.
+///
+/// Returns a message if the bytes are not a recording, are truncated, or contain no steps.
 pub fn read(bytes: &[u8]) -> Result<Read, String> {
     let wrong = |it: McapError| format!("it is no whole MCAP file: {it}");
     let mut out = Read::default();

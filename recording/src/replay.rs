@@ -1,13 +1,13 @@
-//! A recorded run step by step beside the model that is verified.
+//! Replay of a recorded run in the verified model.
 //!
-//! The rules are those of the explorer: a [`Stepper`] is led along the recorded steps, and each of them has
-//! to be among what is possible there; between two steps time has to be free to pass. So a run without a
-//! difference is a run of the model. Where a codel took another time than the model allows, or threw what it
-//! does not declare, that is told and the run is followed further; any other difference ends it, because from
-//! there on nobody knows the state that the run was in.
+//! The rules are those of the explorer. The replay leads a [`Stepper`] along the recorded steps. Each step
+//! must be among the possible actions, and time must be free to pass between two steps. So a run without a
+//! difference is a run of the model. If a codel took another time than the model allows, or threw an
+//! undeclared exception, the difference is reported and the replay continues. Any other difference ends the
+//! replay, because the state of the run is unknown from there on.
 //!
-//! What is recorded are steps by names ([`Step`]): numbers of the model appear only where several activities
-//! of one service have to be told apart.
+//! A recorded step ([`Step`]) consists of names. Numbers of the model appear only to distinguish several
+//! activities of one service.
 
 mod step;
 
@@ -16,32 +16,32 @@ use dotgen_timing::system::{FOREVER, Ticks, TimedSystem};
 
 pub use step::{Rule, Step};
 
-/// Differences that are kept; all are counted.
+/// Upper limit on the kept differences; all are counted.
 const KEPT: usize = 100;
 
-/// Possible steps that are told with a difference.
+/// Upper limit on the possible steps listed with a difference.
 const TOLD: usize = 8;
 
-/// What a run does that the model does not. Times are in units of the system.
+/// The kind and details of a difference. Times are in units of the system.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 #[allow(missing_docs, reason = "the words of each variant say it")]
 pub enum What {
-    /// A codel, or a delay, took longer than it may.
+    /// A codel, or a delay, took longer than its greatest time.
     Longer { took: u64, limit: Ticks },
-    /// It took less time than it must.
+    /// A codel, or a delay, took less than its least time.
     Shorter { took: u64, limit: Ticks },
-    /// It threw an exception, and declares none.
+    /// A codel threw an exception, and declares none.
     Undeclared,
-    /// It is not possible there; these steps would be.
+    /// The step is not possible; the steps in `possible` are.
     Impossible { possible: Vec<Step> },
-    /// Something else, or time, came although this had to come first.
+    /// Another step, or time, came although `due` had to come first.
     Omitted { due: Step },
-    /// The recording goes back in time.
+    /// The time of the step is before that of the previous step.
     Backwards,
 }
 
-/// A difference.
+/// A difference between a recorded run and the model.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct Difference {
@@ -49,56 +49,55 @@ pub struct Difference {
     pub number: u64,
     /// The recorded step.
     pub step: Step,
-    /// The rule that differs. It is that of the step, or of what had to happen first.
+    /// Violated rule: that of the step, or of the step that had to come first.
     pub rule: Rule,
-    /// How.
+    /// Kind and details.
     #[serde(flatten)]
     pub what: What,
 }
 
-/// What came of it.
+/// The report of a replay.
 #[derive(Debug, Clone, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct ReplayReport {
-    /// Version of the form.
+    /// Version of the JSON form.
     pub format: u32,
-    /// Steps of the recording.
+    /// Number of steps of the recording.
     pub steps: u64,
-    /// Those that were followed.
+    /// Number of steps that were replayed.
     pub followed: u64,
-    /// Units of the system from the start to the last moment that was followed.
+    /// Units of the system from the start to the last replayed moment.
     pub time: u64,
-    /// Requests that somebody outside sent, and activities that he interrupted: nothing of the model does
-    /// that.
+    /// Requests and interruptions from outside. They correspond to no client of the model.
     pub from_outside: u64,
-    /// The first differences.
+    /// First differences.
     pub differences: Vec<Difference>,
-    /// All of them.
+    /// Number of all differences.
     pub difference_count: u64,
 }
 
-/// See the [module](self).
+/// Replays a recorded run in the model. See the [module](self).
 pub struct Replay<'s> {
     system: &'s TimedSystem,
     stepper: Stepper<'s>,
-    /// By codel: whether the specification lets it throw.
+    /// Permission to throw in the specification, by codel.
     throws: Vec<bool>,
-    /// Clients from this one on stand for somebody outside.
+    /// First client that stands for requests from outside.
     outside: usize,
-    /// When executors began what they execute, and the time they may take.
+    /// Start of the work of executors, with its least and greatest time.
     begun: Vec<(u64, (Ticks, Ticks))>,
-    /// Executors whose end was let go, because they took longer.
+    /// Executors that took longer than their greatest time, and may continue.
     longer: Vec<bool>,
-    /// Executors that had no core when time passed last.
+    /// Executors that had no core when time last passed.
     waited: Vec<bool>,
     possible: Possible,
     seen: Vec<Seen>,
-    /// Nobody knows any more which state the run is in.
+    /// The state of the run is unknown.
     lost: bool,
     report: ReplayReport,
 }
 
-/// A system in which every codel may throw: that some must not is looked at by [`Replay`].
+/// Returns a system in which every codel may throw: [`Replay`] itself checks undeclared exceptions.
 pub fn opened(system: &TimedSystem) -> TimedSystem {
     let mut out = system.clone();
     for it in &mut out.codels {
@@ -108,8 +107,8 @@ pub fn opened(system: &TimedSystem) -> TimedSystem {
 }
 
 impl<'s> Replay<'s> {
-    /// For a run of a system. `system` is the [opened](opened) form of the `verified` one; clients from
-    /// `outside` on stand for somebody outside.
+    /// Creates a replay. `system` is the [opened](opened) form of the `verified` system. Clients from
+    /// `outside` on stand for requests from outside.
     pub fn new(system: &'s TimedSystem, verified: &TimedSystem, outside: Option<usize>) -> Self {
         let mut stepper = Stepper::new(system, &Watched::default());
         let mut seen = Vec::new();
@@ -140,7 +139,7 @@ impl<'s> Replay<'s> {
         out
     }
 
-    /// The next recorded step.
+    /// Replays the next recorded step.
     pub fn step(&mut self, step: &Step) {
         self.report.steps += 1;
         if self.lost || !self.until(step.time, step) {
@@ -157,7 +156,7 @@ impl<'s> Replay<'s> {
             found = self.find_end(executor, step);
         }
         let Some(action) = found else {
-            // What was tried for the end of a codel has gone by.
+            // Restores the possible actions, which the search for an early end has changed.
             self.stepper.possible(&mut self.possible);
             let actions = self.possible.actions().iter().take(TOLD);
             let possible = actions.map(|&it| Step::new(self.system, &self.stepper, it));
@@ -175,7 +174,7 @@ impl<'s> Replay<'s> {
         self.report.followed += 1;
     }
 
-    /// The recording has ended, at a time.
+    /// Ends the replay, at a time in units of the system.
     pub fn end(mut self, time: u64) -> ReplayReport {
         if !self.lost {
             let end = Step {
@@ -185,7 +184,7 @@ impl<'s> Replay<'s> {
                 what: String::new(),
                 to: String::new(),
             };
-            // What was to happen at the very end may have been left out.
+            // The last event of the run may be missing in the recording.
             self.until(time, &end);
             for executor in 0..self.longer.len() {
                 self.tell_longer(executor, &end);
@@ -195,14 +194,15 @@ impl<'s> Replay<'s> {
         self.report
     }
 
-    /// The possible action that a step is.
+    /// Returns the possible action that corresponds to a step.
     fn find(&self, step: &Step) -> Option<Action> {
         let mut actions = self.possible.actions().iter().copied();
         actions.find(|&it| Step::new(self.system, &self.stepper, it) == *step)
     }
 
-    /// The action by which an executor ends that may not: it took less time than it must; or it has executed
-    /// all it wanted to when it lost its core, and needs none any more.
+    /// Returns the action by which an executor ends although the model forbids it. Either the work took less
+    /// than its least time. Or the work was complete when the executor was preempted, and needs no core any
+    /// more.
     fn find_end(&mut self, executor: usize, step: &Step) -> Option<Action> {
         let (least, _) = self.stepper.window(executor)?;
         if least == 0 && self.waited[executor] {
@@ -218,7 +218,7 @@ impl<'s> Replay<'s> {
         Some(found)
     }
 
-    /// Who ends with a step, if he executes what it says.
+    /// Returns the executor that ends with a step, if it executes the work of the step.
     fn ends(&self, step: &Step) -> Option<usize> {
         let ends = matches!(step.rule, Rule::End | Rule::Delay);
         let mut executing =
@@ -229,7 +229,7 @@ impl<'s> Replay<'s> {
         })
     }
 
-    /// The step by which an executor would end.
+    /// Returns the step by which an executor would end.
     fn end_of(&self, executor: usize) -> Step {
         let ends = Action::Finish {
             executor,
@@ -238,14 +238,14 @@ impl<'s> Replay<'s> {
         Step::new(self.system, &self.stepper, ends)
     }
 
-    /// What is to be said of a step that is possible.
+    /// Reports the differences of a step that is possible.
     fn about(&mut self, step: &Step, action: Action) {
         match action {
             Action::Finish { executor, .. } => {
                 self.tell_longer(executor, step);
                 let codel = self.stepper.work(executor).and_then(|it| it.codel());
                 let throws = codel.is_none_or(|it| self.throws.get(it).is_some_and(|it| *it));
-                // Whoever refuses a request does so with an exception, declared or not.
+                // A refusal of a request is an exception, declared or not.
                 let state = matches!(self.stepper.work(executor), Some(Work::State { .. }));
                 if state && step.to == step::EXCEPTION && !throws {
                     self.differs(step, Rule::End, What::Undeclared);
@@ -258,7 +258,7 @@ impl<'s> Replay<'s> {
         }
     }
 
-    /// Lets time pass until a step. `false`: the run is not followed further.
+    /// Lets time pass until a step. Returns false if the replay cannot continue.
     fn until(&mut self, time: u64, step: &Step) -> bool {
         if time < self.stepper.now() {
             self.lost = true;
@@ -288,7 +288,7 @@ impl<'s> Replay<'s> {
             self.stepper.pass(jump, &mut self.seen);
             self.seen.clear();
             for (executor, before) in before.into_iter().enumerate() {
-                // Where there is no limit nobody sees whether it got on.
+                // Without a greatest time, the window does not show whether the work progressed.
                 let known = before.filter(|it| it.1 != FOREVER);
                 self.waited[executor] =
                     known.is_some_and(|it| window(&self.stepper, executor) == Some(it));
@@ -297,7 +297,7 @@ impl<'s> Replay<'s> {
         true
     }
 
-    /// Lets go whoever has to end now, and did not: he takes longer.
+    /// Lets executors continue that have reached their greatest time. Returns true if there are any.
     fn overrun(&mut self) -> bool {
         let mut any = false;
         for executor in 0..self.stepper.executors() {
@@ -317,7 +317,7 @@ impl<'s> Replay<'s> {
         let whose = self.end_of(executor);
         let (took, limit) = (self.took(executor), self.begun[executor].1.1);
         let step = match step.what.is_empty() && step.of.is_empty() {
-            // The recording has ended before it has.
+            // The recording ended before the work.
             true => &whose,
             false => step,
         };
@@ -342,7 +342,7 @@ impl<'s> Replay<'s> {
         self.report.followed += 1;
     }
 
-    /// Who has begun something.
+    /// Records the start of new work.
     fn look(&mut self) {
         let now = self.stepper.now();
         for it in self.seen.drain(..) {

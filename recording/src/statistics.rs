@@ -1,67 +1,67 @@
-//! Statistics of a log: those that `profundis -s` prints, number by number.
+//! Statistics of a log, number by number as `profundis -s` prints them.
 //!
-//! There are three for each line: of its task, of its service in that task, and of the state in that service.
-//! Of lines of one group that have the same first time only the last one counts. A codel has a time of
-//! execution; a cycle is the time between two beginnings: of a service, from a run that starts a
-//! cycle (from `start`, or the first after a pause) to the next such run; where there is no such pair, and
-//! for tasks and states, from each run to the next.
+//! Each line counts three times: for its task, for its service in that task, and for the state in that
+//! service. Of the lines of a group with equal first times only the last one counts. A codel has an execution
+//! time. A cycle is the time between two beginnings. For a service, it lasts from a run that starts a cycle
+//! (from `start`, or the first run after a pause) to the next such run. For tasks, for states, and for
+//! services without such a pair, it lasts from each run to the next.
 
 use rustc_hash::FxHashMap;
 
 use crate::log::{About, Kinds, Left, line, origin};
 
-/// Least, greatest and mean time with the deviation from that, in nanoseconds.
+/// Number, least, greatest and mean time with the standard deviation, in nanoseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub struct Times {
-    /// How often.
+    /// Number of times.
     pub count: u64,
-    /// The least.
+    /// Least time.
     pub least: i64,
-    /// The greatest.
+    /// Greatest time.
     pub greatest: i64,
-    /// Their mean, towards zero.
+    /// Mean, rounded towards zero.
     pub mean: i64,
-    /// Standard deviation, towards zero.
+    /// Standard deviation, rounded towards zero.
     pub deviation: i64,
 }
 
-/// How often something led from an event to another.
+/// A transition between two events, with its count.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct Transition {
-    /// The event from which.
+    /// Event before the run.
     pub from: String,
-    /// The event to which.
+    /// Event after the run.
     pub to: String,
-    /// How often.
+    /// Number of runs.
     pub count: u64,
 }
 
 /// A task, a service of a task, or a state of a service.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct Group {
-    /// Instance and task; service; state (the event from which).
+    /// Instance and task; service; state (the event before the run).
     pub key: Vec<String>,
     /// The function, for a state.
     pub function: Option<String>,
-    /// From getting the locks to releasing them.
+    /// Times from the grant of locks to their release.
     pub execution: Times,
-    /// From beginning to beginning; `None` where there is one only.
+    /// Times from beginning to beginning; `None` if there is only one run.
     pub cycle: Option<Times>,
-    /// In order of first appearance.
+    /// Transitions, in order of first appearance.
     pub transitions: Vec<Transition>,
 }
 
-/// Whether a run starts a cycle of its service.
+/// The effect of a run on the cycles of its service.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Cycle {
     No,
-    /// It is the first of an activity: no cycle has ended.
+    /// The run is the first one of an activity: no cycle has ended.
     First,
-    /// One has ended, and the next begins.
+    /// One cycle has ended, and the next one begins.
     Next,
 }
 
-/// A line. A log has millions of them.
+/// A line, in little memory: a log has millions of them.
 #[derive(Debug, Clone, Copy)]
 struct Entry {
     asked: i64,
@@ -75,42 +75,42 @@ struct Entry {
 #[derive(Debug, Default)]
 struct OfTask {
     entries: Vec<Entry>,
-    /// There is something new since the last sorting.
+    /// Lines were added since the last sorting.
     fresh: bool,
 }
 
-/// Where lines of a kind belong.
+/// The groups of the lines of a kind.
 #[derive(Debug, Clone, Copy)]
 struct Belongs {
     task: usize,
-    /// Task, service, state: the group, and the place of the kind in it.
+    /// For task, service and state: the group, and the index of the kind in the group.
     groups: [(usize, usize); 3],
-    /// They start an activity.
+    /// The lines start an activity.
     starts: bool,
-    /// They pause one.
+    /// The lines pause an activity.
     pauses: bool,
 }
 
 /// Collects the lines of one file or of several.
 #[derive(Debug, Default)]
 pub struct Collector {
-    /// What other readers of logs leave out; here it counts.
+    /// Lines that other readers of logs skip. Here they count.
     pub left: Left,
     kinds: Kinds,
-    /// By kind; `None` for what is no line of a log.
+    /// Groups, by kind; `None` for lines that do not belong to a log.
     belongs: Vec<Option<Belongs>>,
     known: FxHashMap<Vec<String>, usize>,
     keys: Vec<Vec<String>>,
     /// Kinds, by group.
     kinds_of: Vec<Vec<u32>>,
     tasks: Vec<OfTask>,
-    /// The task of a group of tasks.
+    /// Tasks, by group of a task.
     task_of: FxHashMap<usize, usize>,
 }
 
 impl Collector {
-    /// A line of a file. `ended`: its end was seen. Lines that are none of a log do not count; cut ones do,
-    /// with empty names, as for `profundis`.
+    /// Reads a line of a file. `ended`: the line has its line break. Lines that do not belong to a log are
+    /// skipped. Cut lines count, with empty names, as in `profundis`.
     pub fn line(&mut self, text: &[u8], ended: bool) {
         let Some(line) = line(text) else {
             if origin(text).is_some() {
@@ -148,7 +148,7 @@ impl Collector {
         let (starts, pauses) = (it.from.ends_with("::start"), it.to.contains("::pause::"));
         let names = [&it.instance, &it.task, &it.service, &it.from];
         let names: Vec<String> = names.into_iter().cloned().collect();
-        // A list of Tcl that begins with nothing is shorter by that.
+        // A Tcl list that begins with an empty name is shorter by this name.
         let start = usize::from(it.instance.is_empty());
         let groups = [2, 3, 4].map(|length| {
             let key = names.get(start..length).unwrap_or_default().to_vec();
@@ -179,11 +179,11 @@ impl Collector {
         })
     }
 
-    /// A file has ended: its lines are put in order among those of the files before.
+    /// Ends a file: its lines are sorted among those of earlier files.
     pub fn file_ended(&mut self) {
         let (belongs, keys) = (&self.belongs, &self.keys);
         let of = |it: &Entry| belongs.get(it.kind as usize).copied().flatten();
-        // By group: the last line, and whether the one before that paused.
+        // By group: the last line, and whether the line before it paused.
         let mut last: Vec<Option<(usize, bool)>> = vec![None; keys.len()];
         for task in self.tasks.iter_mut().filter(|it| it.fresh) {
             task.fresh = false;
@@ -193,7 +193,7 @@ impl Collector {
                     continue;
                 };
                 let Some(belongs) = of(&now) else { continue };
-                // Cycles are those of keys with three words.
+                // Cycles belong to keys with three words.
                 for (group, _) in belongs.groups {
                     if keys.get(group).is_none_or(|it| it.len() != 3) {
                         continue;
@@ -204,7 +204,7 @@ impl Collector {
                     let before = last.and_then(|it| Some((task.entries.get(it.0)?, it.1)));
                     let paused = match before {
                         None => false,
-                        // Of equal ones the last counts: this one stands in the place of the one before.
+                        // Of equal lines the last one counts: it replaces the previous one.
                         Some((before, paused)) if before.asked == now.asked => paused,
                         Some((before, _)) => of(before).is_some_and(|it| it.pauses),
                     };
@@ -212,7 +212,7 @@ impl Collector {
                     let mark = match (belongs.starts, paused) {
                         (true, _) => Cycle::First,
                         (false, true) => Cycle::Next,
-                        // A mark of an earlier file stays, as it does there.
+                        // A mark of an earlier file is kept, as in `profundis`.
                         (false, false) => continue,
                     };
                     if let Some(it) = task.entries.get_mut(place) {
@@ -223,7 +223,7 @@ impl Collector {
         }
     }
 
-    /// The groups, in the order in which `profundis` prints them.
+    /// Returns the groups, in the order in which `profundis` prints them.
     pub fn groups_in_order(&self) -> Vec<Group> {
         let mut sums: Vec<OfGroup> = (self.kinds_of.iter().zip(&self.keys))
             .map(|(kinds, key)| OfGroup {
@@ -257,7 +257,7 @@ impl Collector {
             let number = kinds.get(place).copied()?;
             self.kinds.all.get(number as usize)
         };
-        // Several kinds of lines can have the same events. They stand together by the event from which, in
+        // Several kinds of lines can have the same events. They are grouped by the event before the run, in
         // order of its first appearance.
         let mut transitions: Vec<Transition> = Vec::new();
         let mut froms: FxHashMap<&str, usize> = FxHashMap::default();
@@ -298,10 +298,10 @@ impl Collector {
     }
 }
 
-/// What is summed up of a group.
+/// The sums of a group.
 #[derive(Debug, Default)]
 struct OfGroup {
-    /// The last line, and the place of its kind: one of the same time may follow and replace it.
+    /// Last line, and the index of its kind. A later line with the same time may replace it.
     pending: Option<(Entry, usize)>,
     has_cycles: bool,
     execution: Sum,
@@ -309,9 +309,9 @@ struct OfGroup {
     periods: Sum,
     before: Option<i64>,
     start: Option<i64>,
-    /// By place of the kind.
+    /// Counts, by index of the kind.
     counts: Vec<u64>,
-    /// Places of kinds, in order of first appearance.
+    /// Indices of kinds, in order of first appearance.
     order: Vec<usize>,
 }
 
@@ -379,7 +379,7 @@ impl Sum {
         }
         let count = self.count as f64;
         let mean = self.sum as f64 / count;
-        // The square of a sum over steps of the clock may be beyond what integers hold.
+        // After steps of the clock, the square of a sum may overflow.
         let square = match self.sum.checked_mul(self.sum) {
             Some(it) => it as f64,
             None => self.sum as f64 * self.sum as f64,
@@ -395,7 +395,7 @@ impl Sum {
     }
 }
 
-/// The lines of a `.sum` file, which are for programs: `exec`, `cycle` and `trans`.
+/// Returns the lines of a machine-readable `.sum` file: `exec`, `cycle` and `trans`.
 pub fn lines(groups: &[Group]) -> String {
     let mut out = String::new();
     out.push_str("# exec instance task service state codel count min max avg std\n");
@@ -433,7 +433,7 @@ fn function(group: &Group) -> &str {
     group.function.as_deref().unwrap_or("*")
 }
 
-/// A key with two stars behind it, of four words at most.
+/// Returns a key with two stars behind it, of four words at most.
 fn starred(group: &Group) -> String {
     let mut key = group.key.clone();
     key.extend(["*".to_owned(), "*".to_owned()]);
@@ -441,7 +441,7 @@ fn starred(group: &Group) -> String {
     list(&key)
 }
 
-/// Words as a list of Tcl: what would not be one word stands in braces.
+/// Returns words as a Tcl list: a text that would not be one word gets braces.
 fn list(words: &[String]) -> String {
     let special = |it: char| it.is_whitespace() || "{}\"[]$;\\".contains(it);
     let words = words
@@ -453,7 +453,7 @@ fn list(words: &[String]) -> String {
     words.collect::<Vec<_>>().join(" ")
 }
 
-/// Seconds with nine digits. The fraction is never negative: -0.1 is -1 + 0.9.
+/// Returns seconds with nine digits. The fraction is never negative: -0.1 is -1 + 0.9.
 fn seconds(nanos: i64) -> String {
     let second = 1_000_000_000;
     format!(

@@ -1,10 +1,9 @@
-//! A log as a trace that [Perfetto](https://ui.perfetto.dev) opens: tracks for tasks, cores, locks and
-//! requests.
+//! A log as a trace for [Perfetto](https://ui.perfetto.dev): tracks for tasks, cores, locks and requests.
 //!
-//! The trace is one of track events, in Perfetto's own format. Slices of one track lie in each other or
-//! follow each other; what overlaps gets a track of its own beside. A log does not say on which core a codel
-//! was executed: codels of tasks are laid on as few cores as that takes. It says nothing of clients either: a
-//! request lasts from its first codel, that of the control task if there is one, to its last.
+//! The trace consists of track events, in Perfetto's own format. Slices of one track are nested or follow
+//! each other; overlapping slices get further tracks. A log does not contain the core of a codel, so codels
+//! of tasks are assigned to as few cores as possible. It does not contain clients either: a request lasts
+//! from its first codel, that of the control task if there is one, to its last codel.
 
 mod proto;
 
@@ -18,19 +17,19 @@ use crate::log::{Kind, Kinds, Left, Run};
 use crate::matching::{CONTROL, event, site};
 use proto::{Message, annotation, descriptor, event as track_event, packet};
 
-/// The one sequence of packets.
+/// The single sequence of packets.
 const SEQUENCE: u64 = 1;
 
-/// Collects a log.
+/// Collects the lines of a log.
 #[derive(Debug, Default)]
 pub struct Trace {
-    /// What is not in the trace.
+    /// Lines that are not in the trace.
     pub left: Left,
     kinds: Kinds,
     runs: Vec<Run>,
 }
 
-/// Where a slice stands: a group, a track of it.
+/// The place of a slice: a group, and a track of the group.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 struct TrackPlace {
     group: String,
@@ -50,18 +49,18 @@ struct Slice {
     notes: Vec<(&'static str, String)>,
 }
 
-/// An activity that is under way.
+/// An activity under way.
 #[derive(Debug, Clone)]
 struct Request {
     flow: u64,
     begin: i64,
     end: i64,
-    /// The event that is to follow; empty: its first codel.
+    /// Expected event; empty before its first codel.
     awaited: String,
 }
 
 impl Trace {
-    /// A line of a log. `ended`: its end was seen.
+    /// Reads a line of a log. `ended`: the line has its line break.
     pub fn line(&mut self, text: &[u8], ended: bool) {
         let Some((line, kind)) = self.left.sift(&mut self.kinds, text, ended) else {
             return;
@@ -74,12 +73,12 @@ impl Trace {
         });
     }
 
-    /// Runs that are in the trace.
+    /// Returns the number of runs in the trace.
     pub fn runs(&self) -> usize {
         self.runs.len()
     }
 
-    /// The bytes of the trace. Locks are known where the specifications are given.
+    /// Returns the bytes of the trace. Locks are included if the specifications are given.
     pub fn finish(mut self, names: Option<&Names<'_>>) -> Vec<u8> {
         self.runs.sort_by_key(|it| (it.began, it.ended));
         let locks: Vec<Vec<String>> = (self.kinds.all.iter())
@@ -139,7 +138,7 @@ impl Trace {
     }
 }
 
-/// The fields of the ids and the ports that a codel uses.
+/// Returns the fields of the ids and the ports that a codel uses.
 fn locks_of(names: &Names<'_>, kind: &Kind) -> Vec<String> {
     let Ok(site) = site(names, kind) else {
         return Vec::new();
@@ -177,9 +176,9 @@ struct Requests {
 }
 
 impl Requests {
-    /// The flow to which a run belongs.
+    /// Returns the flow to which a run belongs.
     fn flow(&mut self, kind: &Kind, run: &Run, out: &mut Vec<Slice>) -> Option<u64> {
-        // No service is called so: a permanent activity was requested by nobody.
+        // No service has this name: a permanent activity has no request.
         if !kind
             .service
             .starts_with(|it: char| it.is_alphabetic() || it == '_')
@@ -211,7 +210,7 @@ impl Requests {
         let to = event(&kind.to);
         let goes_on = match kind.task.as_str() {
             CONTROL => kind.from == "validate" && kind.to == "::genom::ok",
-            // Exceptions and `ether` end it: no codel comes from there.
+            // Exceptions and `ether` end the activity: no codel starts from them.
             _ => {
                 request.awaited = to.name.to_owned();
                 to.name != "ether" && to.component == from.component
@@ -228,7 +227,7 @@ impl Requests {
         Some(flow)
     }
 
-    /// The log has ended: what has not lasts as far as it was seen.
+    /// Ends the log. Activities under way last to their last line.
     fn end(self, out: &mut Vec<Slice>) {
         let mut open: Vec<_> = self.open.into_iter().collect();
         open.sort_by(|a, b| a.0.cmp(&b.0));
@@ -255,7 +254,7 @@ fn slice_of(instance: String, service: String, request: &Request) -> Slice {
     }
 }
 
-/// The packets: descriptions of tracks, then slices.
+/// Returns the packets: descriptions of tracks, then slices.
 fn written(mut slices: Vec<Slice>) -> Vec<u8> {
     slices.sort_by(|a, b| (&a.place, a.begin, a.end).cmp(&(&b.place, b.begin, b.end)));
     let mut trace = Message::default();
@@ -271,7 +270,7 @@ fn written(mut slices: Vec<Slice>) -> Vec<u8> {
             describe(&mut trace, uuid, None, &place.group, 0);
             uuid
         });
-        // Lanes: when the last slice of each ends.
+        // Lanes, with the end of the last slice of each.
         let mut lanes: Vec<(u64, i64)> = Vec::new();
         for slice in track {
             let lane = lanes.iter_mut().position(|it| it.1 <= slice.begin);
@@ -293,7 +292,7 @@ fn written(mut slices: Vec<Slice>) -> Vec<u8> {
             }
         }
     }
-    // Of one moment, the order of a track stays: an end before the beginning of what follows.
+    // A stable sort: at equal times, the end of a slice stays before the beginning of the next one.
     events.sort_by_key(|it| it.0);
     for (_, event) in &events {
         trace.message(1, event);

@@ -1,4 +1,4 @@
-//! Statistics: numbers worked out by hand, in the form in which GenoM3's own tool prints them.
+//! Statistics compared with numbers worked out by hand, in the form that GenoM3's own tool prints.
 
 use dotgen_recording::statistics::{Collector, Group, lines};
 
@@ -12,7 +12,7 @@ fn collected(files: &[&str]) -> Vec<Group> {
     collector.groups_in_order()
 }
 
-/// A line of task `t` of component `c`, which begins when it asks; times in seconds.
+/// Returns a line of task `t` of component `c`, which begins when it asks. Times are in seconds.
 fn line(began: &str, ended: &str, service: &str, from: &str, to: &str) -> String {
     let stamp = |it: &str| {
         let (seconds, fraction) = it.split_once('.').unwrap_or((it, ""));
@@ -71,7 +71,7 @@ fn a_cycle_begins_after_a_pause_and_not_at_a_start() {
         .iter()
         .find(|it| it.key.len() == 3)
         .expect("a service");
-    // From the second start to what follows the second pause: that ends a cycle, and the starts do not.
+    // From the second start to the run after the second pause: that run ends a cycle, and the starts do not.
     let cycle = service.cycle.expect("one");
     assert_eq!((cycle.count, cycle.least), (1, 3_000_000_000));
 }
@@ -95,11 +95,11 @@ fn cut_lines_count_with_what_they_have() {
     let groups = collected(&["1.000000000 1.000000000 2.000000000 c t\nrubbish\n"]);
     let text = lines(&groups);
     assert!(text.contains("exec c t {} {}  1 1.000000000 "), "{text}");
-    // Nothing but times: the list of its names is shorter.
+    // Only times, without names: the list of names is shorter.
     let text = lines(&collected(&["1.000000000 1.000000000 2.000000000"]));
     assert!(text.contains("\nexec {} * * * 1 1.000000000 "), "{text}");
     let groups = collected(&["1.0 1.0 0.500000000 c t s f a b"]);
-    // Half a second back: -1 s and half a second.
+    // Half a second backwards: -1 s and half a second.
     assert!(
         lines(&groups).contains("exec c t s a f 1 -1.500000000 "),
         "{}",

@@ -1,5 +1,4 @@
-//! What was counted of tasks and state machines, as data: for reports, and for whoever looks on while a run
-//! goes on.
+//! Counts of tasks and state machines, as data: for reports, and for the progress of a run.
 
 use dotgen_timing::report::Value;
 use dotgen_timing::system::{Ticks, TimedSystem, Yield};
@@ -8,7 +7,7 @@ use serde::Serialize;
 
 use crate::tally::{Tally, Times};
 
-/// A task.
+/// The counts of a task.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct OfTask {
@@ -16,27 +15,27 @@ pub struct OfTask {
     pub task: String,
     /// Jobs that have ended.
     pub jobs: u64,
-    /// The greatest response time, that of a job that has not ended included.
+    /// Greatest response time, including that of a job that has not ended, in the unit of the report.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub greatest: Option<Value>,
-    /// Of those that have ended.
+    /// Mean response time of the jobs that have ended.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mean: Option<Value>,
-    /// The proved bound on it.
+    /// Proved bound on the response time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bound: Option<Value>,
-    /// Its period.
+    /// Period.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub period: Option<Value>,
-    /// Ticks before the job of the one before had ended.
+    /// Ticks that came before the previous job had ended.
     pub missed: u64,
-    /// Share of the time in which a codel of its activities had its locks: it executed, or waited for a core.
-    /// None if no codel of its activities has an execution time.
+    /// Share of the time in which a codel of the activities held its locks, while it executed or waited for a
+    /// core. `None` if no codel of the activities has an execution time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub load: Option<f64>,
 }
 
-/// A state machine.
+/// The counts of a state machine.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct OfMachine {
@@ -46,29 +45,29 @@ pub struct OfMachine {
     pub transitions: Vec<Transition>,
 }
 
-/// A transition.
+/// The counts of a transition.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct Transition {
-    /// A state.
+    /// State.
     pub from: String,
-    /// What its codel yields: a state, with `pause::` before it, or `ether`.
+    /// Yield of its codel: a state, with `pause::` before it, or `ether`.
     pub to: String,
-    /// How often.
+    /// Number of times that the transition was taken.
     pub taken: u64,
-    /// The greatest time of the codel when it was taken; none if it never was.
+    /// Greatest time of the codel before this transition; `None` if the transition was never taken.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub greatest: Option<Value>,
 }
 
-/// Whether a codel of the activities of a task has an execution time.
+/// Returns true if a codel of the activities of a task has an execution time.
 pub fn has_times(system: &TimedSystem, task: usize) -> bool {
     let machines = system.automata.iter().filter(|it| it.task == task);
     let mut states = machines.flat_map(|it| &system.machines[it.machine].states);
     states.any(|it| system.codels[it.codel].upper > 0)
 }
 
-/// Codels without an execution time, by path, each once.
+/// Returns the paths of codels without an execution time, without repetition.
 pub fn untimed(system: &TimedSystem) -> Vec<String> {
     let codels = system.codels.iter();
     let untimed = codels.filter(|it| it.site.is_some() && it.upper == 0);
@@ -78,7 +77,7 @@ pub fn untimed(system: &TimedSystem) -> Vec<String> {
     out
 }
 
-/// Tasks, after a time in base units.
+/// Returns the counts of tasks after a time in base units.
 pub(crate) fn tasks(
     prepared: &Prepared,
     tally: &Tally,
@@ -105,7 +104,7 @@ pub(crate) fn tasks(
     tasks.collect()
 }
 
-/// State machines, with their transitions.
+/// Returns the counts of state machines, with their transitions.
 pub(crate) fn machines(prepared: &Prepared, tally: &Tally) -> Vec<OfMachine> {
     let machines = prepared.built.system.machines.iter();
     let machines = machines.zip(&tally.transitions);

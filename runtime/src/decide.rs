@@ -1,57 +1,57 @@
-//! What happens where several things can.
+//! The choice between possible actions.
 
 use dotgen_timing::explore::Work;
 use dotgen_timing::system::{ClientAction, FOREVER, Ticks, TimedSystem, Yield};
 
-/// Chooses what happens next. Whatever it chooses, the result is a run of the system.
+/// Chooses between possible actions. Every choice leads to a run of the system.
 pub trait Decide {
-    /// Which of so many simultaneous steps comes first.
+    /// Returns the index of the action that comes first, among `steps` simultaneous actions.
     fn order(&mut self, steps: usize) -> usize;
 
-    /// How long something takes that begins now: from the least to the greatest time, both included; the
-    /// greatest may be [`FOREVER`].
+    /// Returns the duration of work that begins now, in base units: from the least to the greatest time, both
+    /// included. The greatest time may be [`FOREVER`].
     fn time(&mut self, work: &Work, least: Ticks, greatest: Ticks) -> Ticks;
 
-    /// How something ends: the place in a list of possible outcomes (see
-    /// [`Action::Finish`](dotgen_timing::explore::Action::Finish)), which is never empty.
+    /// Returns the index of an outcome of work that ends, in a list of possible outcomes, which is never
+    /// empty (see [`Action::Finish`](dotgen_timing::explore::Action::Finish)).
     fn outcome(&mut self, work: &Work, outcomes: &[usize]) -> usize;
 
-    /// Whether time passes although something could happen.
+    /// Returns true if time passes although an action is possible.
     fn waits(&mut self) -> bool;
 }
 
-/// How long codels take.
+/// The choice of execution times.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Durations {
     /// Always the greatest time.
     Worst,
-    /// Any time of the interval, each with the same probability.
+    /// Any time of the interval, with uniform probability.
     #[default]
     Random,
     /// Always the least time.
     Best,
 }
 
-/// One of so many codels throws an exception, and one of so many requests is refused by a codel, where
-/// either is possible.
+/// One in this many codels throws an exception, and one in this many requests is refused by a codel, if that
+/// is possible.
 const UNUSUAL: usize = 16;
 
-/// Under the policy `fair`, one of so many moments at which a thread could lose its core is used for that.
+/// Under the policy `fair`, a thread loses its core at one in this many opportunities.
 const SWAPS: usize = 8;
 
-/// Chooses by chance, always the same for the same seed.
+/// Chooses pseudo-randomly. The same seed gives the same choices.
 #[derive(Debug, Clone)]
 pub struct Drawn<'s> {
     system: &'s TimedSystem,
     durations: Durations,
-    /// What has no greatest time takes at most so much longer than its least.
+    /// Upper limit on the time beyond the least one, in base units, for work without a greatest time.
     far: Ticks,
     dice: fastrand::Rng,
 }
 
 impl<'s> Drawn<'s> {
-    /// For runs of a system.
+    /// Creates the choices for runs of a system.
     pub fn new(system: &'s TimedSystem, durations: Durations, seed: u64) -> Self {
         Drawn {
             far: far(system),
@@ -61,7 +61,7 @@ impl<'s> Drawn<'s> {
         }
     }
 
-    /// The outcomes that are no exceptions and no refusals.
+    /// Returns true if an outcome is neither an exception nor a refusal.
     fn is_usual(&self, work: &Work, outcome: usize) -> bool {
         match *work {
             Work::State {
@@ -76,7 +76,7 @@ impl<'s> Drawn<'s> {
     }
 }
 
-/// Some of the longest cycles of a system.
+/// Returns eight times the longest finite time of a system, in base units.
 fn far(system: &TimedSystem) -> Ticks {
     let periods = system.tasks.iter().filter_map(|it| it.period);
     let codels = system.codels.iter().map(|it| it.upper);
@@ -107,7 +107,7 @@ impl Decide for Drawn<'_> {
             FOREVER => least.saturating_add(self.far).min(FOREVER - 1),
             it => it,
         };
-        // A client is no codel, and what has no greatest time has no worst one.
+        // A client is not a codel, and work without a greatest time has no worst case.
         let durations = match work {
             Work::Delay { .. } => Durations::Random,
             _ if greatest == FOREVER => Durations::Random,
@@ -148,7 +148,7 @@ impl Decide for Drawn<'_> {
     }
 }
 
-/// What an outcome of a codel of a state machine leads to; `None` is an exception.
+/// Returns the yield that an outcome of a state machine's codel stands for; `None` for an exception.
 pub fn yielded(system: &TimedSystem, work: &Work, outcome: usize) -> Option<Yield> {
     match *work {
         Work::State {

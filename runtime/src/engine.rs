@@ -1,4 +1,4 @@
-//! The loop of a run on the virtual clock: discrete events, no waiting but for codels that are executed.
+//! The loop of a run on the virtual clock: discrete events, waiting only for codels that hosts execute.
 
 use dotgen_timing::explore::{Action, Possible, Seen, Stepper, Work};
 
@@ -6,32 +6,33 @@ use crate::decide::Decide;
 use crate::live::Live;
 use crate::watch::Watch;
 
-/// Actions at one moment after which time is taken to stand still. A system has some for each task, codel
-/// and client.
+/// Number of actions at one moment after which the run counts as a standstill. A system has some actions for
+/// each task, codel and client.
 pub(crate) const CROWDED: u64 = 1_000_000;
 
-/// Steps between two looks at what may end a run.
+/// Number of steps between two polls for an interruption or the end of a run.
 const LOOKS: u64 = 256;
 
-/// Why a run has ended.
+/// The reason for the end of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum End {
-    /// It has lasted as long as was asked for.
+    /// The run has reached its requested duration.
     Done,
-    /// Nothing will ever happen again.
+    /// No further event is possible.
     NothingLeft,
-    /// So much happens without taking time that time does not pass.
+    /// Time does not pass, because too many actions take no time.
     Standstill,
-    /// Whoever watches it has seen enough.
+    /// The observer ended the run.
     Stopped,
-    /// It was interrupted.
+    /// The run was interrupted.
     Interrupted,
     /// A component could not be started.
     NotStarted,
 }
 
-/// Runs a system from time 0 until a time, in base units. What is `live` is executed; all else is decided.
+/// Runs a system from time 0 until a time, in base units. Hosts execute the codels of `live`; `decide`
+/// chooses the rest.
 pub fn run(
     stepper: &mut Stepper,
     decide: &mut dyn Decide,
@@ -104,7 +105,7 @@ pub fn run(
     }
 }
 
-/// Remembers what an executor does.
+/// Records the present work of an executor.
 pub(crate) fn note(works: &mut Vec<Option<Work>>, executor: usize, work: Work) {
     if works.len() <= executor {
         works.resize(executor + 1, None);
@@ -112,7 +113,7 @@ pub(crate) fn note(works: &mut Vec<Option<Work>>, executor: usize, work: Work) {
     works[executor] = Some(work);
 }
 
-/// Passes on what codels did that they must not, and what they wrote.
+/// Passes violations by codels and new port data to the observer.
 pub(crate) fn tell_broken(stepper: &Stepper, live: &mut Live<'_>, watch: &mut dyn Watch) {
     for it in live.take_published() {
         watch.wrote(stepper, &it);
@@ -122,7 +123,7 @@ pub(crate) fn tell_broken(stepper: &Stepper, live: &mut Live<'_>, watch: &mut dy
     }
 }
 
-/// Who an action is of, where the same one can do several instead of each other.
+/// Returns the executor or client of an action that chooses between several outcomes.
 fn chooser(action: &Action) -> Option<(u8, usize)> {
     match *action {
         Action::Finish { executor, .. } => Some((0, executor)),
@@ -132,7 +133,8 @@ fn chooser(action: &Action) -> Option<(u8, usize)> {
     }
 }
 
-/// First who is next, then what: who has more ways to go on is not next more often.
+/// Chooses first the executor or client, then its action. More possible outcomes do not make a choice more
+/// likely.
 pub(crate) fn choose(
     actions: &[Action],
     works: &[Option<Work>],

@@ -1,223 +1,225 @@
-//! What runs codels, as the engine sees it. Components are numbered as in the timed system; services, codels
-//! and ports of a component as in its model; an attribute has one codel more, which copies its values.
+//! The interface to the processes that run codels. Components are numbered as in the timed system, and
+//! services, codels and ports as in the model of their component. An attribute has one more codel, which
+//! copies its values.
 
-/// A codel that is to run.
+/// A call of a codel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Call {
-    /// The component.
+    /// Component.
     pub component: usize,
-    /// The thread: a task of the system, or `u32::MAX` for the control task.
+    /// Thread: a task of the system, or `u32::MAX` for the control task.
     pub lane: u32,
-    /// Comes back with what came of it.
+    /// Number that [`Ran`] repeats.
     pub ticket: u32,
-    /// The codel.
+    /// Codel.
     pub codel: u32,
-    /// The activity or request, if it is one.
+    /// Activity or request, if there is one.
     pub instance: u32,
-    /// The core that its task is tied to, from 0.
+    /// Core that its task is bound to, counted from 0.
     pub core: Option<u32>,
 }
 
 /// An output port, or one instance of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Source<'a> {
-    /// The component.
+    /// Component.
     pub component: usize,
-    /// The port.
+    /// Port.
     pub port: u32,
-    /// The instance; empty for a port that is not `multiple`.
+    /// Instance; empty if the port is not `multiple`.
     pub id: &'a str,
 }
 
-/// An input port that reads it.
+/// An input port that reads an output port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Reader<'a> {
-    /// The component.
+    /// Component.
     pub component: usize,
-    /// The port.
+    /// Port.
     pub port: u32,
-    /// By which name it tells its sources apart; empty for a port that is not `multiple`.
+    /// Name by which the input distinguishes its sources; empty if the port is not `multiple`.
     pub name: &'a str,
 }
 
-/// How a codel has ended.
+/// The way in which a codel has ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum How {
-    /// With an event, or with none.
+    /// With an event, or without one.
     Event,
-    /// With an exception that is declared somewhere.
+    /// With a declared exception.
     Exception,
-    /// With something that is neither.
+    /// With a value that is neither an event nor a declared exception.
     Other,
 }
 
-/// What a codel did to an output port.
+/// Output of a codel to a port.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Written {
-    /// The port.
+    /// Port.
     pub port: u32,
-    /// Its instance, for a port that is `multiple`.
+    /// Instance, if the port is `multiple`.
     pub id: String,
-    /// New data; `None` where the instance was opened or closed.
+    /// New data; `None` if the instance was opened or closed.
     pub data: Option<Vec<u8>>,
 }
 
-/// What came of a codel.
+/// The result of a codel.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Ran {
-    /// That of the call.
+    /// Ticket of the call.
     pub ticket: u32,
-    /// How long it took, in nanoseconds.
+    /// Execution time, in nanoseconds.
     pub nanos: u64,
-    /// How it ended.
+    /// Way in which the codel ended.
     pub how: How,
-    /// The full name of the event or exception; empty for `genom_ok`. Of something else, what is known.
+    /// Full name of the event or exception; empty for `genom_ok`. For other values, a description.
     pub name: String,
-    /// The detail of the exception.
+    /// Detail of the exception.
     pub detail: Vec<u8>,
-    /// What it wrote, in order.
+    /// Port data, in the order of writing.
     pub written: Vec<Written>,
 }
 
-/// A request from outside.
+/// A request from outside the system.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Wanted {
-    /// Comes back with the answers.
+    /// Number that its answers repeat.
     pub id: u64,
-    /// The service of the system.
+    /// Service of the system.
     pub service: usize,
-    /// Its inputs.
+    /// Inputs.
     pub inputs: Vec<u8>,
 }
 
-/// What becomes of a request from outside, in this order.
+/// The answers to a request from outside, in this order.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Answer {
-    /// An activity is accepted; its end follows.
+    /// An activity is accepted; a second answer follows at its end.
     Accepted,
-    /// It ended well, with these outputs.
+    /// The request succeeded, with these outputs.
     Done(Vec<u8>),
-    /// It was refused, interrupted, or ended with an exception.
+    /// The request was refused or interrupted, or ended with an exception.
     Failed {
         /// Full name of the exception.
         exception: String,
-        /// Its detail, as bytes.
+        /// Detail of the exception, as bytes.
         detail: Vec<u8>,
     },
 }
 
-/// An input port is to read an output port, as somebody outside wants it.
+/// A connection of an input port to an output port, requested from outside.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Connection {
     /// Component and output port.
     pub from: (usize, u32),
-    /// Its instance; empty for a port that is not `multiple`.
+    /// Instance of the output; empty if the port is not `multiple`.
     pub id: String,
     /// Component and input port.
     pub to: (usize, u32),
-    /// The name by which that finds it; empty for a port that is not `multiple`.
+    /// Name by which the input finds the source; empty if the input is not `multiple`.
     pub name: String,
 }
 
-/// Why a codel that asks a service of another component gets no outputs.
+/// The reason for which a remote service has no outputs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unanswered {
     /// There is no such service, or none that can answer in time.
     Nobody,
-    /// Its component is lost.
+    /// The component of the service is lost.
     Lost,
-    /// It was refused, interrupted, or has thrown an exception.
+    /// The request was refused or interrupted, or ended with an exception.
     Failed,
 }
 
-/// What a host tells.
+/// A message of a host.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Message {
     /// A codel has ended.
     Ran(usize, Ran),
-    /// A component is gone.
+    /// The process of a component has ended.
     Lost {
-        /// The component.
+        /// Component.
         component: usize,
-        /// How it ended, in words: "was ended by signal 11 (SIGSEGV)".
+        /// Reason, in words: "was ended by signal 11 (SIGSEGV)".
         why: String,
     },
-    /// Somebody outside wants a service.
+    /// A request from outside.
     Wanted(Wanted),
-    /// Somebody outside wants the request of this number to end.
+    /// An abort of the request with this number, from outside.
     Abort(u64),
-    /// A codel asks a service of another component, and waits.
+    /// A call of a remote service, for which a codel waits.
     Asked {
-        /// Its component.
+        /// Component of the codel.
         component: usize,
-        /// Comes back with the answer.
+        /// Number that [`Hosts::reply`] repeats.
         ask: u32,
-        /// The remote, by number in its model.
+        /// Remote, by number in the model of the component.
         remote: u32,
-        /// The inputs of the service.
+        /// Inputs of the service.
         inputs: Vec<u8>,
     },
-    /// Somebody outside connects ports, instead of what they were connected with.
+    /// A connection of ports, from outside. It replaces the present one.
     Connect(Connection),
-    /// An input port has new data from another machine.
+    /// New data of another machine for an input port.
     Fed {
-        /// The component.
+        /// Component.
         component: usize,
-        /// The port.
+        /// Port.
         port: u32,
-        /// The name by which it finds the source; empty for a port that is not `multiple`.
+        /// Name by which the input finds the source; empty if the port is not `multiple`.
         name: String,
-        /// The data.
+        /// Data.
         data: Vec<u8>,
     },
 }
 
-/// Runs codels, and knows the time. A component that is lost takes everything and does nothing.
+/// Runs codels, and provides the time. Calls for a lost component have no effect.
 pub trait Hosts {
     /// Starts all components afresh.
     ///
     /// # Errors
-    /// In words, where one cannot be started.
+    ///
+    /// A message that names a component that cannot be started.
     fn start(&mut self) -> Result<(), String>;
 
-    /// A request begins, with its inputs.
+    /// Begins a request, with its inputs.
     fn make(&mut self, component: usize, service: u32, instance: u32, inputs: &[u8]);
 
-    /// A codel begins. [`Message::Ran`] or [`Message::Lost`] follows.
+    /// Begins a codel. [`Message::Ran`] or [`Message::Lost`] follows.
     fn run(&mut self, call: &Call);
 
-    /// A request has ended: its outputs, unless the component is lost or does not answer.
+    /// Ends a request and returns its outputs; `None` if the component is lost or does not answer.
     fn end(&mut self, component: usize, service: u32, instance: u32) -> Option<Vec<u8>>;
 
-    /// New data of an output port, for those who read it.
+    /// Passes new data of an output port to its readers.
     fn share(&mut self, from: Source<'_>, readers: &[Reader<'_>], data: &[u8]);
 
-    /// New data of another machine for an input port.
+    /// Passes new data of another machine to an input port.
     fn feed(&mut self, reader: Reader<'_>, data: &[u8]);
 
-    /// Waits for what happens next, at most until a time in nanoseconds since the start; `None` when the time
-    /// has come, or earlier when the run is to end.
+    /// Waits for the next message, until a time in nanoseconds since the start. Returns `None` at that time,
+    /// or earlier if the run must end.
     fn wait(&mut self, until: u64) -> Option<Message>;
 
-    /// Nanoseconds since the start.
+    /// Returns the time since the start, in nanoseconds.
     fn now(&self) -> u64;
 
-    /// How long a codel may take on the virtual clock before its component counts as blocked, in nanoseconds;
-    /// `None`: as long as it likes, for instance because somebody looks at it in a debugger.
+    /// Returns the time after which a codel on the virtual clock counts as blocked, in nanoseconds. `None`:
+    /// no limit, for instance under a debugger.
     fn patience(&self) -> Option<u64>;
 
-    /// Ends a component that does not answer.
+    /// Kills a component that does not answer.
     fn kill(&mut self, component: usize);
 
-    /// Answers a codel that has asked: the outputs of the service.
+    /// Answers a codel that called a remote service, with the outputs of the service.
     fn reply(&mut self, component: usize, ask: u32, outputs: Result<Vec<u8>, Unanswered>);
 
-    /// Tells whoever wanted something what became of it.
+    /// Sends an answer to the sender of an outside request.
     fn answer(&mut self, id: u64, answer: Answer);
 
-    /// Tells whoever watches that a component is gone, and how it ended.
+    /// Reports that a component is lost, and the reason.
     fn gone(&mut self, component: usize, why: &str);
 
-    /// Tells whoever watches that an output port has new data.
+    /// Publishes new data of an output port.
     fn published(&mut self, component: usize, port: u32, id: &str, data: &[u8]);
 }

@@ -1,4 +1,4 @@
-//! A run held to the checks of its scenario, and to what is known of the system.
+//! The comparison of a run with the checks of its scenario and with proved bounds.
 
 use dotgen_timing::explore::{Seen, Stepper};
 use dotgen_timing::system::Ticks;
@@ -7,93 +7,93 @@ use dotgen_timing::verify::{Prepared, Question};
 use crate::engine::End;
 use crate::watch::Broken;
 
-/// What a run says about a check. No run proves that a check holds.
+/// The result of a run for a check. A run never proves that a check holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// Nothing was seen against it.
+    /// No violation was seen.
     #[default]
     Kept,
-    /// It was violated.
+    /// The check was violated.
     Violated,
-    /// What it asks for was seen.
+    /// The expected event was seen.
     Seen,
-    /// What it asks for was not seen.
+    /// The expected event was not seen.
     NotSeen,
 }
 
-/// A moment of one of the runs, in base units.
+/// A moment of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Moment {
-    /// Which run, from 0.
+    /// Index of the run, from 0.
     pub run: u64,
-    /// Time since its start.
+    /// Time since the start of the run, in base units.
     pub time: u64,
 }
 
 /// The answer to a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Answer {
-    /// In a word.
+    /// Verdict.
     pub verdict: Verdict,
-    /// When that was known first.
+    /// First moment at which the verdict was known.
     pub at: Option<Moment>,
-    /// The greatest time that it asks for.
+    /// Greatest time measured for the check, in base units.
     pub greatest: Option<Ticks>,
-    /// How often it was violated.
+    /// Number of violations.
     pub violations: u64,
 }
 
-/// Something that must not happen.
+/// A violation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Violation {
-    /// A check is violated.
+    /// The check with this index is violated.
     Check(usize),
-    /// A response time exceeds its proved bound: something that was assumed does not hold, or dotgen is
-    /// wrong.
+    /// A response time exceeds its proved bound: an assumption does not hold, or dotgen has an error. Times
+    /// are in base units.
     BeyondBound {
-        /// The task.
+        /// Task.
         task: usize,
-        /// The response time, as far as it has come.
+        /// Response time so far.
         response: Ticks,
-        /// The bound.
+        /// Bound.
         bound: Ticks,
     },
-    /// A codel did what it must not: see [`Judge::broken`].
+    /// The codel misbehaved: index in [`Judge::broken`].
     Broken(usize),
 }
 
-/// Watches runs.
+/// Compares runs with checks and bounds.
 #[derive(Debug)]
 pub struct Judge<'p> {
     prepared: &'p Prepared,
-    /// Place of each check in what is watched.
+    /// Index of each check in the watch list.
     places: Vec<Option<usize>>,
-    /// Bounds on response times, by task.
+    /// Bounds on response times in base units, by task.
     bounds: Vec<Option<Ticks>>,
-    /// By task, the longest response time so far, and its moment.
+    /// Longest response time so far and its moment, by task.
     longest: Vec<Option<(Ticks, Moment)>>,
     /// Answers, by check.
     pub answers: Vec<Answer>,
     /// The first violation of each kind, with its moment.
     pub violations: Vec<(Moment, Violation)>,
-    /// What codels did that they must not, each once; the greatest of overruns.
+    /// Misbehaviour of codels, without repetition; for overruns, the greatest one.
     pub broken: Vec<Broken>,
-    /// All of them.
+    /// Number of all violations.
     pub count: u64,
-    /// Tasks of components that are gone: the model goes on, but nobody is there.
+    /// Tasks of lost components: the model continues, but these tasks execute nothing.
     gone: Vec<bool>,
     run: u64,
-    /// Checks whose limit is exceeded by what goes on now.
+    /// Checks whose limit is exceeded at present.
     exceeded: Vec<bool>,
-    /// Tasks likewise, of their bound.
+    /// Tasks whose bound is exceeded at present.
     beyond: Vec<bool>,
     /// Checks whose predicate was true in this run.
     reached: Vec<bool>,
 }
 
 impl<'p> Judge<'p> {
-    /// For a system whose tasks have these bounds on their response times.
+    /// Creates a judge for a system whose tasks have these bounds on their response times.
     pub fn new(
         prepared: &'p Prepared,
         places: Vec<Option<usize>>,
@@ -123,7 +123,7 @@ impl<'p> Judge<'p> {
         }
     }
 
-    /// Something was seen.
+    /// Records an event.
     pub fn see(&mut self, stepper: &Stepper, seen: &Seen) {
         let now = Moment {
             run: self.run,
@@ -161,7 +161,7 @@ impl<'p> Judge<'p> {
         }
     }
 
-    /// Compares the longest response times so far with bounds that became known since.
+    /// Compares the longest response times so far with bounds that became known only now.
     pub fn bound_late(&mut self, bounds: &[Option<Ticks>]) {
         for (task, &bound) in bounds.iter().enumerate() {
             let known = self.bounds[task];
@@ -186,7 +186,7 @@ impl<'p> Judge<'p> {
         }
     }
 
-    /// A codel did what it must not.
+    /// Records a violation by a codel.
     pub fn broke(&mut self, stepper: &Stepper, it: Broken) {
         let now = Moment {
             run: self.run,
@@ -222,7 +222,7 @@ impl<'p> Judge<'p> {
         self.note(now, Violation::Broken(place));
     }
 
-    /// Time has passed: what goes on lasts longer.
+    /// Updates times that are still running, after time has passed.
     pub fn moment(&mut self, stepper: &Stepper) {
         let now = Moment {
             run: self.run,
@@ -245,7 +245,7 @@ impl<'p> Judge<'p> {
         }
     }
 
-    /// A run has ended.
+    /// Records the end of a run.
     pub fn end(&mut self, stepper: &Stepper, end: End) {
         let now = Moment {
             run: self.run,
@@ -254,7 +254,7 @@ impl<'p> Judge<'p> {
         if end == End::NothingLeft {
             self.each(now, |it| matches!(it, Question::Deadlock));
             for check in 0..self.places.len() {
-                // What is awaited will never come.
+                // The awaited event can no longer come.
                 let awaited = match (&self.prepared.checks[check].question, self.places[check]) {
                     (Question::LeadsTo(..) | Question::Within(..), Some(place)) => {
                         stepper.awaited(place).is_some()
@@ -274,7 +274,7 @@ impl<'p> Judge<'p> {
         self.run += 1;
     }
 
-    /// Whether something was violated.
+    /// Returns true if there was a violation.
     pub fn has_violations(&self) -> bool {
         self.count > 0
     }
@@ -344,7 +344,7 @@ impl<'p> Judge<'p> {
         }
     }
 
-    /// What a check asks the greatest time of has come so far.
+    /// Updates the greatest time of a check.
     fn lasts(&mut self, now: Moment, check: usize, time: Ticks) {
         let answer = &mut self.answers[check];
         answer.greatest = answer.greatest.max(Some(time));

@@ -1,13 +1,13 @@
 //! Runs of GenoM3 systems.
 //!
-//! A run goes through the rules that are verified, step by step ([`dotgen_timing::explore::Stepper`]): what
-//! can happen is known there and nowhere else. Here it is chosen ([`decide`]), done ([`engine`]), counted
-//! ([`tally`]) and held to the checks of the scenario and to proved bounds ([`judge`]). [`simulation`] puts
-//! these together. Whoever looks on is told through [`watch`],
-//! and how far a run has come by [`progress`].
+//! A run follows the verified rules step by step ([`dotgen_timing::explore::Stepper`]): only the stepper
+//! knows the possible actions. This crate chooses an action ([`decide`]), performs it ([`engine`]), counts it
+//! ([`tally`]) and compares the run with the checks of the scenario and with proved bounds ([`judge`]).
+//! [`simulation`] combines these modules. [`watch`] is the interface for observers of every step, and
+//! [`progress`] reports the state of a run under way.
 //!
-//! Where components have codels, [`live`] has them executed: by [`hosts`], which this crate knows as a trait
-//! only. On the real clock ([`paced`]) the rules are the same, with times as they really are ([`refine`]).
+//! If components have codels, [`live`] has them executed by [`hosts`], which this crate knows only as a
+//! trait. On the real clock ([`paced`]) the rules are the same, with real times ([`refine`]).
 
 pub mod counted;
 pub mod decide;

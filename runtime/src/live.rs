@@ -1,8 +1,8 @@
-//! Components whose own codels run: what the engine decides is done in their hosts, and what their codels
-//! yield is what happens.
+//! Components with real codels: hosts execute the decisions of the engine, and the yields of the codels
+//! decide the run.
 //!
-//! A codel is executed when the model begins it; what it has written to ports is seen by others when the
-//! model ends it. Between the two nobody else may look, because its locks are held.
+//! A host executes a codel when the model begins it. Others see its port data when the model ends it. Between
+//! the two moments no other codel reads the data, because the codel holds the locks.
 
 mod parts;
 mod requests;
@@ -16,39 +16,39 @@ use crate::hosts::{Call, Connection, Hosts, How, Message, Ran, Reader, Source, W
 use crate::watch::{Broken, Published};
 pub use parts::{Feed, Part, Parts};
 
-/// A request that is being worked on.
+/// A request under way.
 #[derive(Debug)]
 struct Instance {
     number: u32,
     service: usize,
-    /// Who wants it, if that is somebody outside.
+    /// Number of the outside request, if it comes from outside.
     wanted: Option<u64>,
     /// The exception that ended it, with its detail.
     failed: Option<(String, Vec<u8>)>,
-    /// It has come to its end by itself.
+    /// The request has ended by itself.
     ended: bool,
     refused: bool,
 }
 
-/// What an executor executes.
+/// The present work of an executor.
 #[derive(Debug)]
 struct Running {
     work: Work,
-    /// Whether it runs in a host.
+    /// A host executes it.
     real: bool,
     ran: Option<Ran>,
-    /// It has yielded what the model does not know.
+    /// It has yielded an event that the model does not know.
     undeclared: bool,
 }
 
-/// See the [module](self).
+/// Real codels of a system. See the [module](self).
 pub struct Live<'p> {
     system: &'p TimedSystem,
     parts: &'p Parts<'p>,
     hosts: &'p mut dyn Hosts,
-    /// On the virtual clock the engine waits for every codel.
+    /// The engine waits for every codel, as on the virtual clock.
     waits: bool,
-    /// An activity ends whose codel takes too long.
+    /// An activity whose codel takes too long is ended.
     stops_activities: bool,
     alive: Vec<bool>,
     running: Vec<Option<Running>>,
@@ -58,24 +58,24 @@ pub struct Live<'p> {
     places: Vec<Option<Instance>>,
     next_instance: u32,
     fault: Option<String>,
-    /// Not told yet.
+    /// Violations to be reported.
     broken: Vec<Broken>,
-    /// Whether what is written to ports is kept to be told, and what is not told yet.
+    /// Port data is kept for a recording, in `published`.
     keeps_data: bool,
     published: Vec<Published>,
     /// Requests from outside, by component.
     wanted: Vec<VecDeque<Wanted>>,
-    /// Requests from outside that are to end.
+    /// Requests from outside that must end.
     aborts: Vec<u64>,
-    /// Requests of codels to other components, by their number: the component, and what it calls them.
+    /// Calls of remote services by codels, by number: the component, and its own number for the call.
     asks: HashMap<u64, (usize, u32)>,
     next_ask: u64,
-    /// Ports that were connected from outside.
+    /// Connections of ports from outside.
     connected: Vec<Connection>,
 }
 
 impl<'p> Live<'p> {
-    /// For runs of a system.
+    /// Creates the real codels for runs of a system.
     pub fn new(
         system: &'p TimedSystem,
         parts: &'p Parts<'p>,
@@ -107,7 +107,7 @@ impl<'p> Live<'p> {
         }
     }
 
-    /// Begins a run. Where a component cannot be started, it does not, and [`Live::fault`] says why.
+    /// Begins a run. Returns false if a component cannot be started; [`Live::fault`] gives the reason.
     pub fn begin(&mut self, stepper: &Stepper) -> bool {
         self.alive.fill(true);
         self.running.clear();
@@ -118,43 +118,43 @@ impl<'p> Live<'p> {
         self.fault.is_none()
     }
 
-    /// Why a component could not be started.
+    /// Returns the reason why a component could not be started.
     pub fn fault(&self) -> Option<&str> {
         self.fault.as_deref()
     }
 
-    /// The hosts.
+    /// Returns the hosts.
     pub fn hosts(&mut self) -> &mut dyn Hosts {
         self.hosts
     }
 
-    /// What was broken since this was asked last.
+    /// Returns the violations since the last call.
     pub fn take_broken(&mut self) -> Vec<Broken> {
         std::mem::take(&mut self.broken)
     }
 
-    /// Keeps what is written to ports, for whoever records the run.
+    /// Keeps port data, for a recording of the run.
     pub fn keep_data(&mut self) {
         self.keeps_data = true;
     }
 
-    /// What was written to ports since this was asked last, if it is [kept](Self::keep_data).
+    /// Returns the port data since the last call, if it is [kept](Self::keep_data).
     pub fn take_published(&mut self) -> Vec<Published> {
         std::mem::take(&mut self.published)
     }
 
-    /// Whether a component is there.
+    /// Returns true if a component is not lost.
     pub fn is_alive(&self, component: usize) -> bool {
         self.alive.get(component).copied().unwrap_or(false)
     }
 
-    /// Whether a codel is executed by a host.
+    /// Returns true if a host executes the codel.
     pub fn is_real(&self, codel: usize) -> bool {
         let component = self.system.codels.get(codel).map(|it| it.component);
         self.parts.codel(codel).is_some() && component.is_some_and(|it| self.is_alive(it))
     }
 
-    /// Does in the hosts what was seen in a step.
+    /// Performs the events of a step in the hosts.
     pub fn step(&mut self, stepper: &Stepper, seen: &[Seen]) {
         for it in seen {
             match *it {
@@ -175,7 +175,7 @@ impl<'p> Live<'p> {
         }
     }
 
-    /// The instance that a piece of work is about.
+    /// Returns the request or activity of a piece of work.
     fn instance(&mut self, work: &Work) -> Option<&mut Instance> {
         match *work {
             Work::State {
@@ -189,7 +189,7 @@ impl<'p> Live<'p> {
                 let activity = self.system.services[service].activity;
                 match &self.pending[component] {
                     Some(_) => self.pending[component].as_mut(),
-                    // An activity has its place already; it is the youngest of its service.
+                    // An activity already has its place: it is the youngest one of its service.
                     None if activity => {
                         let all = self.places.iter_mut().flatten();
                         all.filter(|it| it.service == service)
@@ -243,7 +243,7 @@ impl<'p> Live<'p> {
         while self.is_running(executor) {
             match self.hosts.wait(until) {
                 Some(message) => self.message(message),
-                // The run is to end: whatever is executed ends with it.
+                // The run must end, and all work under way ends with it.
                 None if self.hosts.now() < until => return,
                 None => {
                     self.hosts.kill(component);
@@ -254,19 +254,19 @@ impl<'p> Live<'p> {
         }
     }
 
-    /// Until when what is executed now has to end, by the clock of the hosts.
+    /// Returns the time until which the present work must end, on the clock of the hosts, in nanoseconds.
     fn patience(&self) -> u64 {
         let patience = self.hosts.patience();
         patience.map_or(u64::MAX, |it| self.hosts.now().saturating_add(it))
     }
 
-    /// Whether a host executes something for an executor.
+    /// Returns true if a host executes work for an executor.
     pub fn is_running(&self, executor: usize) -> bool {
         let it = self.running.get(executor).and_then(Option::as_ref);
         it.is_some_and(|it| it.real && it.ran.is_none())
     }
 
-    /// A host tells something.
+    /// Handles a message of a host.
     pub fn message(&mut self, message: Message) {
         match message {
             Message::Ran(component, ran) => {
@@ -278,7 +278,8 @@ impl<'p> Live<'p> {
                     return;
                 };
                 let codel = it.work.codel().and_then(|it| self.system.codels.get(it));
-                // A host speaks for its own codels only, whatever they have done to it.
+                // A message is valid only for the codels of its own component, whatever those codels do to
+                // their host.
                 if codel.is_none_or(|it| it.component != component) || it.ran.is_some() {
                     return;
                 }
@@ -324,7 +325,7 @@ impl<'p> Live<'p> {
         }
     }
 
-    /// A codel that has ended is compared with what it states; on the virtual clock it takes what it states.
+    /// Compares a finished codel with its stated execution time. On the virtual clock the stated time counts.
     fn measure(&mut self, executor: usize) {
         let Some(Some(running)) = self.running.get(executor) else {
             return;
@@ -389,8 +390,8 @@ impl<'p> Live<'p> {
         }
     }
 
-    /// How a codel has ended that a host has executed: a place in a list of possible outcomes. `None`: that
-    /// is to be drawn.
+    /// Returns the outcome of a codel that a host has executed, as an index in a list of possible outcomes.
+    /// `None`: the outcome is drawn.
     pub fn outcome(&mut self, executor: usize, outcomes: &[usize]) -> Option<usize> {
         let running = self.running.get(executor)?.as_ref()?;
         if !running.real {
@@ -405,7 +406,7 @@ impl<'p> Live<'p> {
                 function: self.parts.function(codel),
                 event: ran.name.clone(),
             });
-            // As with an exception, servers end what has yielded something else.
+            // Servers end an activity that has yielded an undeclared event, as after an exception.
             if let Some(Some(running)) = self.running.get_mut(executor) {
                 running.undeclared = true;
             }
@@ -417,7 +418,7 @@ impl<'p> Live<'p> {
         }
     }
 
-    /// The place of an exception among outcomes; where it makes no difference, that of the end.
+    /// Returns the index of an exception among outcomes; if exceptions make no difference, that of the end.
     fn exceptional(&self, work: &Work, outcomes: &[usize]) -> usize {
         let Work::State {
             automaton, state, ..
@@ -435,7 +436,7 @@ impl<'p> Live<'p> {
         exception.or_else(end).unwrap_or(0)
     }
 
-    /// The outcome that an event stands for; `None` if it is not declared.
+    /// Returns the outcome that an event stands for; `None` if the event is not declared.
     fn meaning(&self, work: &Work, ran: &Ran) -> Option<usize> {
         let codel = work.codel()?;
         match (*work, ran.how) {
@@ -489,7 +490,7 @@ impl<'p> Live<'p> {
             _ => outcome == 0,
         };
         let Some(ran) = running.ran else { return };
-        // A codel without `throws` has no exception in the model: its end stands for it.
+        // In the model, a codel without `throws` has no exception: its end stands for one.
         let failed = ran.how == How::Exception || running.undeclared || !usual;
         if failed && let Some(it) = self.instance(work) {
             let name = match ran.how {
@@ -529,7 +530,7 @@ impl<'p> Live<'p> {
                 (true, id) => id,
             },
         });
-        // What was connected from outside takes the place of what the scenario says.
+        // A connection from outside replaces the one of the scenario.
         let replaced = |reader: &Reader<'_>| {
             let mut all = self.connected.iter();
             all.any(|it| it.to == (reader.component, reader.port) && it.name == reader.name)

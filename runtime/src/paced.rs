@@ -1,7 +1,8 @@
 //! The loop of a run on the real clock.
 //!
-//! The rules decide what may run, as on the virtual clock; but time is that of the hosts, and a codel ends
-//! when it ends. The model is never ahead of the clock, and goes through every moment that it has missed.
+//! The rules decide which actions are possible, as on the virtual clock. But the hosts provide the time, and
+//! a codel ends when its execution ends. The model is never ahead of the clock. If it is late, it goes
+//! through every moment that it has missed.
 
 use dotgen_timing::explore::{Action, Possible, Seen, Stepper, Work};
 
@@ -10,14 +11,14 @@ use crate::engine::{self, CROWDED, End};
 use crate::live::Live;
 use crate::watch::Watch;
 
-/// How the clock is counted.
+/// The conversion of the clock to base units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pace {
-    /// Nanoseconds of a base unit.
+    /// Nanoseconds per base unit.
     pub nanos: u64,
 }
 
-/// Longest wait for something to happen, in nanoseconds: an interruption is noticed after it.
+/// Longest wait for an event, in nanoseconds. An interruption is noticed within this time.
 const PATIENCE: u64 = 50_000_000;
 
 /// Runs a system from time 0 until a time, in base units.
@@ -51,7 +52,7 @@ pub fn run(
             } = *it
             {
                 engine::note(&mut works, executor, work);
-                // What is executed takes what it takes, and who is outside comes when he comes.
+                // The end of real work, and requests from outside, come from the hosts.
                 if !live.is_running(executor) && !live.is_outside(&work) {
                     stepper.decide(executor, decide.time(&work, least, greatest));
                 }
@@ -82,7 +83,7 @@ pub fn run(
             stepper.perform(action, &mut seen);
             continue;
         }
-        // Also when it is always behind, a run ends when it is asked to.
+        // A run that is always late must end as well.
         if interrupted() {
             return End::Interrupted;
         }
@@ -98,8 +99,8 @@ pub fn run(
         let due = next.map_or(u64::MAX, u64::from).min(left);
         let now = ticks(live.hosts().now());
         let late = now.saturating_sub(stepper.now()) >= due;
-        // What has come already comes first: time never leaves it behind. Else nothing happens until
-        // something is due, and the processor is for others.
+        // Messages that have already arrived come first: time never passes them. Without a message and
+        // without due actions, the loop waits and yields the processor.
         let message = match live.hosts().wait(0) {
             None if !late => {
                 let deadline = stepper.now().saturating_add(due);
@@ -122,15 +123,15 @@ pub fn run(
     }
 }
 
-/// Of `fair`: all that could happen is that threads lose their cores.
+/// Returns true under `fair` if all possible actions take a core from a thread.
 fn only_drawn(actions: &[Action]) -> bool {
     actions
         .iter()
         .all(|it| matches!(it, Action::Preempt { .. }))
 }
 
-/// Whether something that is possible has come: a codel that is executed has ended, somebody outside wants
-/// something.
+/// Returns true if the host has reported the event of a possible action: the end of real work, or a request
+/// from outside.
 fn may_happen(action: &Action, works: &[Option<Work>], live: &Live<'_>) -> bool {
     let Action::Finish { executor, outcome } = *action else {
         return true;

@@ -1,11 +1,11 @@
 //! The format of GenoM3's profiler.
 //!
-//! One line for each run of a codel, with nine columns: when it asked for its locks, got them and released
-//! them (seconds, with nine digits after the point), instance, task, service, function, and the events that
-//! it came from and led to. The facts are from the recorder of GenoM3 (`templates/common/prof.c`) and from
-//! a server that has it: what the control task executes is of the task `<control>`, and comes from
-//! `validate` or `codel`; states are `::COMPONENT::STATE`, with `pause::` before the state where the codel
-//! paused; no event is `::genom::ok`.
+//! A line describes one run of a codel in nine columns: the times at which the codel asked for its locks, got
+//! them and released them (in seconds, with nine digits after the point), instance, task, service, function,
+//! and the events before and after the run. The facts are from the recorder of GenoM3
+//! (`templates/common/prof.c`) and from a server that contains it: the control task has the name `<control>`,
+//! with the event `validate` or `codel` before the run; states are `::COMPONENT::STATE`, with `pause::`
+//! before the state if the codel paused; no event is `::genom::ok`.
 
 use std::io::{self, Write};
 
@@ -17,24 +17,25 @@ use num_rational::Ratio;
 use crate::decide::yielded;
 use crate::tally::Tally;
 
-/// Nanoseconds of a second.
+/// Nanoseconds per second.
 const NANOS: i128 = 1_000_000_000;
 
-/// How a permanent activity is called where a service is expected: no service has such a name.
+/// The service of a permanent activity: no other service can have this name.
 pub const PERMANENT: &str = "<permanent>";
 
-/// Writes lines.
+/// Writes lines of a log.
 pub struct Profile<'s, W> {
     system: &'s TimedSystem,
-    /// Names of the functions, by codel.
+    /// Functions, by codel.
     functions: Vec<String>,
     out: W,
-    /// What went wrong first.
+    /// First error.
     error: Option<io::Error>,
     lines: u64,
 }
 
-/// The C or C++ functions of the codels of a system. A codel that stands for none has its path.
+/// Returns the C or C++ function of each codel of a system. A codel without a function is represented by its
+/// path.
 pub fn functions(system: &TimedSystem, names: &Names) -> Vec<String> {
     let codels = system.codels.iter().map(|it| match it.site {
         Some((c, codel)) => names.components[c].component.codel(codel).name.to_string(),
@@ -44,7 +45,7 @@ pub fn functions(system: &TimedSystem, names: &Names) -> Vec<String> {
 }
 
 impl<'s, W: Write> Profile<'s, W> {
-    /// To a file or the like, which should be buffered.
+    /// Creates a writer to `out`, which should be buffered.
     pub fn new(system: &'s TimedSystem, functions: Vec<String>, out: W) -> Self {
         Profile {
             system,
@@ -55,7 +56,7 @@ impl<'s, W: Write> Profile<'s, W> {
         }
     }
 
-    /// Writes the end of a codel. `offset` is added to all times, in base units: runs stand one after the
+    /// Writes the end of a codel. `offset`, in base units, is added to all times: it puts runs one after the
     /// other.
     pub fn see(&mut self, tally: &mut Tally, stepper: &Stepper, seen: &Seen, offset: u64) {
         let Seen::Ended {
@@ -76,10 +77,11 @@ impl<'s, W: Write> Profile<'s, W> {
         self.error = self.error.take().or(result.err());
     }
 
-    /// What it was written to, and how many lines.
+    /// Returns the writer and the number of lines.
     ///
     /// # Errors
-    /// The first error there was on the way.
+    ///
+    /// Returns the first error of a write.
     pub fn finish(self) -> io::Result<(W, u64)> {
         match self.error {
             Some(error) => Err(error),
@@ -117,7 +119,7 @@ impl<'s, W: Write> Profile<'s, W> {
                     Some(Yield::Next(to)) => event(name(to)),
                     Some(Yield::Pause(to)) => event(&format!("pause::{}", name(to))),
                     Some(Yield::End) => event("ether"),
-                    // Which exception is not known to the model.
+                    // The model does not know the name of the exception.
                     None => "::genom::exception".to_owned(),
                 };
             }

@@ -1,4 +1,4 @@
-//! How far a run has come, for whoever looks on while it goes on.
+//! Snapshots of a run under way.
 
 use std::collections::BTreeMap;
 
@@ -11,54 +11,54 @@ use serde::Serialize;
 use crate::counted::{OfMachine, OfTask, machines, tasks};
 use crate::tally::Tally;
 
-/// Whoever looks on.
+/// Receives snapshots of a run under way.
 pub trait Follow {
-    /// Whether to be told now: telling takes time, in which nothing of the run happens.
+    /// Returns true if a snapshot is due. The run waits while a snapshot is made.
     fn wants(&mut self) -> bool;
 
-    /// How far the run has come.
+    /// Receives a snapshot.
     fn hear(&mut self, progress: Progress);
 }
 
-/// How far a run has come.
+/// A snapshot of a run.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct Progress {
     /// Unit of all times.
     pub unit: String,
-    /// Time since its start.
+    /// Time since the start of the run.
     pub time: Value,
     /// Tasks, in order of declaration.
     pub tasks: Vec<OfTask>,
-    /// State machines, with how often their transitions were taken.
+    /// State machines, with counts of their transitions.
     pub machines: Vec<OfMachine>,
-    /// Where they are: permanent activities, and activities that are under way.
+    /// States of permanent activities, and of activities under way.
     pub activities: Vec<OfActivity>,
-    /// Violations so far.
+    /// Number of violations so far.
     pub violation_count: u64,
 }
 
-/// An activity that is under way.
+/// An activity under way.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct OfActivity {
-    /// The name of its machine.
+    /// Name of its machine.
     pub machine: String,
-    /// Its state.
+    /// State.
     pub state: String,
-    /// A codel of that is executed now, or waits for its locks; else it pauses before that state.
+    /// A codel of the state executes or waits for its locks. Otherwise the activity pauses before the state.
     pub executes: bool,
 }
 
-/// The states that activities are in.
+/// The present states of activities.
 #[derive(Debug, Default)]
 pub(crate) struct States {
-    /// By automaton and place: the state, and whether a codel of it has begun.
+    /// By automaton and place: the state, and whether a codel of the state has begun.
     at: BTreeMap<(usize, usize), (usize, bool)>,
 }
 
 impl States {
-    /// Something was seen.
+    /// Records an event.
     pub(crate) fn see(&mut self, system: &TimedSystem, seen: &Seen) {
         match *seen {
             Seen::Asked {
@@ -93,7 +93,7 @@ impl States {
         }
     }
 
-    /// How far a run has come.
+    /// Returns a snapshot of a run.
     pub(crate) fn progress(
         &self,
         prepared: &Prepared,
@@ -108,7 +108,7 @@ impl States {
             .iter()
             .filter_map(|(&(number, slot), &(state, executes))| {
                 let automaton = &system.automata[number];
-                // One that was interrupted before it began anything has ended without a codel.
+                // An activity that was interrupted before its first codel has ended without a codel.
                 if automaton.service.is_some() && stepper.activity(slot) != Some(number) {
                     return None;
                 }

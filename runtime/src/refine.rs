@@ -1,14 +1,14 @@
-//! The system that runs with real codels: the same rules, with room for what real codels do.
+//! The adaptation of a system to real codels: the rules are the same, but real codels may do more.
 
 use dotgen_timing::system::{Client, ClientAction, ClientStep, FOREVER, Ticks, TimedSystem};
 use dotgen_timing::verify::{Prepared, Question};
 use num_rational::Ratio;
 
-/// Nanoseconds of the unit in which a run on the real clock is counted, where times are not too long for it.
+/// Nanoseconds per unit on the real clock, unless times are too long for it.
 const UNIT: i128 = 1_000;
 
-/// Any codel that is executed may throw: what it yields and must not ends its activity as an exception does.
-/// There is no limit on how often a state is entered in a turn.
+/// Lets every real codel throw: an undeclared yield ends its activity like an exception. Removes the limit on
+/// entries of a state in a turn.
 pub fn open(prepared: &mut Prepared, is_real: &dyn Fn(usize) -> bool) {
     let system = &mut prepared.built.system;
     for (at, codel) in system.codels.iter_mut().enumerate() {
@@ -20,15 +20,15 @@ pub fn open(prepared: &mut Prepared, is_real: &dyn Fn(usize) -> bool) {
     }
 }
 
-/// For the real clock: times in units of a microsecond or finer, as far as they stay small enough; how many
-/// of the new units an old one has.
+/// Changes the unit for the real clock to a microsecond or less, as far as times stay small enough. Returns
+/// the number of new units per old unit.
 pub fn scale(prepared: &mut Prepared) -> Ticks {
     let system = &mut prepared.built.system;
     let nanos = (system.unit * Ratio::from_integer(1_000_000_000)).ceil();
     let wanted = (nanos.to_integer() + UNIT - 1) / UNIT;
     let greatest = times(system).into_iter().filter(|it| **it != FOREVER);
     let greatest = greatest.map(|it| *it).max().unwrap_or(0).max(1);
-    // Leave room for sums.
+    // The limit leaves room for sums.
     let most = FOREVER / 64 / greatest;
     let factor = Ticks::try_from(wanted).unwrap_or(most).min(most).max(1);
     for it in times(system) {
@@ -68,7 +68,7 @@ fn times(system: &mut TimedSystem) -> Vec<&mut Ticks> {
     out
 }
 
-/// Real codels take what they take.
+/// Removes the limits on the execution times of real codels.
 pub fn release(prepared: &mut Prepared, is_real: &dyn Fn(usize) -> bool) {
     for (at, codel) in prepared.built.system.codels.iter_mut().enumerate() {
         if is_real(at) {
@@ -78,8 +78,8 @@ pub fn release(prepared: &mut Prepared, is_real: &dyn Fn(usize) -> bool) {
     }
 }
 
-/// One client more for each component, which may send any of its requests at any time: it stands for whoever
-/// is outside. Returns the first of them.
+/// Adds a client for each component that may send any of its requests at any time. These clients stand for
+/// requests from outside. Returns the index of the first one.
 pub fn add_outside(prepared: &mut Prepared) -> usize {
     let system = &mut prepared.built.system;
     let first = system.clients.len();
@@ -101,7 +101,7 @@ pub fn add_outside(prepared: &mut Prepared) -> usize {
         };
         let mut steps: Vec<ClientStep> = std::iter::once(wait).chain(sends).collect();
         if component.services.is_empty() {
-            // Nothing can be asked of it: its client is done before it begins.
+            // The component accepts no request: its client ends before it begins.
             steps.clear();
         }
         system.clients.push(Client {

@@ -1,4 +1,4 @@
-//! What a run found, as data. The JSON form is part of the interface of `dotgen run`.
+//! The report of a run, as data. The JSON form is part of the interface of `dotgen run`.
 
 use dotgen_timing::property::PropertyKind;
 use dotgen_timing::report::Value;
@@ -13,52 +13,52 @@ use crate::judge::{Moment, Verdict, Violation};
 use crate::simulation::{Outcome, Plan};
 use crate::watch::Broken;
 
-/// Version of the JSON form: raised when a field changes its meaning or goes.
+/// Version of the JSON form: raised when a field changes its meaning or is removed.
 pub const FORMAT: u32 = 1;
 
-/// What a run found. All times are in the unit of the report.
+/// The report of a run. All times are in the unit of the report.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct RunReport {
-    /// Version of the form.
+    /// Version of the JSON form.
     pub format: u32,
     /// Name of the scenario.
     pub scenario: String,
-    /// What the model follows.
+    /// Semantics of the model.
     pub semantics: String,
     /// Unit of all times.
     pub unit: String,
-    /// What chance depended on.
+    /// Seed of the random choices.
     pub seed: u64,
-    /// How long codels took.
+    /// Choice of execution times.
     pub durations: Durations,
-    /// How many runs there were, each from the start.
+    /// Number of runs, each from the start.
     pub runs: u64,
-    /// Time that all runs took together.
+    /// Total time of all runs.
     pub time: Value,
-    /// How the last run ended.
+    /// End of the last run.
     pub end: End,
     /// Tasks, in order of declaration.
     pub tasks: Vec<OfTask>,
-    /// Services likewise.
+    /// Services, in order of declaration.
     pub services: Vec<OfService>,
-    /// Codels likewise.
+    /// Codels, in order of declaration.
     pub codels: Vec<OfCodel>,
     /// State machines, with all their transitions.
     pub machines: Vec<OfMachine>,
     /// Checks, in order of the scenario.
     pub checks: Vec<OfCheck>,
-    /// The first of each kind.
+    /// First violation of each kind.
     pub violations: Vec<OfViolation>,
-    /// All of them.
+    /// Number of all violations.
     pub violation_count: u64,
-    /// What the model assumes.
+    /// Assumptions of the model.
     pub assumptions: Vec<String>,
-    /// What else is worth knowing.
+    /// Further notes.
     pub notes: Vec<String>,
 }
 
-/// A service.
+/// The counts of a service.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct OfService {
@@ -66,61 +66,61 @@ pub struct OfService {
     pub service: String,
     /// Requests taken.
     pub requests: u64,
-    /// Refused by a codel, or ended by its exception.
+    /// Requests refused by a codel, or ended by its exception.
     pub refused: u64,
     /// Activities that have ended.
     pub ended: u64,
 }
 
-/// A codel.
+/// The counts of a codel.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct OfCodel {
     /// `component.owner.state`
     pub codel: String,
-    /// How often it was executed.
+    /// Number of runs.
     pub runs: u64,
-    /// The greatest time of that.
+    /// Greatest execution time.
     pub greatest: Value,
-    /// The greatest time it waited for its locks.
+    /// Greatest wait for its locks.
     pub waited: Value,
 }
 
-/// A check.
+/// The result of a check.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct OfCheck {
-    /// Its name, if it has one.
+    /// Name, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// What kind of property it asks for.
+    /// Kind of property.
     pub check: PropertyKind,
     /// The task, or the predicates, in words.
     pub of: String,
-    /// What the run says.
+    /// Verdict of the run.
     pub verdict: Verdict,
-    /// The greatest time that it asks for.
+    /// Greatest time measured for the check.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub greatest: Option<Value>,
-    /// What that must not exceed.
+    /// Limit of this time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit: Option<Value>,
-    /// When the verdict was known first.
+    /// First moment at which the verdict was known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at: Option<At>,
-    /// How often it was violated.
+    /// Number of violations.
     pub violations: u64,
 }
 
-/// A moment.
+/// A moment of a run.
 #[derive(Debug, Clone, Copy, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct At {
-    /// Which run, from 1.
+    /// Number of the run, from 1.
     pub run: u64,
-    /// The seed with which this run is the first.
+    /// Seed that makes this run the first one.
     pub seed: u64,
-    /// Time since its start.
+    /// Time since the start of the run.
     pub time: Value,
 }
 
@@ -128,68 +128,68 @@ pub struct At {
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct OfViolation {
-    /// When.
+    /// Moment.
     pub at: At,
-    /// Of what.
+    /// Kind and details.
     #[serde(flatten)]
     pub what: Violated,
 }
 
-/// What was violated.
+/// The kind and details of a violation.
 #[derive(Debug, Clone, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Violated {
-    /// A check.
+    /// A violated check.
     Check {
-        /// Its place in the list of checks.
+        /// Index of the check.
         check: usize,
     },
-    /// A proved bound.
+    /// A response time beyond its proved bound.
     BeyondBound {
         /// `component.task`
         task: String,
-        /// The response time when that was seen.
+        /// Response time when the violation was seen.
         response: Value,
-        /// The bound.
+        /// Bound.
         bound: Value,
     },
-    /// A codel ended with something that it does not declare.
+    /// A codel ended with an undeclared event.
     Undeclared {
         /// `component.owner.state`
         codel: String,
-        /// The function.
+        /// Function.
         function: String,
-        /// Full name of the event; empty where it is none at all.
+        /// Full name of the event; empty if the value is not an event.
         event: String,
     },
-    /// A component is gone.
+    /// The process of a component has ended.
     Lost {
-        /// The component.
+        /// Component.
         component: String,
-        /// The codel that it executed.
+        /// Codel that it executed.
         #[serde(skip_serializing_if = "Option::is_none")]
         codel: Option<String>,
-        /// Its function.
+        /// Function of the codel.
         #[serde(skip_serializing_if = "Option::is_none")]
         function: Option<String>,
-        /// How it ended.
+        /// Reason, in words.
         why: String,
     },
-    /// A codel took longer than it states.
+    /// A codel took longer than its stated execution time.
     Overrun {
         /// `component.owner.state`
         codel: String,
-        /// The function.
+        /// Function.
         function: String,
-        /// The greatest time that it took.
+        /// Greatest execution time.
         took: Value,
-        /// What it states.
+        /// Stated execution time.
         limit: Value,
     },
 }
 
 impl RunReport {
-    /// Of runs that are over.
+    /// Creates the report of finished runs.
     pub fn new(
         prepared: &Prepared,
         plan: &Plan,
@@ -241,7 +241,7 @@ impl RunReport {
         }
     }
 
-    /// Whether something was violated.
+    /// Returns true if there was a violation.
     pub fn violated(&self) -> bool {
         self.violation_count > 0
     }

@@ -1,4 +1,5 @@
-//! Runs of a whole system. What has no codels is simulated: durations and yields are drawn.
+//! Runs of a whole system. Components without codels are simulated: their execution times and yields are
+//! drawn.
 
 use std::io::Write;
 
@@ -16,72 +17,73 @@ use crate::progress::{Follow, States};
 use crate::tally::Tally;
 use crate::watch::{Broken, Published, Watch};
 
-/// What to run.
+/// The plan of a simulation.
 #[derive(Debug, Clone, Copy)]
 pub struct Plan {
-    /// How long each run lasts, in base units.
+    /// Duration of each run, in base units.
     pub until: u64,
-    /// How many runs, each from the start. The first has the seed, the next ones those that follow.
+    /// Number of runs, each from the start. The first run has the seed, later runs have the seeds that
+    /// follow.
     pub runs: u64,
-    /// What chance depends on.
+    /// Seed of the random choices.
     pub seed: u64,
-    /// How long codels take.
+    /// Choice of execution times.
     pub durations: Durations,
-    /// End with the first violation.
+    /// End at the first violation.
     pub stop_at_violation: bool,
-    /// Keep what is done in the first run, to tell it.
+    /// Keep the actions of the first run, to describe it.
     pub record: bool,
 }
 
-/// Actions of a run that are kept, at most.
+/// Upper limit on the kept actions of a run.
 const RECORDED: usize = 1_000_000;
 
-/// What came of it.
+/// The outcome of a simulation.
 #[derive(Debug)]
 pub struct Outcome<'p> {
-    /// Counts of all runs together.
+    /// Counts of all runs.
     pub tally: Tally,
-    /// The checks.
+    /// Results of the checks.
     pub judge: Judge<'p>,
-    /// How the last run ended.
+    /// End of the last run.
     pub end: End,
-    /// How many runs have begun.
+    /// Number of runs that have begun.
     pub runs: u64,
-    /// Base units that all of them took.
+    /// Total time of all runs, in base units.
     pub time: u64,
-    /// Services of which a request was refused because no activity more could be taken.
+    /// Services with a request that was refused because no slot was free.
     pub refused: Vec<usize>,
-    /// The first run, if it was to be recorded. Its beginning, if it has too many actions: then it is marked
-    /// as [left out](Run::left_out).
+    /// First run, if the plan asks for it. A run with too many actions is truncated and marked as [left
+    /// out](Run::left_out).
     pub recorded: Option<Run>,
 }
 
-/// How codels are executed.
+/// The execution of real codels.
 pub struct Execution<'l, 'p> {
-    /// Those that are.
+    /// Real codels.
     pub live: &'l mut Live<'p>,
-    /// On the real clock; `None`: on the virtual one.
+    /// Real clock; `None` for the virtual clock.
     pub pace: Option<Pace>,
-    /// Whoever looks on while it goes on.
+    /// Receiver of snapshots.
     pub follow: Option<&'l mut dyn Follow>,
 }
 
-/// Whoever records a run.
+/// Records a run.
 pub trait Record {
-    /// Something is about to be done.
+    /// Records an action before it is performed.
     fn act(&mut self, stepper: &Stepper, action: Action);
 
-    /// Somebody outside is about to interrupt the activity that has a place.
+    /// Records an interruption of an activity from outside, by its place, before it is performed.
     fn interrupt(&mut self, stepper: &Stepper, place: usize);
 
-    /// An output port has new data.
+    /// Records new data of an output port.
     fn wrote(&mut self, stepper: &Stepper, written: &Published);
 
-    /// The run is over.
+    /// Ends the recording.
     fn end(&mut self, stepper: &Stepper);
 }
 
-/// Runs a system without recording it: see [`simulate_recorded`].
+/// Runs a system without a recording: see [`simulate_recorded`].
 pub fn simulate<'p, W: Write>(
     prepared: &'p Prepared,
     bounds: Vec<Option<Ticks>>,
@@ -101,8 +103,8 @@ pub fn simulate<'p, W: Write>(
     )
 }
 
-/// Runs a system. The first run is told to whoever records it. `bounds` are those on the response times of
-/// its tasks, where they are known.
+/// Runs a system and records the first run. `bounds` are the known bounds on the response times of its tasks,
+/// in base units.
 pub fn simulate_recorded<'p, W: Write>(
     prepared: &'p Prepared,
     bounds: Vec<Option<Ticks>>,
@@ -206,17 +208,17 @@ struct Observer<'o, 'r, 'f, 'p, W> {
     system: &'p TimedSystem,
     prepared: &'p Prepared,
     bounds: Vec<Option<Ticks>>,
-    /// Whoever looks on, and what is kept for that.
+    /// Receiver of snapshots, with the present states.
     follow: Option<(&'f mut dyn Follow, States)>,
     tally: Tally,
     judge: Judge<'p>,
     profile: Option<&'o mut Profile<'p, W>>,
-    /// What the runs before took.
+    /// Total time of earlier runs, in base units.
     offset: u64,
     stop_at_violation: bool,
     recorded: Option<Run>,
     record: Option<&'r mut dyn Record>,
-    /// It is the first run that goes on.
+    /// The present run is the first one.
     first: bool,
 }
 

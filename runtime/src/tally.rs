@@ -1,23 +1,23 @@
-//! What is counted along runs.
+//! Counts along runs.
 
 use dotgen_timing::explore::{Seen, Stepper, Work};
 use dotgen_timing::system::{Ticks, TimedSystem};
 
-/// Times of one thing that happens again and again, in base units.
+/// Statistics of repeated times, in base units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Times {
-    /// How often it happened.
+    /// Number of times.
     pub count: u64,
-    /// The least time, if it happened.
+    /// Least time, if there is one.
     pub least: Ticks,
-    /// The greatest.
+    /// Greatest time.
     pub greatest: Ticks,
-    /// Their sum.
+    /// Sum.
     pub total: u64,
 }
 
 impl Times {
-    /// It happened once more.
+    /// Adds a time.
     pub fn add(&mut self, time: Ticks) {
         self.least = match self.count {
             0 => time,
@@ -29,67 +29,67 @@ impl Times {
     }
 }
 
-/// A task.
+/// The counts of a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct OfTask {
     /// Response times of jobs that have ended.
     pub jobs: Times,
-    /// The greatest time a job has lasted, also one that has not ended.
+    /// Greatest duration of a job so far, including a job that has not ended.
     pub greatest: Option<Ticks>,
-    /// Ticks that came before the job of the one before had ended.
+    /// Ticks that came before the previous job had ended.
     pub missed: u64,
-    /// Jobs that waited for a core as long as their period.
+    /// Jobs that waited for a core for at least their period.
     pub overdue: u64,
-    /// Base units in which codels of its activities that have ended had their locks.
+    /// Time in which codels of the activities that have ended held their locks, in base units.
     pub executed: u64,
 }
 
-/// A service.
+/// The counts of a service.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct OfService {
-    /// Requests that its control task has taken.
+    /// Requests that the control task has taken.
     pub requests: u64,
-    /// Refused by a codel, or ended by an exception of one.
+    /// Requests refused by a codel, or ended by its exception.
     pub refused: u64,
     /// Activities that have ended in `ether`, or by an exception.
     pub ended: u64,
 }
 
-/// A codel in one place of use.
+/// The counts of a codel in one place of use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct OfCodel {
-    /// From getting its locks to releasing them.
+    /// Times from the grant of its locks to their release.
     pub runs: Times,
-    /// From asking for them to getting them.
+    /// Times from the request of its locks to their grant.
     pub waits: Times,
 }
 
-/// What an executor does at the moment.
+/// The present work of an executor.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Busy {
-    /// When it asked for locks.
+    /// Time of the request of its locks.
     pub(crate) asked: u64,
-    /// When it got them.
+    /// Time of the grant of its locks.
     pub(crate) begun: u64,
 }
 
-/// Counts, of one run or of several.
+/// The counts of one or several runs.
 #[derive(Debug, Clone)]
 pub struct Tally {
-    /// Of each task.
+    /// Counts of each task.
     pub tasks: Vec<OfTask>,
-    /// Of each service.
+    /// Counts of each service.
     pub services: Vec<OfService>,
-    /// Of each codel.
+    /// Counts of each codel.
     pub codels: Vec<OfCodel>,
-    /// Of each machine, its states, and their outcomes (the last: by an exception): the times of the codels
-    /// that ended so.
+    /// By machine, state and outcome (the last one: an exception), the times of the codels that ended with
+    /// this outcome.
     pub transitions: Vec<Vec<Vec<Times>>>,
     pub(crate) busy: Vec<Busy>,
 }
 
 impl Tally {
-    /// Nothing has happened.
+    /// Creates empty counts.
     pub fn new(system: &TimedSystem) -> Self {
         let machines = system.machines.iter().map(|machine| {
             let states = machine.states.iter();
@@ -106,7 +106,7 @@ impl Tally {
         }
     }
 
-    /// Something was seen.
+    /// Counts an event.
     pub fn see(&mut self, system: &TimedSystem, stepper: &Stepper, seen: &Seen) {
         let now = stepper.now();
         match *seen {
@@ -144,7 +144,7 @@ impl Tally {
         }
     }
 
-    /// A run has ended: jobs that have not count as far as they have come.
+    /// Ends a run. Unfinished jobs count with their time so far.
     pub fn end(&mut self, stepper: &Stepper) {
         for task in 0..self.tasks.len() {
             if let Some(so_far) = stepper.job(task) {

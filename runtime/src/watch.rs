@@ -1,62 +1,62 @@
-//! What a run tells to whoever watches it.
+//! The interface for observers of a run.
 
 use dotgen_timing::explore::{Action, Seen, Stepper};
 
-/// Whoever watches a run.
+/// Observes a run.
 pub trait Watch {
-    /// Something was seen; the stepper is past it.
+    /// Receives an event. The stepper has performed it.
     fn see(&mut self, stepper: &Stepper, seen: &Seen);
 
-    /// Something is about to be done.
+    /// Receives an action before it is performed.
     fn act(&mut self, stepper: &Stepper, action: Action);
 
-    /// Somebody outside interrupts the activity that has a place.
+    /// Receives an interruption of an activity from outside, by the place of the activity.
     fn interrupt(&mut self, stepper: &Stepper, place: usize);
 
-    /// Time has passed.
+    /// Is called after time has passed.
     fn moment(&mut self, stepper: &Stepper);
 
-    /// An output port of a component has new data.
+    /// Receives new data of an output port.
     fn wrote(&mut self, stepper: &Stepper, written: &Published);
 
-    /// A codel that is executed did what it must not.
+    /// Receives a violation by a codel.
     fn broke(&mut self, stepper: &Stepper, broken: Broken);
 
-    /// Whether to end the run.
+    /// Returns true if the run must end.
     fn is_over(&self) -> bool;
 }
 
-/// Something that codels did and must not.
+/// A violation by a codel.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Broken {
-    /// A codel ended with something that it does not declare.
+    /// A codel ended with an undeclared event.
     Undeclared {
         /// `component.owner.state`
         codel: String,
-        /// The function.
+        /// Function.
         function: String,
-        /// Full name of the event; empty where it is none at all.
+        /// Full name of the event; empty if the value is not an event.
         event: String,
     },
-    /// A component is gone, with its codel.
+    /// The process of a component has ended, with its codels.
     Lost {
-        /// The component.
+        /// Component.
         component: String,
-        /// What it executed: the codel and its function.
+        /// Codel and function under way.
         codel: Option<(String, String)>,
-        /// How it ended.
+        /// Reason, in words.
         why: String,
     },
-    /// A codel took longer than it states.
+    /// A codel took longer than its stated execution time.
     Overrun {
         /// `component.owner.state`
         codel: String,
-        /// The function.
+        /// Function.
         function: String,
-        /// Nanoseconds that it took.
+        /// Execution time, in nanoseconds.
         took: u64,
-        /// Nanoseconds that it states.
+        /// Stated execution time, in nanoseconds.
         limit: u64,
     },
 }
@@ -64,12 +64,12 @@ pub enum Broken {
 /// New data of an output port.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Published {
-    /// The component of the system.
+    /// Component of the system.
     pub component: usize,
-    /// The port, by number in its model.
+    /// Port, by number in the model of the component.
     pub port: u32,
-    /// Its instance, for a port that is `multiple`.
+    /// Instance, if the port is `multiple`.
     pub id: String,
-    /// The bytes of the value.
+    /// Bytes of the value.
     pub data: Vec<u8>,
 }

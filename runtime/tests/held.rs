@@ -1,5 +1,4 @@
-//! What is seen along runs is what verification says can be seen, on random systems of all that the servers
-//! do.
+//! On random systems with all features of the servers, runs show only what verification allows.
 
 use dotgen_runtime::decide::Durations;
 use dotgen_runtime::engine::End;
@@ -12,7 +11,7 @@ use dotgen_timing::verify::{Cancel, Options, Question, SystemInput, prepare, ver
 
 use crate::random_systems::{load, random, systems};
 
-/// How many checks were compared; `None` if the system is no legal one, or too large.
+/// Returns the number of checks compared; `None` if the system is invalid or too large.
 fn compare(seed: u64) -> Option<usize> {
     let texts = random::texts(&mut systems::Dice::new(seed));
     let units = load(&texts.specifications)?;
@@ -91,7 +90,7 @@ fn compare(seed: u64) -> Option<usize> {
     Some(proved.checks.len())
 }
 
-/// How many systems: `DOTGEN_RUN_SYSTEMS`, by default some dozens.
+/// Returns the number of systems: `DOTGEN_RUN_SYSTEMS`, by default a few dozen.
 fn systems_to_compare() -> u64 {
     let given = std::env::var("DOTGEN_RUN_SYSTEMS").ok();
     given.and_then(|it| it.parse().ok()).unwrap_or(60)

@@ -1,4 +1,4 @@
-//! The tests of this crate, in one program: it is linked once.
+//! The tests of this crate, in one program, to link only once.
 
 mod held;
 #[path = "support/random_systems.rs"]
@@ -6,5 +6,5 @@ mod random_systems;
 mod recorded;
 mod replayed;
 
-// The random texts are written against `crate::systems`.
+// The random texts use the path `crate::systems`.
 use random_systems::systems;

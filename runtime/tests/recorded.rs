@@ -1,4 +1,4 @@
-//! Recorded runs held to the model again: what was run deviates nowhere, and what is planted is found.
+//! Recorded runs compared with the model: unchanged runs have no deviation, and planted deviations are found.
 
 use std::collections::BTreeMap;
 
@@ -24,7 +24,7 @@ struct Recorder {
 }
 
 impl Recorder {
-    /// `None` if a specification has errors: machines are drawn at random.
+    /// Creates a scenario; `None` if a specification has errors, as machines are random.
     fn new(specifications: &[String], scenario: &str) -> Option<Recorder> {
         Some(Recorder {
             units: load(specifications)?,
@@ -63,7 +63,7 @@ impl Recorder {
         String::from_utf8(log).expect("text")
     }
 
-    /// Bounds that verification proves.
+    /// Returns the bounds that verification proves.
     fn proved(&self, prepared: &Prepared) -> Vec<Option<Ticks>> {
         let options = Options {
             checks: vec![parse_check("response *").expect("a check")],
@@ -102,7 +102,7 @@ impl Recorder {
     }
 }
 
-/// How many systems: `DOTGEN_RUN_SYSTEMS`, by default some hundreds.
+/// Returns the number of systems: `DOTGEN_RUN_SYSTEMS`, by default a few hundred.
 fn systems_to_run() -> u64 {
     let given = std::env::var("DOTGEN_RUN_SYSTEMS").ok();
     given.and_then(|it| it.parse().ok()).unwrap_or(300)
@@ -189,7 +189,7 @@ scenario plant {
 }
 "#;
 
-/// A line of a log, to be changed.
+/// A line of a log, for changes.
 #[derive(Debug, Clone)]
 struct Row {
     times: [i64; 3],
@@ -217,7 +217,7 @@ fn rows(log: &str) -> Vec<Row> {
     log.lines().map(row).collect()
 }
 
-/// The log in order of the ends, as a recorder writes it.
+/// Returns the log in order of the ends, as a recorder writes it.
 fn written(mut rows: Vec<Row>) -> String {
     rows.sort_by_key(|it| it.times[2]);
     let second = 1_000_000_000;
@@ -231,7 +231,7 @@ fn written(mut rows: Vec<Row>) -> String {
 
 const MS: i64 = 1_000_000;
 
-/// The place of a run of a function far from the start.
+/// Returns the index of a run of a function, far from the start.
 fn place(rows: &[Row], function: &str) -> usize {
     let places = rows.iter().enumerate().filter(|it| it.1.is(function));
     places
@@ -242,7 +242,7 @@ fn place(rows: &[Row], function: &str) -> usize {
 
 type Plant = (&'static str, &'static str, fn(&mut Vec<Row>));
 
-/// Number of a turn of a task, from 0, for the runs of its permanent activity.
+/// Changes the runs of a permanent activity. `change` gets the number of the turn, from 0.
 fn turns(rows: &mut [Row], function: &str, mut change: impl FnMut(i64, &mut Row)) {
     let all = rows.iter_mut().filter(|it| it.is(function));
     for (number, row) in (0..).zip(all) {
@@ -384,7 +384,7 @@ const PLANTS: &[Plant] = &[
             .iter()
             .position(|it| it.is("slow_start") && it.times[0] >= began);
         let next = next.expect("it comes again");
-        // It asked first, and got its locks last.
+        // The codel asked first, and got its locks last.
         rows[next].times = [began - MS / 2, began + MS, began + 2 * MS];
     }),
 ];
@@ -469,7 +469,7 @@ scenario plant {
         let clean = recorder.monitor(&prepared, &log);
         assert_eq!(clean.deviation_count, 0, "{:#?}", clean.deviations);
         let mut rows = rows(&log);
-        // The short period goes first, and takes the core from the other one.
+        // The task with the shorter period has priority, and preempts the other one.
         let inside = |a: &Row, b: &Row| {
             let long = b.times[1] + MS < b.times[2];
             a.times[1] + MS < b.times[1] && b.times[2] + MS < a.times[2] && long
@@ -482,7 +482,7 @@ scenario plant {
             continue;
         };
         preempted += 1;
-        // On another core it would not have waited.
+        // On another core the codel would not have waited.
         rows[at].times[2] = (times[1] + times[2]) / 2;
         let report = recorder.monitor(&prepared, &written(rows));
         assert_eq!(

@@ -1,5 +1,4 @@
-//! Recorded runs followed step by step: every run is one of the model, and a rule that was another one is
-//! named.
+//! Recorded runs replayed step by step: every run is one of the model, and a changed rule is named.
 
 use dotgen_analysis::host::UnitResult;
 use dotgen_recording::replay::{Replay, ReplayReport, Rule, Step, What, opened};
@@ -15,7 +14,7 @@ use dotgen_timing::verify::{Options, Prepared, SystemInput, prepare};
 
 use crate::random_systems::{load, random, systems};
 
-/// Steps by names.
+/// Steps, by name.
 struct Recording<'s> {
     system: &'s TimedSystem,
     steps: Vec<Step>,
@@ -84,7 +83,7 @@ fn prepared(units: &[UnitResult], scenario: &str) -> Option<Prepared> {
     (!prepared.report.has_errors()).then_some(prepared)
 }
 
-/// How many systems: `DOTGEN_RUN_SYSTEMS`, by default some dozens.
+/// Returns the number of systems: `DOTGEN_RUN_SYSTEMS`, by default a few dozen.
 fn systems_to_run() -> u64 {
     let given = std::env::var("DOTGEN_RUN_SYSTEMS").ok();
     given.and_then(|it| it.parse().ok()).unwrap_or(60)
@@ -129,7 +128,7 @@ fn every_run_is_one_of_the_model() {
             assert_eq!(report.followed, steps.len() as u64, "{}", shown());
             assert_eq!(report.time, end);
             all += report.steps;
-            // One outcome that no rule allows.
+            // An outcome that no rule allows.
             let ends: Vec<usize> = (0..steps.len())
                 .filter(|&it| steps[it].rule == Rule::End && steps[it].to != "ok")
                 .collect();
@@ -142,7 +141,7 @@ fn every_run_is_one_of_the_model() {
             let report = replay(system, &wrong, end);
             let first = report.differences.first().expect("it is found");
             assert_eq!((first.number, first.rule), (at as u64 + 1, Rule::End));
-            // A step that is left out: what follows shows it, unless the system would have done without it.
+            // An omitted step: later steps show it, unless the system would have done without it.
             let mut wrong = steps.clone();
             wrong.remove(at);
             changed += 1;
@@ -203,7 +202,7 @@ fn codel<'s>(system: &'s mut TimedSystem, path: &str) -> &'s mut dotgen_timing::
     all.find(|it| it.path == path).expect("it is there")
 }
 
-/// Systems with one rule that is another one.
+/// Systems with one changed rule.
 const CHANGES: &[Change] = &[
     ("a longer period", &[Rule::Tick], |it| {
         let period = it.tasks[0].period.as_mut().expect("periodic");
@@ -289,7 +288,7 @@ fn a_rule_that_was_another_one_is_named() {
         for seed in 0..3 {
             let (steps, end) = record(&other, until, seed, Durations::Random);
             let mut verified = prepared.built.system.clone();
-            // Otherwise there is one core, and nobody has to wait for a lock.
+            // Otherwise there is one core, and no codel waits for a lock.
             if name.contains("nobody needs") {
                 verified.platform.cores = None;
             }
@@ -327,7 +326,7 @@ fn a_run_is_followed_beyond_a_wrong_time_and_not_beyond_what_is_impossible() {
     let tick = steps.iter().position(|it| ticks(it) && it.time > end / 2);
     let (before, after) = steps.split_at(tick.expect("it is periodic"));
     let due = after[0].clone();
-    // A task that is dead from a moment on.
+    // A task that stops at some moment.
     let others = after.iter().filter(|it| it.of != "plant.slow");
     let steps: Vec<Step> = before.iter().chain(others).cloned().collect();
     let report = replay(system, &steps, end);

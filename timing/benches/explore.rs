@@ -1,4 +1,4 @@
-//! Time per verification on the shared corpus; nothing to measure when it is not there.
+//! Time per verification on the shared corpus. Without the corpus, no time is measured.
 //!
 //! `cargo bench -p dotgen-timing`
 

@@ -1,23 +1,23 @@
-//! The middle tier: bounds on response times from a graph of abstract states, between response-time analysis
-//! and the exact search.
+//! The middle tier: schedule abstraction, which bounds response times between response-time analysis and the
+//! exact exploration.
 //!
-//! It is an abstraction in the manner of schedule-abstraction graphs (M. Nasri, B. Brandenburg, *An exact and
-//! sustainable analysis of non-preemptive scheduling*, RTSS 2017; M. Nasri, G. Nelissen, B. Brandenburg,
-//! *Response-time analysis of limited-preemptive parallel DAG tasks under global scheduling*, ECRTS 2019). A
-//! state says what has been done: which jobs, and how far each has come. When it was done is known as
-//! intervals: of the ends of codels, of the moments at which cores are free. States in which the same has
-//! been done are one, in whatever order it was done; its intervals are the hulls of theirs.
+//! It follows schedule-abstraction graphs (M. Nasri, B. Brandenburg, *An exact and sustainable analysis of
+//! non-preemptive scheduling*, RTSS 2017; M. Nasri, G. Nelissen, B. Brandenburg, *Response-time analysis of
+//! limited-preemptive parallel DAG tasks under global scheduling*, ECRTS 2019). An abstract state records the
+//! work that is done: the jobs, and the progress of each. Intervals bound the times at which codels end and
+//! cores become free. States with the same work done are merged, whatever the order of that work. The merged
+//! intervals are the hulls of the intervals of the merged states.
 //!
-//! * `model`: what of a system is looked at, and what is refused;
-//! * `activities`, `course`: what a task executes, requests at any time included;
-//! * `others`: who takes tickets beside, at any time;
-//! * `state`: a state, and when two are the same;
-//! * `steps`: the two kinds of steps, a core that is given and a codel that begins;
-//! * `starting`: what follows the end of a job, and how tasks are started;
-//! * `batch`: busy windows of independent jobs that are taken in one step, whatever their order;
-//! * `search`: the graph, within a budget.
+//! * `model`: the part of a system that the abstraction covers, and the reasons for a refusal;
+//! * `activities`, `course`: the work of each task, including requests at any time;
+//! * `others`: codels outside the abstraction that take tickets at any time;
+//! * `state`: abstract states, and when two of them are equal;
+//! * `steps`: the two kinds of steps, granting a core and beginning a codel;
+//! * `starting`: the consequences of the end of a job, and the start-up of tasks;
+//! * `batch`: busy windows of independent jobs, taken in one step whatever their order;
+//! * `search`: the construction of the graph, within a budget.
 //!
-//! The bounds are never below the exact values. What they are about, and why that is so: `docs/explorer.md`.
+//! The bounds are never below the exact values. `docs/explorer.md` explains what they bound and proves it.
 
 mod activities;
 mod batch;
@@ -37,19 +37,19 @@ use self::search::Search;
 use crate::cancel::Cancel;
 use crate::system::{Ticks, TimedSystem};
 
-/// How many abstract states are looked at, at most.
+/// Upper limits on the number and size of abstract states.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Budget {
-    /// Steps one by one give the tighter bounds. Where busy windows can be taken as a whole instead, this is
-    /// when they are.
+    /// Number of states that are followed step by step, which gives tighter bounds. Beyond it, busy windows
+    /// are taken in one step if possible.
     pub before_batches: usize,
-    /// Then the system is refused.
+    /// Number of states at which the system is refused.
     pub states: usize,
-    /// The system is also refused when the states that are kept take so many bytes.
+    /// Bytes of kept states at which the system is refused.
     pub bytes: usize,
 }
 
-/// States, times the tasks that each has an interval for, at most: they have to be kept in memory.
+/// Upper limit on states times tasks: each state keeps an interval for each task in memory.
 const PLACES: usize = 2_000_000;
 
 impl Default for Budget {
@@ -62,12 +62,11 @@ impl Default for Budget {
     }
 }
 
-/// Bounds on the response times of all tasks with a period, all of which meet their deadlines; or why there
-/// are none.
+/// Returns bounds on the response times of all tasks with a period. All of them meet their deadlines.
 ///
 /// # Errors
 ///
-/// The first reason why the system cannot be treated, or why nothing follows.
+/// Returns the first reason why the abstraction cannot treat the system, or why nothing follows from it.
 pub fn abstract_bounds(
     system: &TimedSystem,
     budget: Budget,

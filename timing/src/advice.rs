@@ -1,7 +1,8 @@
-//! What to change, so that a system holds that does not: single changes, each of which was verified itself,
-//! all else as it is.
+//! Advice on systems that miss a deadline: single changes that repair them. Each change is verified on its
+//! own, with everything else unchanged.
 //!
-//! [`remedy`] finds one for a check, soon or not at all; [`repairs`] all of them for everything that fails.
+//! [`remedy`] finds one change for a check and gives up early. [`repairs`] finds all changes that repair
+//! everything that fails.
 
 mod blame;
 mod change;

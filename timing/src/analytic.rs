@@ -1,28 +1,28 @@
-//! A quick bound on response times: response-time analysis with blocking.
+//! Response-time analysis with blocking: a quick upper bound on response times.
 //!
-//! Never below the exact value, and there at once. It counts what others can do at most in a window of time:
+//! The bound is never below the exact value. It counts the most that other tasks can do in a window of time:
 //!
-//! * while a codel waits for its locks, some codel that excludes it is executing; this is looked at codel by
-//!   codel, and for all codels of a job together, and the lower bound counts;
-//! * while a task waits for a core, all cores are held by other jobs, each for at most its own bound counted
-//!   from the grant; under FIFO only by jobs released before, at most one of each task, and under EDF only by
-//!   jobs that were there before or have an earlier deadline. Who holds a core for ever is counted as one
-//!   core less.
+//! * While a codel waits for its locks, a codel that excludes it is executing. The blocking is computed codel
+//!   by codel, and for all codels of a job together. The lower of the two bounds counts.
+//! * While a task waits for a core, all cores are held by other jobs, each for at most its own bound counted
+//!   from the grant. Under FIFO these are jobs released earlier, at most one of each task. Under EDF they are
+//!   jobs that were released earlier or have an earlier deadline. A task that holds a core for ever counts as
+//!   one core less.
 //!
-//! What a periodic task can do in a window of length *w*:
+//! In a window of length *w*, a periodic task can do the following work:
 //!
-//! * if it ends its jobs at most *R* after their release, and *R* is less than its period *P*: what it can
-//!   still do of one job when the window begins, at most *R* after its release, and of those released since,
-//!   *P* apart (the workload with carry-in of M. Bertogna, M. Cirinei, *Response-time analysis for globally
-//!   scheduled symmetric multiprocessor platforms*, RTSS 2007);
-//! * otherwise ⌊w/P⌋ + 1 jobs that are released, one carried in, and one on a pending tick;
-//! * its start-up, if that is not over for sure.
+//! * If its jobs end at most *R* after their release, and *R* is less than its period *P*: the rest of one
+//!   job when the window begins, at most *R* after its release, and the jobs released since, *P* apart (the
+//!   workload with carry-in of M. Bertogna, M. Cirinei, *Response-time analysis for globally scheduled
+//!   symmetric multiprocessor platforms*, RTSS 2007).
+//! * Otherwise: ⌊w/P⌋ + 1 released jobs, one carried in, and one on a pending tick.
+//! * Its start-up, unless the start-up is certainly over.
 //!
-//! The bounds *R* are the least that follow from each other. No job can be the first to exceed its own: until
-//! it does, all others have kept theirs, and what they did before is all it waits for.
+//! The bounds *R* are the least fixed point of these equations. No job can be the first to exceed its own
+//! bound: until it does, all other jobs have kept theirs, and it waits only for work done before.
 //!
-//! An aperiodic task that works for ever is counted by its stretches of work. Breaks of a known length in
-//! between only go unnoticed while somebody else is at work.
+//! An aperiodic task that works for ever is counted by its stretches of work. The breaks between them have a
+//! known length, unless another task is at work.
 
 mod cores;
 mod demand;
@@ -42,12 +42,12 @@ use self::ways::{Ways, resumed};
 use crate::scn::semantics::Semantics;
 use crate::system::{CodelSet, FOREVER, Ticks, TimedSystem};
 
-/// A bound on the response time of every task; `None` where this method finds none. Under the semantics of
-/// the servers it has a method of its own (see `queue`), as other things delay a job there; with single
-/// points of the semantics changed it finds none.
+/// Returns a bound on the response time of every task, or `None` where this method finds none. Under the
+/// semantics of the servers other things delay a job, and a separate method applies (see `queue`). If single
+/// points of the semantics are changed, there are no bounds.
 pub fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
     if !system.platform.semantics.is_published() {
-        // Who asks for `abort`, `kill` or `connect` executes `stop` codels, and stops the queue, at any time.
+        // A client of `abort`, `kill` or `connect` causes `stop` codels, and stops the queue, at any time.
         let plain = !system.has_builtin(|_| true);
         let queued = system.platform.semantics == Semantics::SERVERS && plain;
         return match queued {
@@ -74,31 +74,31 @@ pub fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
     analysis.bounds
 }
 
-/// Whether a bound on the response time of a task proves that it meets its deadlines. Where a tick is kept it
-/// may be taken any time before the next one, so that nothing follows.
+/// Returns true if a bound on the response time of a task proves that the task meets its deadlines. A kept
+/// idle tick may be taken any time before the next tick, so that nothing follows for its task.
 pub fn meets_deadlines(system: &TimedSystem, task: usize, bound: Option<Ticks>) -> bool {
     let it = &system.tasks[task];
     bound.is_some_and(|bound| !it.keep_idle_tick && Some(bound) < it.period)
 }
 
-/// Tasks with bounds that still grow after so many rounds are taken as late: a quick bound must be quick.
+/// Rounds after which a task with a bound that still grows counts as late: a quick bound must be quick.
 const PATIENCE: usize = 100;
 
 struct Analysis<'s> {
     system: &'s TimedSystem,
-    /// Per automaton, its turns in jobs.
+    /// Turns in jobs, by automaton.
     turns: Vec<Ways>,
-    /// Per task, the sets of automata that can have turns in the same job.
+    /// Sets of automata that can have turns in the same job, by task.
     parties: Vec<Vec<Vec<usize>>>,
-    /// What can keep each codel waiting for its locks.
+    /// Work that can keep each codel waiting for its locks.
     of_codel: Vec<Rivals>,
-    /// What can keep the codels of each party waiting.
+    /// Work that can keep the codels of each party waiting.
     of_party: Vec<Vec<Rivals>>,
-    /// When the start-up of each task is over at the latest.
+    /// Latest end of the start-up of each task, in base units.
     started: Vec<Option<u64>>,
     /// Tasks that may have a tick waiting when a job ends.
     late: Vec<bool>,
-    /// Bounds on response times, from below.
+    /// Lower limits of the bounds on response times, raised until they are fixed.
     bounds: Vec<Option<Ticks>>,
 }
 
@@ -145,8 +145,8 @@ impl<'s> Analysis<'s> {
         analysis
     }
 
-    /// When the start-up of a task is over at the latest: it comes after that of earlier tasks of the
-    /// component, and waits for others in their start-up and in their first jobs.
+    /// Returns the latest end of the start-up of a task. The start-up comes after that of earlier tasks of
+    /// the component, and waits for other tasks in their start-up and in their first jobs.
     fn started(&self, task: usize, excluded: &[CodelSet]) -> Option<u64> {
         let system = self.system;
         let it = &system.tasks[task];
@@ -204,7 +204,7 @@ impl<'s> Analysis<'s> {
         demand.longest_busy(1)
     }
 
-    /// Draws the next conclusions from the bounds. Of which tasks there are any?
+    /// Improves the bounds once. Returns, by task, whether a bound was found.
     fn improve(&mut self) -> Vec<bool> {
         let bounds = self.next_bounds();
         let growing = |task: usize| {
@@ -229,7 +229,7 @@ impl<'s> Analysis<'s> {
         tasks.map(response).collect()
     }
 
-    /// The longest that all turns of one job can be.
+    /// Returns the greatest duration of all turns of one job.
     fn held(&self, task: usize) -> Option<u64> {
         let alone = self.alone(task);
         let waits = vec![OnceCell::new(); self.system.codels.len()];
@@ -249,7 +249,8 @@ impl<'s> Analysis<'s> {
         Some(longest)
     }
 
-    /// The longest that turns of these automata in one job can be together, with the cost of each codel.
+    /// Returns the greatest duration of turns of these automata in one job, together, with the given cost of
+    /// each codel.
     fn turns(&self, party: &[usize], cost: &dyn Fn(usize) -> Option<u64>) -> Option<u64> {
         party.iter().try_fold(0u64, |sum, &automaton| {
             let machine = self.system.machine_of(automaton);
@@ -258,15 +259,16 @@ impl<'s> Analysis<'s> {
         })
     }
 
-    /// The same of the first turn of a permanent activity.
+    /// Returns the greatest duration of the first turn of a permanent activity, with the given cost of each
+    /// codel.
     fn start_up(&self, automaton: usize, cost: &dyn Fn(usize) -> Option<u64>) -> Option<u64> {
         let machine = self.system.machine_of(automaton);
         let cost = |state: usize| cost(machine.states[state].codel);
         Ways::turns(machine, [machine.start]).costliest(&cost)
     }
 
-    /// How long a job of a task that has so much work can be kept busy by it and by rivals. `alone`: no job
-    /// of another periodic task can be under way.
+    /// Returns the longest time for which `work` and rivals can keep a job of a task busy. `alone`: no job of
+    /// another periodic task can be under way.
     fn longest_busy(&self, task: usize, rivals: &Rivals, work: u64, alone: bool) -> Option<u64> {
         let mut demand = Demand {
             jobs: Vec::new(),
@@ -279,7 +281,7 @@ impl<'s> Analysis<'s> {
             let (mut work, mut over) = (it.job?, 0);
             if starting {
                 match started.filter(|&over| over <= self.first_tick(it.task)) {
-                    // Like a job before the first one.
+                    // Its start-up counts like a job before the first one.
                     Some(by) if !alone && work > 0 => (work, over) = (work.max(it.start?), by),
                     _ => demand.once = demand.once.checked_add(it.start?)?,
                 }
@@ -291,14 +293,14 @@ impl<'s> Analysis<'s> {
         demand.longest_busy(1)
     }
 
-    /// So much work in each job of a task, if it is periodic. Each takes at most as long as the bound says,
-    /// or `over`.
+    /// Returns the jobs of a task with this much work in each, if the task is periodic. Each job takes at
+    /// most its bound, or `over`.
     fn jobs(&self, task: usize, work: u64, over: u64) -> Option<Jobs> {
         let period = self.system.tasks[task].period?;
         let bound = self.bounds[task].map(|it| over.max(work).max(u64::from(it)));
         let kind = match bound {
             Some(it) if !self.late[task] && it < u64::from(period) => Kind::Punctual(it),
-            // With a codel that goes on beside the next job.
+            // A codel of a separate thread may still run during the next job.
             _ if self.system.runs_apart(task) => Kind::Late(3),
             _ => Kind::Late(2),
         };
@@ -310,7 +312,7 @@ impl<'s> Analysis<'s> {
         })
     }
 
-    /// No job of a task begins earlier.
+    /// Returns the time before which no job of a task begins.
     fn first_tick(&self, task: usize) -> u64 {
         let it = &self.system.tasks[task];
         u64::from(it.period.unwrap_or(0)) + u64::from(it.delay)
@@ -329,7 +331,7 @@ fn turns_in_jobs(system: &TimedSystem, automaton: usize) -> Ways {
     Ways::turns(machine, begins.chain(resumed(machine)))
 }
 
-/// Whether more than one job of a task may be under way whatever bound is known.
+/// Returns true if more than one job of a task may be under way, whatever bound is known.
 fn may_be_late(system: &TimedSystem, task: usize) -> bool {
     let it = &system.tasks[task];
     it.keep_idle_tick || it.period.is_none() || system.runs_apart(task)

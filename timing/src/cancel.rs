@@ -1,34 +1,34 @@
-//! Ending a verification from outside, and seeing from there how far it is.
+//! Cancellation of a verification from outside, and its progress.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread::ThreadId;
 use std::time::{Duration, Instant};
 
-/// Looked at often by everything that can take long.
+/// A cancellation token. Everything that can take long polls it often.
 #[derive(Default)]
 pub struct Cancel {
     abandoned: AtomicBool,
     interrupt: Interrupt,
     deadline: OnceLock<Deadline>,
     ask: Option<Box<dyn Fn() -> bool + Send + Sync>>,
-    /// States of explorations that have ended.
+    /// Number of states of explorations that have ended.
     before: AtomicUsize,
-    /// Those at work, each with the thread that tells of it.
+    /// Explorations under way, each with the thread that reports its progress.
     now: Mutex<Vec<(ThreadId, Effort)>>,
 }
 
-/// Ends verifications with what is known so far, those that begin later as well.
+/// Ends verifications with the results found so far, including verifications that begin later.
 #[derive(Debug, Clone, Default)]
 pub struct Interrupt(Arc<OnceLock<Instant>>);
 
 impl Interrupt {
-    /// Whoever waits has waited long enough.
+    /// Ends the verifications, as the user has waited long enough.
     pub fn raise(&self) {
         self.0.get_or_init(Instant::now);
     }
 
-    /// Whether it was raised.
+    /// Returns true after [`raise`](Self::raise).
     pub fn is_raised(&self) -> bool {
         self.0.get().is_some()
     }
@@ -36,25 +36,26 @@ impl Interrupt {
 
 struct Deadline {
     after: Duration,
-    /// `None`: beyond all times.
+    /// Time of the deadline. `None`: too far in the future to be represented.
     at: Option<Instant>,
 }
 
-/// When the search is over, the runs that show what was found are looked for so long at most; and not longer
-/// than a quarter of the time there was.
+/// The longest time that the reconstruction of runs may take after the end of the search. It is also limited
+/// to a quarter of the time limit.
 const GRACE: Duration = Duration::from_secs(2);
 
-/// How far a verification is.
+/// The progress of a verification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Effort {
-    /// States so far, in all explorations.
+    /// Number of states so far, in all explorations.
     pub states: usize,
-    /// Bytes that the states of those at work take.
+    /// Bytes taken by the states of explorations under way.
     pub bytes: usize,
 }
 
 impl Cancel {
-    /// One that is also abandoned as soon as `ask` says so. It is asked at every look.
+    /// Returns a token that is also abandoned as soon as `ask` returns true. Every poll of the token calls
+    /// `ask`.
     pub fn asking(ask: impl Fn() -> bool + Send + Sync + 'static) -> Self {
         Cancel {
             ask: Some(Box::new(ask)),
@@ -62,13 +63,13 @@ impl Cancel {
         }
     }
 
-    /// Nobody wants the answer any more.
+    /// Abandons the verification: its result is no longer needed.
     pub fn abandon(&self) {
         self.abandoned.store(true, Ordering::Release);
     }
 
-    /// One that also ends when an interrupt is raised: what was found until then counts, with the runs that
-    /// show it.
+    /// Returns a token that also ends when an interrupt is raised. The results found until then count, with
+    /// the runs that show them.
     pub fn interrupted_by(interrupt: &Interrupt) -> Self {
         Cancel {
             interrupt: interrupt.clone(),
@@ -76,13 +77,13 @@ impl Cancel {
         }
     }
 
-    /// Whether it was interrupted.
+    /// Returns true if the verification was interrupted.
     pub fn is_interrupted(&self) -> bool {
         self.interrupt.is_raised()
     }
 
-    /// Time is up so long from now on: what was found until then counts, with the runs that show it. Only the
-    /// first limit counts.
+    /// Sets the time limit, counted from now. The results found until then count, with the runs that show
+    /// them. Only the first call has an effect.
     pub fn limit(&self, time: Duration) {
         self.deadline.get_or_init(|| Deadline {
             after: time,
@@ -90,17 +91,17 @@ impl Cancel {
         });
     }
 
-    /// The time that was given.
+    /// Returns the time limit.
     pub fn time_limit(&self) -> Option<Duration> {
         self.deadline.get().map(|it| it.after)
     }
 
-    /// Whether the search has to end.
+    /// Returns true if the search has to end.
     pub fn is_over(&self) -> bool {
         self.is_abandoned() || self.is_interrupted() || self.is_after(Duration::ZERO)
     }
 
-    /// Whether even the runs that show what was found are not to be looked for any more.
+    /// Returns true if even the reconstruction of runs has to end.
     pub(crate) fn is_too_late(&self) -> bool {
         let interrupted = self.interrupt.0.get();
         let limit = self.time_limit().unwrap_or_default();
@@ -109,19 +110,19 @@ impl Cancel {
             || self.is_after(GRACE.min(limit / 4))
     }
 
-    /// Whether time has been up for so long.
+    /// Returns true if the time limit was reached at least `grace` ago.
     fn is_after(&self, grace: Duration) -> bool {
         let at = self.deadline.get().and_then(|it| it.at);
         let at = at.and_then(|it| it.checked_add(grace));
         at.is_some_and(|it| Instant::now() >= it)
     }
 
-    /// Whether nobody wants the answer any more.
+    /// Returns true if the result is no longer needed.
     pub fn is_abandoned(&self) -> bool {
         self.abandoned.load(Ordering::Acquire) || self.ask.as_ref().is_some_and(|it| it())
     }
 
-    /// How far it is, for whoever waits.
+    /// Returns the progress of the verification.
     pub fn effort(&self) -> Effort {
         let so_far = Effort {
             states: self.before.load(Ordering::Relaxed),
@@ -134,7 +135,7 @@ impl Cancel {
         })
     }
 
-    /// Told by an exploration at work, always by the same thread.
+    /// Records the progress of an exploration under way. Each exploration calls it from a thread of its own.
     pub(crate) fn at_work(&self, states: usize, bytes: usize) {
         let (own, effort) = (std::thread::current().id(), Effort { states, bytes });
         let mut now = self.now();
@@ -144,7 +145,7 @@ impl Cancel {
         }
     }
 
-    /// Told by an exploration that has ended.
+    /// Records the states of an exploration that has ended.
     pub(crate) fn ended(&self, states: usize) {
         let own = std::thread::current().id();
         self.now().retain(|it| it.0 != own);

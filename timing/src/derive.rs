@@ -1,9 +1,9 @@
-//! Questions that are answered by verifying variations: how many cores, how much slack.
+//! Questions answered by verifying variations of a system: the fewest cores, the slack of times.
 //!
-//! Only `schedulable` is asked, of the tasks that the checks of the scenario name (all of them if none
-//! does). Every value reported was verified itself. The largest WCET is exact when durations are
-//! intervals, as a larger upper bound only adds behaviour; smallest periods and fixed durations are
-//! not monotonic, and the result says so.
+//! Each question asks only for `schedulable`, of the tasks that the checks of the scenario name, or of all
+//! tasks if they name none. Every value reported was verified itself. The largest WCET is exact when
+//! durations are intervals, because a larger upper bound only adds behaviour. Smallest periods and fixed
+//! durations are not monotonic, and the result says so.
 
 mod sensitivity;
 
@@ -27,35 +27,35 @@ use crate::system::settings::Settings;
 use crate::verify::{Cancel, Options, SystemInput, settings, to_f64};
 pub use sensitivity::{NextToBreak, Progress, Quantity, Sensitivity, Told, sensitivity};
 
-/// The answer to "how many cores?".
+/// The fewest cores that suffice.
 #[derive(Debug, Clone, Serialize)]
 pub struct MinimumCores {
-    /// The smallest number with which all tasks asked about are schedulable.
+    /// The smallest number of cores with which all tasks asked about are schedulable.
     pub cores: Option<u32>,
-    /// The verdict for each number that was tried, ascending.
+    /// The verdict for each number of cores that was tried, in ascending order.
     pub tried: Vec<(u32, Verdict)>,
 }
 
-/// The answer to "how large, or small, may this become?".
+/// The answer to a question for the largest or smallest value of a parameter.
 #[derive(Debug, Clone, Serialize)]
 pub struct Extreme {
-    /// Of what: a codel or a task.
+    /// Name of the codel or task.
     pub of: String,
-    /// Its value now, in the unit of the report.
+    /// Its present value, in the unit of the report.
     pub now: Value,
-    /// The value now is known to fail: the extreme is what would hold instead.
+    /// The present value is known to fail: the extreme is a value that would hold instead.
     #[serde(rename = "fails-now", skip_serializing_if = "std::ops::Not::not")]
     pub fails_now: bool,
-    /// The extreme value found: largest WCET or smallest period. `None`: none that was tried holds.
-    /// [`Value::Unbounded`]: no bound was found up to the longest period.
+    /// The extreme value found: the largest WCET or the smallest period. `None`: no value that was tried
+    /// holds. [`Value::Unbounded`]: no upper bound was found up to the longest period.
     pub extreme: Option<Value>,
-    /// Whether values beyond it are known to fail.
+    /// Values beyond the extreme are known to fail.
     pub exact: bool,
-    /// Set when some verification was given up: the extreme may be further out.
+    /// Some verification was given up: the extreme may be further out.
     pub incomplete: bool,
 }
 
-/// What is asked.
+/// The parameter that a question varies.
 enum Question {
     Cores,
     Wcet(Path),
@@ -78,7 +78,7 @@ impl Question {
     }
 }
 
-/// The smallest number of cores with which the tasks are schedulable.
+/// Finds the smallest number of cores with which the tasks are schedulable.
 pub fn minimum_cores(
     input: &SystemInput,
     scenario: &Scenario,
@@ -88,7 +88,7 @@ pub fn minimum_cores(
     Asked::of(1, &Names::new(&input.specs), scenario, options, cancel).minimum_cores()
 }
 
-/// The largest WCET of a codel (`component.task.state`, …) with which the tasks are schedulable.
+/// Finds the largest WCET of a codel (`component.task.state`, …) with which the tasks are schedulable.
 pub fn largest_wcet(
     input: &SystemInput,
     scenario: &Scenario,
@@ -99,7 +99,7 @@ pub fn largest_wcet(
     Asked::of(1, &Names::new(&input.specs), scenario, options, cancel).largest_wcet(codel)
 }
 
-/// The smallest period of a task, by bisection, with which the tasks are schedulable.
+/// Finds, by bisection, the smallest period of a task with which the tasks are schedulable.
 pub fn smallest_period(
     input: &SystemInput,
     scenario: &Scenario,
@@ -110,17 +110,17 @@ pub fn smallest_period(
     Asked::of(1, &Names::new(&input.specs), scenario, options, cancel).smallest_period(task)
 }
 
-/// What is asked about, and with what effort.
+/// The tasks that must stay schedulable, and the effort for each verification.
 struct Asked<'a> {
     names: &'a Names<'a>,
     scenario: &'a Scenario,
     options: &'a Options,
     cancel: &'a Cancel,
-    /// Questions under way at the same time.
+    /// Number of verifications that run at the same time.
     together: usize,
-    /// What each of them may take.
+    /// Limits of each verification.
     share: Limits,
-    /// Held by all explorations; alone by one for which its share of the memory is not enough.
+    /// Shared by all explorations; exclusive for one that needs more than its share of the memory.
     memory: RwLock<()>,
 }
 
@@ -148,7 +148,8 @@ impl<'a> Asked<'a> {
         }
     }
 
-    /// Explores with a share of the memory, and if that is not enough with all of it while nobody else does.
+    /// Explores with a share of the memory. If the share is not enough, explores with all of the memory,
+    /// while no other exploration runs.
     fn explore(&self, system: &TimedSystem, watch: &Watch) -> Findings {
         let found = {
             let _together = self.memory.read().unwrap_or_else(PoisonError::into_inner);
@@ -250,7 +251,7 @@ impl<'a> Asked<'a> {
             verdict => {
                 out.fails_now = verdict == Verdict::Refuted;
                 out.incomplete = verdict == Verdict::Unknown;
-                // Downwards: no less than its least time, and no codel takes none.
+                // Downwards: an execution time is at least the lower limit of its interval, and never zero.
                 let least = match out.exact {
                     true => current.lower.max(1),
                     false => 1,
@@ -268,7 +269,7 @@ impl<'a> Asked<'a> {
                 return Ok(out);
             }
         }
-        // Double until it fails, then bisect.
+        // Double the value until it fails, then bisect.
         let (mut good, mut bad) = (start, None);
         let mut step = (longest / 16).max(1);
         while good < longest.saturating_mul(2) {
@@ -333,7 +334,7 @@ impl<'a> Asked<'a> {
     }
 }
 
-/// A longer period that holds, next to one that does not: up to eight times as long.
+/// Finds a period of up to eight times the present one that holds, next to one that does not hold.
 fn slower(
     period: u32,
     mut holds: impl FnMut(u32) -> Verdict,
@@ -351,7 +352,7 @@ fn slower(
     None
 }
 
-/// The last value that holds on the way from one that does to one that does not.
+/// Returns the last value that holds, by bisection between a value that holds and one that does not.
 pub(crate) fn bisect(
     mut good: u32,
     mut bad: u32,
@@ -392,7 +393,7 @@ fn report_unit(scenario: &Scenario) -> Seconds {
     unit.seconds() * Ratio::from_integer(i128::from(count))
 }
 
-/// Settings to be varied, and the tasks that must stay schedulable.
+/// The settings to vary, and the tasks that must stay schedulable.
 struct Variation<'v> {
     asked: &'v Asked<'v>,
     settings: Settings,

@@ -1,4 +1,4 @@
-//! Problems of scenarios and of what is verified: what is wrong, where, and in which specifications.
+//! Problems of scenarios and of verified systems: message, place and specifications concerned.
 
 pub mod remark;
 
@@ -14,24 +14,24 @@ use self::remark::Remark;
 pub enum Severity {
     /// Nothing can be verified.
     Error,
-    /// Verification goes on under an assumption that the user should know.
+    /// Verification goes on under an assumption.
     Warning,
 }
 
 /// A problem in a scenario.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Diagnostic {
-    /// Stable name: `scn-…`.
+    /// Stable code: `scn-…`.
     pub code: &'static str,
-    /// How bad it is.
+    /// Severity.
     pub severity: Severity,
-    /// What is wrong and what to do.
+    /// Says what is wrong and what to do.
     pub message: String,
-    /// Bytes of the scenario; empty at 0 if it is about no place in it.
+    /// Range of bytes in the scenario; empty at 0 if the problem has no place there.
     pub range: Range<usize>,
-    /// Places in the specifications that it is about, the first of them most.
+    /// Places in the specifications, the most important one first.
     pub places: Vec<Place>,
-    /// Set for what can be said of several things at once, see [`remark::together`].
+    /// The remark, if several problems of its kind can be reported as one, see [`remark::together`].
     pub remark: Option<Box<Remark>>,
 }
 
@@ -40,14 +40,14 @@ pub struct Diagnostic {
 pub struct Place {
     /// Number of the specification, in the order of `use`.
     pub spec: usize,
-    /// Where in it.
+    /// Place in the specification.
     pub src: Src,
-    /// What is there, in few words.
+    /// Description of the place, in a few words.
     pub what: String,
 }
 
 impl Place {
-    /// Without words.
+    /// Returns the place without its description.
     pub(crate) fn at(&self) -> (usize, Src) {
         (self.spec, self.src)
     }
@@ -65,7 +65,7 @@ impl Diagnostic {
         }
     }
 
-    /// Likewise, about a place in a specification.
+    /// Adds a place in a specification.
     pub(crate) fn about(self, place: Place) -> Self {
         Diagnostic {
             places: vec![place],

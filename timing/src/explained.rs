@@ -1,27 +1,27 @@
-//! Which reductions the explorations of a verification used, and why others were not.
+//! The reductions that the explorations of a verification used, and the reasons against the others.
 
 use crate::abstraction::Refusal;
 use crate::explore::{Activity, Kind, Reason};
 
-/// What became of each reduction, over all explorations.
+/// The use of each reduction, over all explorations.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Explained {
     /// Number of explorations.
     pub explorations: usize,
-    /// What became of the abstraction that comes before them, and how often: used, or why not.
+    /// The outcomes of schedule abstraction before the explorations, each with its count: used, or refused.
     pub abstractions: Vec<(Option<Refusal>, usize)>,
-    /// One per reduction, in the order in which they were first met.
+    /// Reductions, in the order of their first occurrence.
     pub reductions: Vec<Explanation>,
 }
 
-/// What became of one reduction.
+/// The use of one reduction.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Explanation {
-    /// Which one.
+    /// Kind of the reduction.
     pub kind: Kind,
     /// Number of explorations in which it was used.
     pub used: usize,
-    /// Why it was not used in others, and in how many of them.
+    /// Reasons for not using it, each with the number of explorations.
     pub off: Vec<(Reason, usize)>,
 }
 
@@ -51,7 +51,7 @@ impl Explained {
         }
     }
 
-    /// Adds a system that was looked at in abstract states, or why it could not be.
+    /// Adds a system that schedule abstraction treated or refused.
     pub(crate) fn add_abstraction(&mut self, off: Option<Refusal>) {
         match self.abstractions.iter_mut().find(|it| it.0 == off) {
             Some((_, count)) => *count += 1,
@@ -75,7 +75,7 @@ impl Explained {
         (all > 0).then(|| (Kind::ScheduleAbstraction.name(), parts.join("; ")))
     }
 
-    /// One line for each reduction: its name, and what became of it.
+    /// Returns one line for each reduction: its name, and how often it was used or why not.
     pub fn lines(&self) -> Vec<(&'static str, String)> {
         let line = |it: &Explanation| {
             let mut parts = Vec::new();

@@ -1,11 +1,11 @@
 //! The exact explorer.
 //!
-//! Time is integer: all bounds are integers and closed, so every run can be shifted to one with
-//! integer time stamps and the same order of actions (section 12 of the timed semantics). States are
-//! visited in order of absolute time, one *layer* per moment. Within a layer all orders of
-//! simultaneous actions are followed; states in which nothing urgent remains become *nodes*, are
-//! merged and compared with all earlier nodes (see `explore::store`), and jump to their next moment.
-//! Where nothing is periodic and something lasts long, zones are tried beside (see `search::zones`).
+//! Time is integer: all bounds are integers and closed, so every run can be shifted to a run with integer
+//! time stamps and the same order of actions (section 12 of the timed semantics). States are visited in order
+//! of absolute time, one *layer* per moment. Within a layer all orders of simultaneous actions are followed.
+//! States in which nothing urgent remains become *nodes*. They are merged and compared with all earlier nodes
+//! (see `explore::store`), and jump to their next moment. If no task is periodic and some time is long, zones
+//! are tried as well (see `search::zones`).
 
 mod about;
 mod absent;

@@ -1,7 +1,8 @@
 //! Real-time verification of GenoM3 components: timed model, exact explorer and properties.
 //!
-//! Data flows one way: specifications and a scenario become a [`system::TimedSystem`], which
-//! [`explore`] explores once for all checks.
+//! Data flows one way: specifications and a scenario become a [`system::TimedSystem`]. [`verify`] answers the
+//! checks of the scenario with [`analytic`] bounds, then with [`abstraction`], then with [`explore`].
+//! [`mod@derive`] and [`advice`] verify variations of the system.
 
 pub mod abstraction;
 pub mod advice;

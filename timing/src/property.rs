@@ -1,4 +1,4 @@
-//! What can be asked about a system.
+//! The properties that can be checked of a system.
 
 mod kind;
 pub mod predicate;

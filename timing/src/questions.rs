@@ -1,14 +1,14 @@
-//! Many questions, of which some are asked at the same time.
+//! Concurrent answers to many questions.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use crate::cancel::Cancel;
 
-/// Asks all of them, `together` at the same time. What is begun is said with the number of answers there are;
-/// answers are told in the order of the questions, each as soon as those before it are there, so that what is
-/// told does not depend on the number of threads. Once it is cancelled nothing more is begun; what was
-/// answered until then is told.
+/// Answers all questions, up to `together` of them concurrently. `begin` gets each question that is started,
+/// with the number of answers so far. `tell` gets the answers in the order of the questions, each as soon as
+/// all earlier answers are known, so that the output does not depend on the number of threads. After a
+/// cancellation no further question is started. Answers given until then are still passed to `tell`.
 pub(crate) fn all<Q: Sync, A: Send + Sync>(
     questions: &[Q],
     together: usize,
@@ -25,7 +25,7 @@ pub(crate) fn all<Q: Sync, A: Send + Sync>(
             let Some(question) = questions.get(at) else {
                 break;
             };
-            // Said one after the other, so that what is done never seems to become less.
+            // `begin` is called under the lock, so that the number of answers never seems to decrease.
             let so_far = lock(&done);
             begin(*so_far, question);
             drop(so_far);

@@ -1,4 +1,5 @@
-//! Results, as data and as text. The JSON form is part of the interface of `dotgen verify`.
+//! The report of a verification, as data and as text. The JSON form is part of the interface of `dotgen
+//! verify`.
 
 use dotgen_analysis::model::Src;
 use serde::Serialize;
@@ -11,83 +12,83 @@ use crate::explore::Stop;
 use crate::explore::{Action, MomentKind};
 use crate::property::PropertyKind;
 
-/// Version of the JSON form: raised when a field changes its meaning or goes. `docs/verify.schema.json` is
-/// its schema.
+/// Version of the JSON form: raised when a field changes its meaning or is removed. Its schema is
+/// `docs/verify.schema.json`.
 pub const FORMAT: u32 = 1;
 
-/// What a verification found.
+/// The results of a verification.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Report {
     /// Name of the scenario.
     pub scenario: String,
-    /// What the model follows: `servers` or `published`, with single points that differ.
+    /// Semantics of the model: `servers` or `published`, with the single points that differ.
     pub semantics: String,
     /// Unit of all times: `ms`, `10 us`, …
     pub unit: String,
-    /// One per check, in order of the scenario; `*` gives one per task.
+    /// Checks, in order of the scenario; `*` gives one per task.
     pub checks: Vec<CheckReport>,
-    /// States kept.
+    /// Number of states kept.
     pub states: usize,
-    /// Actions followed.
+    /// Number of actions followed.
     pub steps: u64,
     /// Bytes used for the states.
     pub memory: usize,
-    /// Time it took.
+    /// Duration of the verification, in seconds.
     pub seconds: f64,
-    /// Which reductions the explorations used.
+    /// The reductions that the explorations used.
     #[serde(skip)]
     pub reductions: Explained,
-    /// What the results depend on.
+    /// Assumptions on which the results depend.
     pub assumptions: Vec<String>,
-    /// Things seen on the way that the user should know.
+    /// Other findings that the user should know.
     pub notes: Vec<String>,
-    /// Problems of the scenario or the model. With an error there are no checks.
+    /// Problems of the scenario or the model. If one of them is an error, there are no checks.
     #[serde(skip)]
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// Whether a property holds.
+/// The answer to a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// It does.
+    /// The property holds.
     Proved,
-    /// It does not.
+    /// The property does not hold.
     Refuted,
-    /// Given up.
+    /// The verification was given up.
     Unknown,
-    /// There is nothing that could hold or fail: execution times are missing.
+    /// Nothing can hold or fail: execution times are missing.
     Nothing,
-    /// Not answered yet. Only in what is told before the end.
+    /// There is no answer yet. Only in intermediate reports.
     Open,
 }
 
-/// What a verdict is worth (section 11 of the timed semantics).
+/// The strength of a verdict (section 11 of the timed semantics).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Soundness {
-    /// Neither false alarms nor misses.
+    /// Neither false alarms nor missed failures.
     Exact,
-    /// May be a false alarm, never misses.
+    /// Possibly a false alarm, but no missed failures.
     Safe,
-    /// A failure is real; for worst-case durations only.
+    /// A failure is real, but failures may be missed: only worst-case durations were explored.
     Under,
-    /// Neither of both.
+    /// Both false alarms and missed failures are possible.
     Neither,
-    /// The verdict is exact, the value an upper bound of the exact one.
+    /// The verdict is exact; the value is an upper bound of the exact value.
     UpperBound,
-    /// A failure is real. What holds was shown for codels that end at whole units of time, and a value is the
-    /// greatest of these: under preemption others may end later.
+    /// A failure is real. Other verdicts hold for codels that end at whole units of time, and a value is the
+    /// greatest one of these runs: under preemption other codels may end later.
     WholeUnits,
 }
 
-/// What proves an answer without an exploration.
+/// The analysis that gives an answer without an exploration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Layer {
     /// Response-time analysis.
     ResponseTimeAnalysis,
-    /// Abstract states of the schedule.
+    /// Schedule abstraction.
     ScheduleAbstraction,
 }
 
@@ -100,29 +101,29 @@ impl std::fmt::Display for Layer {
     }
 }
 
-/// A task: number of its component, as in [`crate::scn::names::Names::components`], and its index there.
+/// A task: the number of its component, as in [`crate::scn::names::Names::components`], and its index there.
 pub type TaskId = (usize, u32);
 
-/// Which check an answer is for.
+/// The check to which an answer belongs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct CheckId {
-    /// Its number among the checks of the scenario, or among those that replace them.
+    /// Index among the checks of the scenario, or among the checks that replace them.
     pub written: usize,
-    /// The task, if it is about one; a check of all tasks has an answer for each.
+    /// Task, if the check is about one. A check of all tasks has an answer for each.
     pub task: Option<TaskId>,
 }
 
-/// What a value must not exceed.
+/// The limit of a value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Limit {
-    /// The check states it.
+    /// Stated by the check.
     Stated(f64),
-    /// The period of the task, where the check states nothing.
+    /// The period of the task, if the check states no limit.
     Period(f64),
 }
 
 impl Limit {
-    /// In the unit of the report.
+    /// Returns the limit, in the unit of the report.
     pub fn time(self) -> f64 {
         match self {
             Limit::Stated(it) | Limit::Period(it) => it,
@@ -133,125 +134,127 @@ impl Limit {
 /// The answer to one check.
 #[derive(Debug, Clone, Serialize)]
 pub struct CheckReport {
-    /// Which check it is.
+    /// The check.
     #[serde(skip)]
     pub id: CheckId,
-    /// Its name, if the scenario gives one.
+    /// Name, if the scenario gives one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// What kind of property it asks for.
+    /// Kind of property.
     #[serde(rename = "check")]
     pub kind: PropertyKind,
-    /// The task, or the predicates, in words.
+    /// Task, or predicates, in words.
     pub of: String,
-    /// What its value must not exceed.
+    /// Limit of the value.
     #[serde(skip)]
     pub limit: Option<Limit>,
-    /// The bound that was asked for.
+    /// Bound that the check states.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bound: Option<Value>,
-    /// The answer.
+    /// Verdict.
     pub verdict: Verdict,
-    /// What the answer is worth.
+    /// Strength of the verdict.
     pub soundness: Soundness,
-    /// What proves it, or its bound, where no exploration does.
+    /// Analysis that proves the verdict or bounds the value, if no exploration does.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub by: Option<Layer>,
-    /// The least bound, for `response` and `within`. When the verdict is unknown, a lower bound of it; with
-    /// [`Soundness::UpperBound`] an upper one.
+    /// Least bound, for `response` and `within`, in the unit of the report. If the verdict is unknown, a
+    /// lower limit of the least bound. With [`Soundness::UpperBound`], an upper limit of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<Value>,
-    /// It holds because what it is about never happens: `note` says what.
+    /// The property holds because the subject of the check never happens; `note` explains the reason.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub vacuous: bool,
-    /// Why, in words.
+    /// Reason, in words.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
-    /// Why it was not answered by exploring, or not completely.
+    /// Reason for an incomplete exploration.
     #[serde(skip_serializing_if = "Option::is_none", rename = "gave-up")]
     pub gave_up: Option<GaveUp>,
     /// A run that ends in the violation.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub counterexample: Vec<Event>,
-    /// Instead, where durations were rounded: such a run with the rounded ones, which need not exist.
+    /// A run with rounded durations that violates the property, if durations were rounded. It need not be a
+    /// run of the system.
     #[serde(skip_serializing_if = "Vec::is_empty", rename = "possible-run")]
     pub possible_run: Vec<Event>,
-    /// Why the job at the end of such a run is late: what it waited for, in order.
+    /// Causes for the lateness of the job at the end of the run: its waits, in order.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub reason: Vec<Delay>,
-    /// A run that reaches the value, or the predicate.
+    /// A run that reaches the value or the predicate.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub witness: Vec<Event>,
-    /// Event of the run from which on it repeats for ever.
+    /// Index of the event from which the run repeats for ever.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cycle: Option<usize>,
-    /// There is a run, but there was no time to find its steps.
+    /// A run exists, but there was no time to find its steps.
     #[serde(skip)]
     pub left_out: bool,
-    /// Durations of what it is about were rounded: its value is an upper bound, and a failure may be a false
-    /// alarm.
+    /// Durations that matter to the check were rounded: the value is an upper bound, and a failure may be a
+    /// false alarm.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub rounded: bool,
 }
 
-/// What a job waits for.
+/// A resource for which a job waits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Awaited {
     /// A core.
     Core,
-    /// Data or ports that other codels use.
+    /// Data or ports in use by other codels.
     Lock,
 }
 
-/// A part of a run in which a job waited.
+/// An interval of a run in which a job waits.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Delay {
-    /// What for.
+    /// Resource.
     #[serde(rename = "for")]
     pub awaited: Awaited,
-    /// The codel that waited for its locks: `component.owner.state`.
+    /// Codel that waits for its locks: `component.owner.state`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub codel: Option<String>,
-    /// Since when, in the unit of the report.
+    /// Start of the wait, in the unit of the report.
     #[serde(serialize_with = "serialize_time")]
     pub from: f64,
-    /// Until when; the end of the run if it still waits there.
+    /// End of the wait, in the unit of the report; the end of the run if the job still waits there.
     #[serde(serialize_with = "serialize_time")]
     pub until: f64,
-    /// Who had it meanwhile, one after the other. Between them it was free, and the next one took it.
+    /// Holders of the resource meanwhile, in order. Between two holders the resource was free, and the next
+    /// one took it.
     pub held: Vec<Holder>,
 }
 
-/// Who kept somebody waiting.
+/// A holder of a resource for which a job waits.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Holder {
-    /// The codel, where it is about locks.
+    /// Codel, if the resource is a lock.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub codel: Option<String>,
-    /// The task, `component.task`; the component for its control task.
+    /// Task, `component.task`, or the component for its control task.
     pub by: String,
-    /// Since when it had it, in the unit of the report.
+    /// Start, in the unit of the report.
     #[serde(serialize_with = "serialize_time")]
     pub from: f64,
-    /// Until when, or the end of the run.
+    /// End, in the unit of the report; at most the end of the run.
     #[serde(serialize_with = "serialize_time")]
     pub until: f64,
 }
 
-/// Said of such a check.
+/// The note of a check whose run is left out.
 const LEFT_OUT: &str = "the run that shows it is left out: there was no time to find its steps";
 
-/// Where an exploration was given up.
+/// The state of an exploration that was given up.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct GaveUp {
-    /// What there was too much of, or too little.
+    /// Reason.
     pub reason: Stop,
-    /// States until then.
+    /// Number of states.
     pub states: usize,
-    /// Bytes that they took.
+    /// Bytes taken by the states.
     pub memory: usize,
-    /// The time there was, in seconds, if it was limited.
+    /// Time limit, in seconds, if there was one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
 }
@@ -274,16 +277,16 @@ impl std::fmt::Display for GaveUp {
     }
 }
 
-/// A time in the unit of the report.
+/// A time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Value {
-    /// So many.
+    /// Finite time, in the unit of the report.
     Time(f64),
     /// No bound.
     Unbounded,
 }
 
-/// A time without the noise of binary fractions: at most nine digits after the point.
+/// Removes the noise of binary fractions from a time: at most nine digits after the point remain.
 fn clean(time: f64) -> f64 {
     let clean = (time * 1e9).round() / 1e9;
     if clean.is_finite() { clean } else { time }
@@ -307,7 +310,7 @@ impl std::fmt::Display for Value {
     }
 }
 
-/// Whole numbers are written as such.
+/// Writes whole numbers without a fraction.
 fn serialize_time<S: Serializer>(time: &f64, to: S) -> Result<S::Ok, S::Error> {
     let time = clean(*time);
     if time.fract() == 0.0 && time.abs() < 9e15 {
@@ -320,57 +323,58 @@ fn serialize_time<S: Serializer>(time: &f64, to: S) -> Result<S::Ok, S::Error> {
 /// One line of a run.
 #[derive(Debug, Clone, Serialize)]
 pub struct Event {
-    /// In the unit of the report.
+    /// Time, in the unit of the report.
     #[serde(serialize_with = "serialize_time")]
     pub time: f64,
-    /// The component.
+    /// Component.
     pub component: String,
-    /// The task, without its component; none for the control task.
+    /// Task, without its component; `None` for the control task.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub task: Option<String>,
-    /// Words.
+    /// Description.
     pub what: String,
     /// Kind of event: the rule that acted.
     pub kind: MomentKind,
-    /// Whether the task waits for a core from here on.
+    /// From this event on, the task waits for a core.
     #[serde(skip)]
     pub for_core: bool,
-    /// The codel it is about: `component.owner.state`.
+    /// Codel: `component.owner.state`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub codel: Option<String>,
-    /// Who keeps that codel waiting from here on: those that execute, then those ahead in the queue.
+    /// Codels that keep the codel waiting from this event on: first those that execute, then those ahead in
+    /// the queue.
     #[serde(rename = "waits-for", skip_serializing_if = "Vec::is_empty")]
     pub waits_for: Vec<Blocking>,
-    /// The client whose request is taken.
+    /// Client whose request the control task takes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub client: Option<String>,
-    /// Whose activity a control task lets go on: `component.task`.
+    /// Task whose activity a control task allows to go on: `component.task`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub releases: Option<String>,
-    /// Who loses the core: `component.task`, or the component for its control task.
+    /// Thread that is preempted: `component.task`, or the component for its control task.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preempts: Option<String>,
-    /// The step that it tells of.
+    /// Action of the run.
     #[serde(skip)]
     pub action: Option<Action>,
-    /// Where that codel (or the task) is declared: number of the specification, and place.
+    /// Declaration of the codel or the task: number of the specification, and place.
     #[serde(skip)]
     pub src: Option<(usize, Src)>,
 }
 
-/// What keeps a codel waiting.
+/// A codel that keeps another codel waiting.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Blocking {
-    /// A codel: `component.owner.state`.
+    /// Codel: `component.owner.state`.
     pub codel: String,
-    /// Who executes it: `component.task`, or the component for its control task.
+    /// Thread that executes it: `component.task`, or the component for its control task.
     pub by: String,
-    /// It waits as well, ahead in the queue of the component.
+    /// The blocking codel waits as well, ahead in the queue of the component.
     pub ahead: bool,
 }
 
 impl Event {
-    /// A line about a component or a client alone, at a time in the unit of the report.
+    /// Returns an event of a component or a client as a whole, at a time in the unit of the report.
     pub fn of_component(time: f64, component: String, kind: MomentKind, what: String) -> Event {
         Event {
             time,
@@ -391,19 +395,19 @@ impl Event {
 }
 
 impl Report {
-    /// Adds a note, once.
+    /// Adds a note, unless the report already has it.
     pub(crate) fn note(&mut self, note: String) {
         if !self.notes.contains(&note) {
             self.notes.push(note);
         }
     }
 
-    /// Whether a check has no answer yet.
+    /// Returns true if a check has no answer yet.
     pub(crate) fn is_open(&self, check: usize) -> bool {
         self.checks[check].verdict == Verdict::Open
     }
 
-    /// Answers a check, once and for all.
+    /// Sets the final answer to a check.
     pub(crate) fn answer(&mut self, check: usize, mut answer: CheckReport) {
         assert!(self.is_open(check), "an answer is final");
         if answer.left_out {
@@ -415,20 +419,20 @@ impl Report {
         self.checks[check] = answer;
     }
 
-    /// How many checks have an answer.
+    /// Returns the number of checks with an answer.
     pub fn answered(&self) -> usize {
         let open = |it: &&CheckReport| it.verdict == Verdict::Open;
         self.checks.len() - self.checks.iter().filter(open).count()
     }
 
-    /// `5 of 7 checks answered`
+    /// Returns the progress: `5 of 7 checks answered`.
     pub fn how_far(&self) -> String {
         let of = self.checks.len();
         let checks = if of == 1 { "check" } else { "checks" };
         format!("{} of {of} {checks} answered", self.answered())
     }
 
-    /// Adds what an exploration took.
+    /// Adds the states, actions, memory and reductions of an exploration.
     pub(crate) fn effort(&mut self, found: &Findings) {
         self.states += found.states;
         self.steps += found.steps;
@@ -439,22 +443,22 @@ impl Report {
         self.memory = self.memory.max(found.bytes);
     }
 
-    /// Whether some check failed.
+    /// Returns true if some check failed.
     pub fn refuted(&self) -> bool {
         self.checks.iter().any(|it| it.verdict == Verdict::Refuted)
     }
 
-    /// Whether some check was given up.
+    /// Returns true if some check was given up.
     pub fn unknown(&self) -> bool {
         self.checks.iter().any(|it| it.verdict == Verdict::Unknown)
     }
 
-    /// Whether there was nothing to verify for some check.
+    /// Returns true if some check had nothing to verify.
     pub fn nothing(&self) -> bool {
         self.checks.iter().any(|it| it.verdict == Verdict::Nothing)
     }
 
-    /// Whether the scenario or model has errors.
+    /// Returns true if the scenario or the model has errors.
     pub fn has_errors(&self) -> bool {
         self.diagnostics
             .iter()
@@ -463,7 +467,8 @@ impl Report {
 }
 
 impl CheckReport {
-    /// The run that shows most: one that refutes it, that may do so, or that reaches the value.
+    /// Returns the most telling run: one that refutes the check, else one that may do so, else one that
+    /// reaches the value.
     pub fn run(&self) -> &[Event] {
         let runs = [&self.counterexample, &self.possible_run, &self.witness];
         runs.into_iter()
@@ -471,8 +476,8 @@ impl CheckReport {
             .map_or(&[], |it| it)
     }
 
-    /// How much of its limit is left, in percent of it; below 0 if it is exceeded. Only of a value that is
-    /// known, or bounded.
+    /// Returns the part of the limit that is left, in percent of the limit; below 0 if the limit is exceeded.
+    /// `None` if the value has neither been found nor bounded.
     pub fn slack(&self) -> Option<f64> {
         let known = matches!(self.verdict, Verdict::Proved | Verdict::Refuted);
         match (self.value, self.limit) {
@@ -483,7 +488,7 @@ impl CheckReport {
         }
     }
 
-    /// Whether its value exceeds its limit for certain, stated or not.
+    /// Returns true if the value certainly exceeds the limit, stated or not.
     pub fn exceeds(&self) -> bool {
         let beyond = match (self.value, self.limit) {
             (Some(Value::Unbounded), Some(_)) => true,

@@ -1,8 +1,8 @@
-//! The scenario language (`.scn`): what to verify, on which platform, and under which assumptions.
+//! The scenario language (`.scn`): the checks to verify, the platform and the assumptions.
 //!
-//! Text becomes tokens, tokens become an [`ast::Scenario`] with a range on every name, and problems
-//! become [`Diagnostic`](crate::diagnostic::Diagnostic)s; none of it ever fails. Paths are looked up in the
-//! components by [`names`], which is also what editor features ask.
+//! The lexer turns text into tokens. The parser turns tokens into an [`ast::Scenario`] with a range on every
+//! name. Problems become [`Diagnostic`](crate::diagnostic::Diagnostic)s; no stage ever fails. [`names`] looks
+//! up paths in the components, also for editor features.
 
 pub mod ast;
 pub mod codes;

@@ -1,9 +1,8 @@
-//! The timed system: one or several components, a platform and clients as small integers.
+//! The timed system: components, a platform and clients as small integers.
 //!
-//! Everything the explorer needs and nothing else: tables indexed by plain numbers, times in
-//! base units. It is built from specifications and a scenario by [`build`]; tests build it by
-//! hand. Rules referred to as "section N" are those of the timed semantics of GenoM3 components,
-//! described for users in `docs/verification.md`.
+//! It holds only the data that the explorer needs: tables indexed by plain numbers, and times in base units.
+//! [`build`] makes it from specifications and a scenario; tests make it by hand. "Section N" refers to the
+//! timed semantics of GenoM3 components, described for users in `docs/verification.md`.
 
 pub mod build;
 pub mod built;
@@ -26,10 +25,10 @@ pub use loops::{loop_contradictions, pauseless_cycles};
 /// A number of base units.
 pub type Ticks = u32;
 
-/// No upper bound.
+/// The absence of an upper bound.
 pub const FOREVER: Ticks = u32::MAX;
 
-/// The priority of tasks that state none, where others do; that of PocoLibs servers.
+/// The priority of tasks that state none, if other tasks state one. PocoLibs servers use the same value.
 const UNSTATED: u32 = 255;
 
 /// A system of components on one platform.
@@ -39,13 +38,13 @@ pub struct TimedSystem {
     pub unit: Seconds,
     /// Components.
     pub components: Vec<Component>,
-    /// Execution tasks; those of one component are consecutive and in order of declaration.
+    /// Execution tasks. Those of one component are consecutive, in order of declaration.
     pub tasks: Vec<Task>,
     /// State machines of permanent activities and activities.
     pub machines: Vec<Machine>,
-    /// Places where a machine is executed: one per permanent activity and one per slot.
+    /// The instances of machines: one per permanent activity and one per slot.
     pub automata: Vec<Automaton>,
-    /// Codels in their places of use.
+    /// Codels, one for each place of use.
     pub codels: Vec<Codel>,
     /// Services.
     pub services: Vec<Service>,
@@ -55,7 +54,7 @@ pub struct TimedSystem {
     pub platform: Platform,
 }
 
-/// What tasks run on and how shared things are given out.
+/// The cores and locks, and the rules by which they are granted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Platform {
     /// Number of cores; `None`: no limit.
@@ -64,7 +63,7 @@ pub struct Platform {
     pub policy: Policy,
     /// Order in which waiting codels get locks.
     pub locks: LockOrder,
-    /// What the model follows. (Its `locks` are those above.)
+    /// The semantics of the model. The field `locks` above replaces its lock order.
     pub semantics: Semantics,
     /// Asynchronous codels are executed by a separate thread and need no core.
     pub async_free: bool,
@@ -95,46 +94,46 @@ pub enum LockOrder {
     Free,
     /// In order of arrival, among codels that exclude each other.
     Fifo,
-    /// One queue per component; who is behind its head waits, conflicting or not.
+    /// One queue per component: a codel behind the head waits, even without a conflict.
     Queue,
 }
 
-/// A component: its tasks are started one after the other.
+/// A component. Its tasks are started one after the other.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Component {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// Its tasks, in order of declaration.
+    /// Tasks, in order of declaration.
     pub tasks: Vec<usize>,
-    /// Its services, in order of declaration.
+    /// Services, in order of declaration.
     pub services: Vec<usize>,
 }
 
 /// An execution task.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Task {
-    /// Its name, without the component.
+    /// Name, without the component.
     pub name: String,
-    /// Its component.
+    /// Component.
     pub component: usize,
-    /// `None`: aperiodic.
+    /// Period, in base units; `None` if the task is aperiodic.
     pub period: Option<Ticks>,
-    /// The first tick comes one period and this much after the timer has started.
+    /// Offset, in base units: the first tick comes one period and this offset after the start of the timer.
     pub delay: Ticks,
-    /// With nothing to do, keep the tick instead of dropping it (section 4).
+    /// Without work, the task keeps the tick instead of dropping it (section 4).
     pub keep_idle_tick: bool,
     /// The automaton of the permanent activity (one that has a `start` codel).
     pub permanent: Option<usize>,
-    /// Automata of its slots, in slot order. (Under the semantics of the servers: one per activity, whatever
-    /// the number of instances.)
+    /// Automata of the slots, in slot order. Under the semantics of the servers there is one automaton per
+    /// activity, whatever the number of instances.
     pub slots: Vec<usize>,
-    /// How many activities it can have at the same time, the permanent one included (servers).
+    /// Number of activities that can run at the same time, including the permanent one (servers).
     pub places: u32,
-    /// Its `priority`; the lower number goes first.
+    /// The `priority`; the lower number goes first.
     pub priority: Option<u32>,
-    /// The core it is tied to, from 0.
+    /// The core that the task is bound to, counted from 0.
     pub affinity: Option<u32>,
-    /// Where it was declared: component of the specification and name.
+    /// The declaration: component of the specification, and name.
     pub src: Option<(usize, Src)>,
 }
 
@@ -143,20 +142,20 @@ pub struct Task {
 pub struct Machine {
     /// `component.task` or `component.service`.
     pub name: String,
-    /// Its states that have a codel.
+    /// States that have a codel.
     pub states: Vec<State>,
-    /// Where it begins.
+    /// Initial state.
     pub start: usize,
-    /// Where it goes when interrupted; `None`: it ends at once.
+    /// State after an interruption; `None` if the machine ends at once.
     pub stop: Option<usize>,
-    /// How often one turn may enter the same state; `None`: no limit.
+    /// Number of times that one turn may enter the same state; `None`: no limit.
     pub loop_limit: Option<u16>,
-    /// The limit counts rounds instead of turns, as no turn can ever end (see `system::loops`).
+    /// The limit counts rounds instead of turns, because no turn can ever end (see `system::loops`).
     pub rounds: bool,
 }
 
 impl Machine {
-    /// Whether it goes on for ever, from state to state, without a pause.
+    /// Returns true if the machine runs for ever, from state to state, without a pause.
     pub fn is_endless(&self) -> bool {
         let mut yields = self.states.iter().flat_map(|it| &it.yields);
         yields.all(|it| matches!(it, Yield::Next(_)))
@@ -166,17 +165,17 @@ impl Machine {
 /// A state of a machine.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct State {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// What it executes.
+    /// Codel that it executes.
     pub codel: usize,
-    /// What can follow. Never empty.
+    /// Possible successors. Never empty.
     pub yields: Vec<Yield>,
     /// Declared `async`.
     pub is_async: bool,
 }
 
-/// What follows a state.
+/// The successor of a state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Yield {
     /// Another state, in the same turn.
@@ -187,14 +186,14 @@ pub enum Yield {
     End,
 }
 
-/// One place where a machine is executed.
+/// One instance of a machine.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Automaton {
-    /// The task that executes it.
+    /// Task that executes it.
     pub task: usize,
-    /// Its machine.
+    /// Machine.
     pub machine: usize,
-    /// The service, for a slot; `None` for a permanent activity.
+    /// Service of the slot; `None` for a permanent activity.
     pub service: Option<usize>,
 }
 
@@ -203,21 +202,21 @@ pub struct Automaton {
 pub struct Codel {
     /// `component.owner.state`, or `component.service.codel`.
     pub path: String,
-    /// Its component.
+    /// Component.
     pub component: usize,
-    /// Least time from getting its locks to releasing them.
+    /// Least time from the grant of its locks to their release, in base units.
     pub lower: Ticks,
-    /// Greatest such time, or [`FOREVER`].
+    /// Greatest time from the grant of its locks to their release, in base units, or [`FOREVER`].
     pub upper: Ticks,
-    /// Codels that must not be executing when this one begins. May hold the codel itself. Symmetric in the
-    /// published models; in the servers a codel does not wait for those of an activity that interrupts its
-    /// own.
+    /// Codels that must not be executing when this codel begins, possibly itself. Symmetric in the published
+    /// models. In the servers, a codel does not wait for codels of an activity that interrupts its own
+    /// activity.
     pub conflicts: CodelSet,
-    /// It may throw an exception instead of each of its yields.
+    /// The codel may throw an exception instead of each of its yields.
     pub throws: bool,
-    /// Component of the specification and codel it stands for.
+    /// Component of the specification, and codel there.
     pub site: Option<(usize, CodelRef)>,
-    /// Where it was declared.
+    /// Place of its declaration.
     pub src: Option<Src>,
 }
 
@@ -226,7 +225,7 @@ pub struct Codel {
 pub struct CodelSet(Vec<u64>);
 
 impl CodelSet {
-    /// Adds one.
+    /// Adds a codel.
     pub fn insert(&mut self, codel: usize) {
         if self.0.len() <= codel / 64 {
             self.0.resize(codel / 64 + 1, 0);
@@ -234,14 +233,14 @@ impl CodelSet {
         self.0[codel / 64] |= 1 << (codel % 64);
     }
 
-    /// Takes one away.
+    /// Removes a codel.
     pub fn remove(&mut self, codel: usize) {
         if let Some(word) = self.0.get_mut(codel / 64) {
             *word &= !(1 << (codel % 64));
         }
     }
 
-    /// Whether it is there.
+    /// Returns true if the set contains a codel.
     #[inline]
     pub fn contains(&self, codel: usize) -> bool {
         self.0
@@ -249,7 +248,7 @@ impl CodelSet {
             .is_some_and(|word| word >> (codel % 64) & 1 == 1)
     }
 
-    /// Whether the two have a member in common.
+    /// Returns true if the two sets have a codel in common.
     pub fn intersects(&self, other: &CodelSet) -> bool {
         self.0
             .iter()
@@ -257,45 +256,45 @@ impl CodelSet {
             .any(|(one, other)| one & other != 0)
     }
 
-    /// Whether there is none.
+    /// Returns true if the set is empty.
     pub fn is_empty(&self) -> bool {
         self.0.iter().all(|&word| word == 0)
     }
 
-    /// Its members, ascending.
+    /// Returns the codels, in ascending order.
     pub fn iter(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.0.len() * 64).filter(|&codel| self.contains(codel))
     }
 }
 
-/// A service, as the control task handles it.
+/// A service, in the view of the control task.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Service {
-    /// Its name, without the component.
+    /// Name, without the component.
     pub name: String,
-    /// Its component.
+    /// Component.
     pub component: usize,
     /// Codel that accepts or refuses requests.
     pub validate: Option<usize>,
-    /// Codels the control task executes, in order (functions and attributes).
+    /// Codels that the control task executes, in order (functions and attributes).
     pub simple: Vec<usize>,
-    /// Automata of its slots; empty unless it is an activity.
+    /// Automata of the slots; empty unless the service is an activity.
     pub slots: Vec<usize>,
-    /// It is an activity.
+    /// The service is an activity.
     pub activity: bool,
-    /// Services it interrupts.
+    /// Services that it interrupts.
     pub interrupts: Vec<usize>,
-    /// Services that must have succeeded before it is accepted.
+    /// Services that must have succeeded before the service is accepted.
     pub after: Vec<usize>,
-    /// Services that must not have succeeded when it is accepted.
+    /// Services that must not have succeeded when the service is accepted.
     pub before: Vec<usize>,
-    /// It is a request that every component understands.
+    /// The request that every component accepts, if the service is one.
     pub builtin: Option<Builtin>,
-    /// Where it was declared.
+    /// Place of its declaration.
     pub src: Option<Src>,
 }
 
-/// A request that every component understands (section 18).
+/// A request that every component accepts (section 18).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Builtin {
     /// Interrupts one instance of an activity.
@@ -307,7 +306,7 @@ pub enum Builtin {
 }
 
 impl Builtin {
-    /// Its name in GenoM3.
+    /// Returns its name in GenoM3.
     pub fn name(self) -> &'static str {
         match self {
             Builtin::Abort => "abort_activity",
@@ -317,32 +316,32 @@ impl Builtin {
     }
 }
 
-/// A client: a graph of steps. Which step follows is the client's free choice.
+/// A client: a graph of steps. The client chooses freely between the next steps.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Client {
-    /// Its name.
+    /// Name.
     pub name: String,
     /// Steps.
     pub steps: Vec<ClientStep>,
     /// Possible first steps; [`Client::done`] stands for none.
     pub first: Vec<usize>,
-    /// Number of requests whose end is awaited somewhere.
+    /// Number of requests whose end some step awaits.
     pub trackers: usize,
 }
 
 impl Client {
-    /// The position after the last step.
+    /// Returns the position after the last step.
     pub fn done(&self) -> usize {
         self.steps.len()
     }
 
-    /// Whether it matters to this client how the requests that a tracker follows end.
+    /// Returns true if the client depends on whether the requests of a tracker succeed.
     pub(crate) fn asks_outcome(&self, tracker: usize) -> bool {
         let mut steps = self.steps.iter();
         steps.any(|it| matches!(it.action, ClientAction::AwaitOutcome(t, _) if t == tracker))
     }
 
-    /// Whether it can come to a step more than once.
+    /// Returns true if the client can reach a step more than once.
     pub(crate) fn comes_again(&self, step: usize) -> bool {
         let mut seen = vec![false; self.steps.len()];
         let mut stack = self.steps[step].next.clone();
@@ -361,7 +360,7 @@ impl Client {
 /// One step of a client.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ClientStep {
-    /// What is done.
+    /// Action.
     pub action: ClientAction,
     /// Possible next steps.
     pub next: Vec<usize>,
@@ -370,7 +369,7 @@ pub struct ClientStep {
 }
 
 impl ClientStep {
-    /// The service that is requested.
+    /// Returns the service that the step requests.
     pub fn requests(&self) -> Option<usize> {
         match self.action {
             ClientAction::Send { service, .. } => Some(service),
@@ -379,41 +378,41 @@ impl ClientStep {
     }
 }
 
-/// What a client does in one step.
+/// The action of a client in one step.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ClientAction {
-    /// Waits until its previous request has been accepted or refused and the control task takes this one.
+    /// Waits until the previous request has been accepted or refused, and the control task takes this
+    /// request.
     Send {
         /// The service requested.
         service: usize,
-        /// Trackers that follow this request from now on.
+        /// Trackers that follow this request from then on.
         trackers: Vec<usize>,
-        /// Trackers that follow it once it is accepted: instances that can be aborted.
+        /// Trackers that follow the request after its acceptance: instances that can be aborted.
         accepted: Vec<usize>,
-        /// The tracker of the instance that it aborts.
+        /// Tracker of the instance that the request aborts.
         aborts: Option<usize>,
     },
-    /// Waits until its last request has been accepted or refused.
+    /// Waits until the last request has been accepted or refused.
     AwaitAccepted,
-    /// Waits until the tracked request has ended or was refused; at once if there was none.
+    /// Waits until the tracked request has ended or was refused. Without a request, it does not wait.
     AwaitEnded(usize),
-    /// Waits until one of the steps that follow, all of them [`AwaitOutcome`](Self::AwaitOutcome), has
-    /// nothing to wait for.
+    /// Waits until one of the next steps can proceed. All of them are [`AwaitOutcome`](Self::AwaitOutcome).
     AwaitAny,
-    /// Waits until the tracked request has succeeded, or (`false`) has not.
+    /// Waits until the tracked request has succeeded (`true`) or has failed (`false`).
     AwaitOutcome(usize, bool),
-    /// Lets time pass.
+    /// Lets time pass: at least and at most this long, in base units.
     Delay(Ticks, Ticks),
 }
 
 impl TimedSystem {
-    /// `component.task`.
+    /// Returns `component.task`.
     pub fn task_path(&self, task: usize) -> String {
         let task = &self.tasks[task];
         format!("{}.{}", self.components[task.component].name, task.name)
     }
 
-    /// `component.service`.
+    /// Returns `component.service`.
     pub fn service_path(&self, service: usize) -> String {
         let service = &self.services[service];
         format!(
@@ -422,25 +421,25 @@ impl TimedSystem {
         )
     }
 
-    /// The machine of an automaton.
+    /// Returns the machine of an automaton.
     pub fn machine_of(&self, automaton: usize) -> &Machine {
         &self.machines[self.automata[automaton].machine]
     }
 
-    /// Whether a task needs a core to run.
+    /// Returns true if a task needs a core to run.
     pub fn needs_core(&self, task: usize) -> bool {
         self.platform.cores.is_some()
             && (self.tasks[task].period.is_some() || self.platform.aperiodic_core)
     }
 
-    /// Whether cores are given to threads and taken away again by an operating system (section 22).
+    /// Returns true if an operating system grants cores to threads and preempts them (section 22).
     pub(crate) fn preempts(&self) -> bool {
         let preempts = matches!(self.platform.policy, Policy::Priority | Policy::Fair);
         self.platform.cores.is_some() && preempts
     }
 
-    /// The priority of every task, then of every control task; the lower number goes first. Where no task
-    /// states one, the shorter period goes first, and what has none last.
+    /// Returns the priority of every task, then of every control task; the lower number goes first. If no
+    /// task states one, the task with the shorter period goes first, and tasks without a period go last.
     pub fn priorities(&self) -> Vec<u64> {
         let stated = self.tasks.iter().any(|it| it.priority.is_some());
         let of_task = |it: &Task| match stated {
@@ -454,7 +453,7 @@ impl TimedSystem {
         self.tasks.iter().map(of_task).chain(controls).collect()
     }
 
-    /// Whether some codel of a task is executed by a separate thread, also when its job has ended.
+    /// Returns true if a separate thread executes some codel of a task, possibly after the end of its job.
     pub(crate) fn runs_apart(&self, task: usize) -> bool {
         let it = &self.tasks[task];
         let mut automata = it.permanent.iter().chain(&it.slots);
@@ -462,7 +461,7 @@ impl TimedSystem {
             && automata.any(|&a| self.machine_of(a).states.iter().any(|it| it.is_async))
     }
 
-    /// Services that some client can request. The others never run.
+    /// Returns, by service, whether some client can request it. Other services never run.
     pub fn requested(&self) -> Vec<bool> {
         let mut out = vec![false; self.services.len()];
         for step in self.clients.iter().flat_map(|it| &it.steps) {
@@ -473,7 +472,7 @@ impl TimedSystem {
         out
     }
 
-    /// Codels that are executed at some time: those of permanent activities, and of services that are
+    /// Returns, by codel, whether it can run: as part of a permanent activity or of a service that is
     /// requested.
     pub fn executed(&self) -> Vec<bool> {
         let mut out = vec![false; self.codels.len()];
@@ -491,21 +490,21 @@ impl TimedSystem {
         out
     }
 
-    /// Whether some component is asked for one of the requests that all understand.
+    /// Returns true if a client makes one of these requests that every component accepts.
     pub(crate) fn has_builtin(&self, which: impl Fn(Builtin) -> bool) -> bool {
         self.services
             .iter()
             .any(|it| it.builtin.is_some_and(&which))
     }
 
-    /// Whether activities are requested. They have a limited number of slots, so that requests can be
-    /// refused.
+    /// Returns true if clients request activities. Slots of activities are limited, so that their requests
+    /// can be refused.
     pub(crate) fn may_refuse(&self) -> bool {
         let mut services = self.services.iter().zip(self.requested());
         services.any(|(it, requested)| requested && it.activity)
     }
 
-    /// Whether some activity of a task can run, given which services are [`requested`](Self::requested).
+    /// Returns true if some activity of a task can run, given the [`requested`](Self::requested) services.
     pub(crate) fn has_activities(&self, task: usize, requested: &[bool]) -> bool {
         let mut slots = self.tasks[task].slots.iter();
         slots.any(|&a| self.automata[a].service.is_some_and(|it| requested[it]))
@@ -517,7 +516,7 @@ impl TimedSystem {
         self.codels[other].conflicts.insert(one);
     }
 
-    /// The codels of these paths do not exclude each other any more.
+    /// Ends the mutual exclusion of the codels with these paths.
     pub(crate) fn separate(&mut self, one: &str, other: &str) {
         for (from, to) in [(one, other), (other, one)] {
             let to = (0..self.codels.len()).filter(|&it| self.codels[it].path == to);

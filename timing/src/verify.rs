@@ -1,4 +1,4 @@
-//! From specifications and a scenario to a report.
+//! Verification: from specifications and a scenario to a report.
 
 mod analysed;
 mod answers;
@@ -41,24 +41,24 @@ use crate::system::settings::Settings;
 /// The specifications of a system.
 #[derive(Debug, Clone, Default)]
 pub struct SystemInput<'a> {
-    /// In the order of the scenario's `use`.
+    /// Specifications, in the order of `use` in the scenario.
     pub specs: Vec<&'a Spec>,
 }
 
-/// What overrides the scenario.
+/// Options that override the scenario.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Options {
-    /// Number of cores; `Some(None)`: no limit.
+    /// Number of cores. `Some(None)`: no limit.
     pub cores: Option<Option<u32>>,
-    /// What the model follows, single points of the scenario apart.
+    /// Semantics of the model. Single points that the scenario states still apply.
     pub semantics: Option<Preset>,
-    /// Order of grants.
+    /// Order in which cores are granted.
     pub policy: Option<Policy>,
-    /// How long codels take.
+    /// Interpretation of execution times.
     pub durations: Option<Durations>,
-    /// Checks instead of those of the scenario, if any.
+    /// Checks that replace those of the scenario, if not empty.
     pub checks: Vec<Check>,
-    /// When to give up.
+    /// Limits on the effort.
     pub limits: Limits,
 }
 
@@ -72,11 +72,11 @@ pub fn verify(
     verify_telling(input, scenario, options, cancel, &|_| {})
 }
 
-/// Verifies a scenario, and tells what is known as soon as there is more of it.
+/// Verifies a scenario, and reports intermediate results.
 ///
-/// What is told is the report as it stands: checks without an answer are
-/// [open](crate::report::Verdict::Open), every other answer is the one of the final report. Once nobody wants
-/// it any more, nothing is told.
+/// `tell` gets the report so far. A check without an answer is [open](crate::report::Verdict::Open) there;
+/// every other answer is the one of the final report. After the verification is abandoned, `tell` is not
+/// called.
 pub fn verify_telling(
     input: &SystemInput,
     scenario: &Scenario,
@@ -89,7 +89,7 @@ pub fn verify_telling(
     verify_settings(&names, &settings, options.limits, cancel, tell)
 }
 
-/// A scenario with its overrides.
+/// Returns the settings of a scenario with its overrides.
 pub fn settings(scenario: &Scenario, options: &Options) -> Settings {
     let mut settings = Settings::new(scenario);
     if let Some(cores) = options.cores {
@@ -179,7 +179,7 @@ pub(crate) fn verify_settings(
             (group, &**of_group, Analysed::new(built))
         })
         .collect();
-    // What takes little is done for all groups first: none has to wait until another one is explored.
+    // Cheap analyses of all groups come first, so that no group waits for the exploration of another one.
     for (group, of_group, analysed) in &groups {
         group.analyse(&checks, of_group, analysed, &mut report);
     }
@@ -202,27 +202,27 @@ pub(crate) fn verify_settings(
 struct Group<'g> {
     names: &'g Names<'g>,
     built: &'g Built,
-    /// Unit of the report.
+    /// Unit of the report, in seconds.
     unit: Seconds,
     settings: &'g Settings,
     limits: Limits,
     cancel: &'g Cancel,
-    /// Tells how the report stands.
+    /// Reports the intermediate results.
     tell: &'g (dyn Fn(&mut Report) + Sync),
 }
 
-/// Where bounds answer all checks, exact values are looked for in this part of the states there may be.
+/// Divisor of the limit on states, for the search of exact values after bounds have answered all checks.
 const SETTLED: usize = 100;
 
-/// And with so many actions.
+/// Limit on actions, for the search of exact values after bounds have answered all checks.
 const STEPS_IF_SETTLED: u64 = 200_000;
 
-/// Said when all checks were answered before everything was explored.
+/// The note of a report whose checks were all answered before the exploration was complete.
 const NOT_EXAMINED: &str =
     "no request was seen to be refused for want of a slot, but not everything was looked at";
 
 impl Group<'_> {
-    /// Answers what analysis alone can answer.
+    /// Answers the checks that response-time analysis alone can answer.
     fn analyse(
         &self,
         checks: &[Single],
@@ -244,7 +244,7 @@ impl Group<'_> {
         }
     }
 
-    /// Answers what abstract states can answer, if anything is left that they might.
+    /// Answers checks by schedule abstraction, if it could answer any open check.
     fn abstracted(
         &self,
         checks: &[Single],
@@ -269,8 +269,8 @@ impl Group<'_> {
         }
     }
 
-    /// The effort for some checks. Where each of them has a bound that answers it, looking for exact values
-    /// is worth less.
+    /// Returns the limits for some checks. If each of them has a bound that answers it, exact values are
+    /// worth less effort.
     fn limits_for(&self, checks: &[Single], part: &[usize], analysed: &Analysed) -> Limits {
         let settled = |&i: &usize| match checks[i].what {
             What::Response(_, limit) => analysed.settles(&checks[i], self.ticks(limit)),
@@ -286,7 +286,7 @@ impl Group<'_> {
         }
     }
 
-    /// Answers what is still open.
+    /// Answers the checks that are still open.
     fn rest(
         &self,
         checks: &[Single],
@@ -296,7 +296,7 @@ impl Group<'_> {
         report: &mut Report,
     ) {
         let open = of_group.iter().copied().filter(|&i| report.is_open(i));
-        // What makes reductions impossible is not looked for together with what does not.
+        // Checks that rule out reductions are explored apart from checks that do not.
         let (together, apart): (Vec<usize>, Vec<usize>) =
             open.partition(|&i| self.is_about_ticks(&checks[i]));
         if together.is_empty() && apart.is_empty() {
@@ -309,7 +309,7 @@ impl Group<'_> {
         }
     }
 
-    /// Notes which requests can be refused, as far as has been seen.
+    /// Notes the requests that can be refused, among those seen so far.
     fn refusals(&self, found: &Findings, report: &mut Report) {
         let system = &self.built.system;
         let path = |&it: &usize| system.service_path(it);
@@ -353,7 +353,7 @@ impl Group<'_> {
             let found = explore_telling(system, &watch, limits, self.cancel, &mut news);
             report.effort(&found);
             self.refusals(&found, report);
-            // As it was told, where an exploration that begins again comes to it by another run.
+            // An exploration that begins again may reach the answer by another run, so reported answers stay.
             let open = places.into_iter().filter(|it| report.is_open(it.0));
             for (i, place) in open.collect::<Vec<_>>() {
                 let mut it = self.one(&checks[i], place, &found);
@@ -376,7 +376,7 @@ impl Group<'_> {
         }
     }
 
-    /// Answers what no later moment of an exploration changes.
+    /// Answers the checks that no later state of an exploration can change.
     fn seen_for_good(
         &self,
         checks: &[Single],

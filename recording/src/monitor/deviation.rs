@@ -1,29 +1,29 @@
-//! What a run does that no run of the model does.
+//! Deviations of a log from the model.
 
 use crate::matching::Stray;
 
 /// A deviation.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct Deviation {
-    /// The line of the log at which it shows.
+    /// Line of the log that shows it.
     pub line: u64,
-    /// When the codel of that line began, in nanoseconds.
+    /// Beginning of the codel of that line, in nanoseconds.
     pub at: i64,
-    /// The codel, or the task.
+    /// Codel or task.
     pub of: String,
-    /// What is wrong.
+    /// Kind and details.
     #[serde(flatten)]
     pub what: What,
-    /// The rule of the model that it breaks: see [`What::rule`].
+    /// Violated rule of the model: see [`What::rule`].
     pub rule: &'static str,
 }
 
-/// What is wrong. Times are in nanoseconds.
+/// The kind and details of a deviation. Times are in nanoseconds.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 #[allow(missing_docs, reason = "the words of each variant say it")]
 pub enum What {
-    /// The specifications have no such codel there.
+    /// The specifications have no such codel.
     Unknown {
         task: String,
         service: String,
@@ -31,37 +31,37 @@ pub enum What {
         from: String,
         why: Stray,
     },
-    /// It led where the specification does not let it.
+    /// The codel took a transition that the specification does not declare.
     Transition { from: String, to: String },
-    /// It was executed in a state to which nothing had led.
+    /// The codel was executed in a state that does not follow from the previous one.
     Elsewhere {
         state: String,
         awaited: Option<String>,
     },
-    /// It took longer than it may.
+    /// The codel took longer than its greatest time.
     Longer { took: i64, limit: i64 },
-    /// It took less time than it must.
+    /// The codel took less than its least time.
     Shorter { took: i64, limit: i64 },
-    /// It was executed together with one that excludes it.
+    /// The codel was executed together with a codel that excludes it.
     Together { other: String },
-    /// It got its locks before one that had asked earlier.
+    /// The codel got its locks before a codel that had asked earlier.
     Overtaken { other: String },
-    /// Its task executed another one at the same time.
+    /// The task executed another codel at the same time.
     SameTask { other: String },
-    /// The one core of both tasks executed another one at the same time.
+    /// The one core of both tasks executed another codel at the same time.
     SameCore { other: String, core: u32 },
-    /// More codels were executed than there are cores.
+    /// More codels were executed at the same time than there are cores.
     Cores { executing: usize, cores: u32 },
-    /// A turn came before its tick can have come.
+    /// A turn came before its possible ticks.
     Early { by: i64, period: i64 },
     /// A turn came later than its tick and its response time allow.
     Late { by: i64, period: i64 },
-    /// A response time beyond its bound.
+    /// A response time exceeds its bound.
     Response { response: i64, bound: i64 },
 }
 
 impl What {
-    /// Its name in counts.
+    /// Returns the name of the kind in counts.
     pub fn kind(&self) -> &'static str {
         match self {
             What::Unknown { .. } => "unknown",
@@ -80,7 +80,7 @@ impl What {
         }
     }
 
-    /// The rule of the model that it breaks.
+    /// Returns the violated rule of the model.
     pub fn rule(&self) -> &'static str {
         match self {
             What::Unknown { .. } => "only codels of the specification are executed",

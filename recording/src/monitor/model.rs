@@ -1,4 +1,4 @@
-//! The verified system, as lines of a log ask for it.
+//! Queries of log lines to the verified system.
 
 use dotgen_analysis::model::Owner;
 use dotgen_timing::scn::names::Names;
@@ -10,22 +10,22 @@ use super::Never;
 use crate::log::Kind;
 use crate::matching::{Stray, event, site};
 
-/// See the [module](self).
+/// The verified system. See the [module](self).
 #[derive(Debug)]
 pub(super) struct Model<'s> {
     pub(super) system: &'s TimedSystem,
     names: &'s Names<'s>,
     bounds: Vec<Option<Ticks>>,
-    /// Every codel that may be executed has a time.
+    /// Every codel of the specifications has an execution time.
     timed: bool,
-    /// None has.
+    /// No codel has an execution time.
     untimed: bool,
     preempts: bool,
-    /// By task.
+    /// Priorities, by task.
     priorities: Vec<u64>,
 }
 
-/// What a kind of lines is about.
+/// The subject of a kind of lines.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Resolved {
     Stray(Stray),
@@ -34,12 +34,12 @@ pub(super) enum Resolved {
         codel: usize,
         component: usize,
         instance: u32,
-        /// It led where it may.
+        /// The event after the run is declared.
         declared: bool,
     },
 }
 
-/// A state of a machine, and where its codel led.
+/// A state of a machine, and the outcome of its codel.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct At {
     pub(super) instance: u32,
@@ -52,31 +52,31 @@ pub(super) struct At {
     pub(super) codel: usize,
     pub(super) is_async: bool,
     pub(super) to: To,
-    /// The state to which, and whether in another turn.
+    /// Next state, and whether it belongs to the next turn.
     pub(super) next: Option<(usize, bool)>,
 }
 
-/// Where a codel led.
+/// The outcome of a codel.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum To {
-    /// To one of its yields.
+    /// One of its yields.
     Outcome(usize),
-    /// To an exception that it may throw.
+    /// An exception that it may throw.
     Exception,
-    /// Nowhere where it may lead.
+    /// An undeclared event.
     Undeclared,
 }
 
-/// Of a task, in nanoseconds.
+/// The times of a task, in nanoseconds.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
     pub(super) period: Option<i64>,
     pub(super) bound: Option<i64>,
-    /// How long after its tick a turn begins at most, where no tick is lost.
+    /// Greatest time from a tick to the beginning of its turn, if no tick is lost.
     pub(super) latest: Option<i64>,
 }
 
-/// Whether threads lose their cores while they execute.
+/// Returns true if threads are preempted while they execute.
 pub(super) fn preempts(system: &TimedSystem) -> bool {
     let platform = &system.platform;
     platform.cores.is_some() && matches!(platform.policy, Policy::Priority | Policy::Fair)
@@ -109,12 +109,12 @@ impl<'s> Model<'s> {
         let period = period.map(|it| self.nanos(it));
         let known = self.bounds.get(task).copied().flatten();
         let known = known.map(|it| self.nanos(it));
-        // Where codels have no times no bound says anything: a job is taken to end within its period.
+        // If codels have no times, no bound is meaningful. A job is assumed to end within its period.
         let latest = match (known, period) {
             (Some(bound), Some(period)) if bound <= period && self.timed => Some(bound),
             (Some(bound), Some(period)) if bound <= period => Some(period),
             _ if self.untimed => period,
-            // Ticks can be lost, and turns come as late as they may.
+            // Ticks can be lost, and turns can be arbitrarily late.
             _ => None,
         };
         Limits {
@@ -124,7 +124,7 @@ impl<'s> Model<'s> {
         }
     }
 
-    /// Least and greatest time of a codel, where its runs show them.
+    /// Returns the least and greatest time of a codel in nanoseconds, if its runs show them.
     pub(super) fn limits(&self, codel: usize) -> (Option<i64>, Option<i64>) {
         let Some(it) = self.system.codels.get(codel).filter(|_| !self.preempts) else {
             return (None, None);
@@ -132,7 +132,7 @@ impl<'s> Model<'s> {
         (Some(self.nanos(it.lower)), self.declared(codel))
     }
 
-    /// The greatest time of a codel, if it has one.
+    /// Returns the greatest time of a codel in nanoseconds, if it has one.
     pub(super) fn declared(&self, codel: usize) -> Option<i64> {
         let it = self.system.codels.get(codel)?;
         (it.upper != FOREVER && it.upper > 0).then(|| self.nanos(it.upper))
@@ -154,12 +154,12 @@ impl<'s> Model<'s> {
         state.map_or(String::new(), |it| it.name.clone())
     }
 
-    /// The thread of a task; `None` for an asynchronous codel that has one of its own.
+    /// Returns the thread of a task; `None` for an asynchronous codel with a thread of its own.
     pub(super) fn thread(&self, task: usize, is_async: bool) -> Option<usize> {
         (!(is_async && self.system.platform.async_free)).then_some(task)
     }
 
-    /// The control task of a component.
+    /// Returns the thread of the control task of a component.
     pub(super) fn control(&self, component: usize) -> Option<usize> {
         Some(self.system.tasks.len() + component)
     }
@@ -170,7 +170,7 @@ impl<'s> Model<'s> {
         needs.then(|| self.system.tasks.get(task).and_then(|it| it.affinity))
     }
 
-    /// Where threads with priorities lose their cores: the core to which a task is tied, and its priority.
+    /// If threads with priorities are preempted, returns the core to which a task is bound, and its priority.
     pub(super) fn tied(&self, task: usize, is_async: bool) -> Option<(u32, u64)> {
         let own = is_async && self.system.platform.async_free;
         let priorities = self.preempts && self.system.platform.policy == Policy::Priority;
@@ -251,7 +251,7 @@ impl<'s> Model<'s> {
         }
     }
 
-    /// What a control task does for a service without a codel: the model has one in its place.
+    /// Looks up a service without a codel: the model has one in its place.
     fn attribute(&self, kind: &Kind, instance: u32) -> Resolved {
         let of = |it: &&dotgen_timing::system::Service| {
             let component = self.system.components.get(it.component);
@@ -290,7 +290,7 @@ impl<'s> Model<'s> {
             None if self.throws(of.codel, &kind.to) => To::Exception,
             None => To::Undeclared,
         };
-        // What follows is awaited, declared or not.
+        // The next state is expected, declared or not.
         let next = machine.states.iter().position(|it| it.name == to.name);
         let next = next.filter(|_| !matches!(led, To::Exception));
         Some(At {
@@ -308,7 +308,7 @@ impl<'s> Model<'s> {
         })
     }
 
-    /// Whether an event can be an exception of a codel. Those of `genom` every server can throw.
+    /// Returns true if an event can be an exception of a codel. Every server can throw exceptions of `genom`.
     fn throws(&self, codel: usize, to: &str) -> bool {
         let Some(it) = self.system.codels.get(codel) else {
             return false;
@@ -336,7 +336,7 @@ impl<'s> Model<'s> {
         all.any(|&it| member.spec.full_name(it).as_deref() == Some(to))
     }
 
-    /// Codels in their states, and those of control tasks.
+    /// Returns the codels in their states, and those of control tasks.
     pub(super) fn codels_of_threads(&self) -> impl Iterator<Item = usize> + '_ {
         let machines = self.system.automata.iter();
         let machines = machines.filter_map(|it| self.system.machines.get(it.machine));
@@ -352,7 +352,7 @@ impl<'s> Model<'s> {
         states.chain(services).filter(real)
     }
 
-    /// Transitions that were not taken.
+    /// Returns the transitions that were not taken.
     pub(super) fn never(&self, taken: &FxHashMap<(usize, usize, usize), u64>) -> Vec<Never> {
         let mut out = Vec::new();
         for automaton in &self.system.automata {

@@ -1,4 +1,4 @@
-//! Who executes at the same time, and who asked first.
+//! Codels that execute at the same time, and the order of their requests.
 
 use std::collections::VecDeque;
 
@@ -6,7 +6,7 @@ use dotgen_timing::system::{LockOrder, TimedSystem};
 
 use super::SLACK;
 
-/// Runs that are kept to be compared with those that follow.
+/// Upper limit on the runs kept for comparison with later runs.
 const KEPT: usize = 4_096;
 
 /// A run of a codel.
@@ -15,21 +15,21 @@ pub(super) struct Executing {
     pub(super) asked: i64,
     pub(super) began: i64,
     pub(super) ended: i64,
-    /// Of the log.
+    /// Line of the log.
     pub(super) line: u64,
     pub(super) codel: usize,
-    /// The process.
+    /// Process.
     pub(super) instance: u32,
-    /// Who executes; `None`: a thread of its own.
+    /// Thread; `None`: a thread of its own.
     pub(super) thread: Option<usize>,
-    /// Whether it takes a core, and which if that is fixed.
+    /// Core: `None` if it needs none; `Some(None)` if it can be any core.
     pub(super) core: Option<Option<u32>>,
-    /// Where threads lose their core to others: the one it is tied to, and its priority; the lower number
-    /// goes first.
+    /// Core that the thread is bound to, and its priority, if threads are preempted; the lower number goes
+    /// first.
     pub(super) tied: Option<(u32, u64)>,
 }
 
-/// What is wrong with the first codel, and the other one.
+/// A violation by the first codel, with the other codel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Wrong {
     Together(usize),
@@ -39,11 +39,11 @@ pub(super) enum Wrong {
     Cores(usize, u32),
 }
 
-/// Runs by their ends.
+/// Runs, in order of their ends.
 #[derive(Debug)]
 pub(super) struct Order {
     recent: VecDeque<Executing>,
-    /// Cores that a codel holds while it executes.
+    /// Number of cores, if a codel keeps its core to its end.
     cores: Option<u32>,
     in_order: bool,
     queue: bool,
@@ -54,7 +54,8 @@ impl Executing {
         self.began < other.ended && other.began < self.ended
     }
 
-    /// Whether one that goes first on the same core had begun, and this one executed to its end all the same.
+    /// Returns true if a run with priority on the same core had begun, and this run continued to its end
+    /// nevertheless.
     fn ignores(&self, other: &Executing) -> bool {
         let (Some((core, own)), Some((same, first))) = (self.tied, other.tied) else {
             return false;
@@ -96,7 +97,7 @@ impl Order {
         let component = |codel: usize| system.codels.get(codel).map(|it| it.component);
         let (mut together, mut busy) = (false, 0usize);
         for it in self.recent.iter().rev() {
-            // They are in order of their ends.
+            // Runs are in order of their ends.
             if it.ended <= run.asked {
                 break;
             }
@@ -112,7 +113,7 @@ impl Order {
                 out.push((second.codel, Wrong::Together(first.codel)));
             }
             if self.in_order && one_process && !together {
-                // The second asked first, and still waited when the first got its locks.
+                // The second codel asked first, and still waited when the first one got its locks.
                 let overtaken = second.asked + SLACK < first.asked
                     && second.asked < first.began
                     && first.began + SLACK < second.began;
@@ -158,7 +159,7 @@ impl Order {
         }
     }
 
-    /// How many codels hold a core at some moment of a run, at most.
+    /// Returns the greatest number of codels that hold a core at the same moment of a run.
     fn most(&self, run: &Executing) -> usize {
         let recent = self.recent.iter().rev();
         let recent = recent.take_while(|it| it.ended > run.began);

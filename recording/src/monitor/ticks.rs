@@ -1,20 +1,20 @@
-//! Ticks of a periodic task, as far as the beginnings of its turns tell.
+//! The ticks of a periodic task, inferred from the beginnings of its turns.
 //!
-//! Tick number *i* comes at *a* + *iP*. Its turn begins at some time *sᵢ* from then on, at most *L* later:
-//! the greatest response time, or the period. So *a* lies in [*sᵢ* - *iP* - *L*, *sᵢ* - *iP*] for every *i*,
-//! and a run of which these intervals have no moment in common has ticks that are not *P* apart.
+//! Tick number *i* comes at *a* + *iP*. Its turn begins at a time *sᵢ*, at most *L* later: the greatest
+//! response time, or the period. So *a* lies in [*sᵢ* - *iP* - *L*, *sᵢ* - *iP*] for every *i*. If these
+//! intervals have no common moment, the ticks are not *P* apart.
 
 use super::SLACK;
 use super::What;
 
-/// Turns at the start that may come out of step: what the timer counted while the server started.
+/// Number of irregular turns allowed at the start: the timer counts while the server starts.
 const START_UP: u64 = 2;
 
-/// What is known of a task.
+/// The known ticks of a task.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Periodic {
     turns: u64,
-    /// The turn that is number 0.
+    /// Phase of the ticks, counted from turn 0.
     known: Option<Phase>,
 }
 
@@ -22,14 +22,14 @@ pub(super) struct Periodic {
 struct Phase {
     /// Number of the last turn.
     number: i64,
-    /// When tick 0 came: not before this,
+    /// Lower limit of the time of tick 0, in nanoseconds.
     earliest: i64,
-    /// and not after this.
+    /// Upper limit of the time of tick 0, in nanoseconds.
     latest: i64,
 }
 
 impl Periodic {
-    /// A turn begins. Returns what is wrong with it.
+    /// Records the beginning of a turn, with times in nanoseconds. Returns the deviation, if there is one.
     pub(super) fn begins(&mut self, at: i64, period: i64, latest: i64) -> Option<What> {
         self.turns += 1;
         if self.turns <= START_UP {
@@ -64,7 +64,7 @@ impl Periodic {
         Some(what)
     }
 
-    /// A moment at which the tick of the last turn has come for sure.
+    /// Returns a time in nanoseconds at which the tick of the last turn has certainly come.
     pub(super) fn tick(&self, period: i64) -> Option<i64> {
         let known = self.known?;
         Some(

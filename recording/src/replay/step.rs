@@ -1,12 +1,12 @@
-//! A step of a recorded run, by names: what is recorded, and what a model can do, in the same words.
+//! The steps of a recorded run, and the possible actions of a model, in common names.
 
 use dotgen_timing::explore::{Action, Stepper, Work};
 use dotgen_timing::system::{TimedSystem, Yield};
 
-/// What an exception leads to.
+/// The outcome of a codel that throws an exception.
 pub(super) const EXCEPTION: &str = "exception";
 
-/// The rule by which a step is done. The numbers are sections of the timed semantics.
+/// The rule of a step. The numbers are sections of the timed semantics.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize,
 )]
@@ -28,7 +28,7 @@ pub enum Rule {
     Ticket,
     /// A codel gets its locks (6, 21).
     Locks,
-    /// A codel ends: when, and with what (2, 5).
+    /// A codel ends, at some time and with an outcome (2, 5).
     End,
     /// A delay of a client ends (14).
     Delay,
@@ -40,16 +40,16 @@ pub enum Rule {
     Reply,
     /// A control task handles the end of activities (7, 21).
     Signal,
-    /// A component that was killed gets on with its end (18).
+    /// A killed component proceeds with its shutdown (18).
     Shut,
-    /// A client goes on (14).
+    /// A client proceeds to its next step (14).
     Proceed,
-    /// Somebody outside interrupts an activity.
+    /// An activity is interrupted from outside.
     Abort,
 }
 
 impl Rule {
-    /// The rule in words.
+    /// Returns the rule in words.
     pub fn words(self) -> &'static str {
         match self {
             Rule::Tick => "ticks come each period, from the start of their clock",
@@ -78,22 +78,22 @@ impl Rule {
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct Step {
-    /// Units of the system since the start.
+    /// Time since the start, in units of the system.
     pub time: u64,
-    /// The rule.
+    /// Rule.
     pub rule: Rule,
-    /// Whose step: a task, a component, a client.
+    /// Subject: a task, a component or a client.
     pub of: String,
-    /// What it is about: a codel, a service, whom.
+    /// Object: a codel, a service or a thread.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub what: String,
-    /// What it leads to: the yield of a codel, the next step of a client.
+    /// Outcome: the yield of a codel, the next step of a client.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub to: String,
 }
 
 impl Step {
-    /// What an action that is possible would be.
+    /// Returns the step that corresponds to a possible action.
     pub fn new(system: &TimedSystem, stepper: &Stepper, action: Action) -> Step {
         let task = |it: usize| system.task_path(it);
         let component = |it: usize| system.components[it].name.clone();
@@ -142,7 +142,7 @@ impl Step {
                 let what = what.map_or(none(), |it| system.service_path(it));
                 (Rule::Request, client(it), what, next.to_string())
             }
-            // No step of a run.
+            // Not a step of a run.
             Action::Mark { .. } => (Rule::Proceed, none(), none(), none()),
         };
         Step {
@@ -154,7 +154,7 @@ impl Step {
         }
     }
 
-    /// Somebody outside interrupts the activity that has a place.
+    /// Returns the step of an interruption from outside, by the place of the activity.
     pub fn abort(system: &TimedSystem, stepper: &Stepper, place: usize) -> Step {
         let service = stepper.activity(place);
         let service = service.and_then(|it| system.automata.get(it)?.service);
@@ -167,7 +167,7 @@ impl Step {
         }
     }
 
-    /// The step in words, without its time.
+    /// Returns the step in words, without its time.
     pub fn words(&self) -> String {
         let Step { of, what, to, .. } = self;
         match self.rule {
@@ -192,7 +192,7 @@ impl Step {
     }
 }
 
-/// Who executes something.
+/// Returns the subject that executes some work.
 fn whose(system: &TimedSystem, work: &Work) -> String {
     match *work {
         Work::State { task, .. } => system.task_path(task),
@@ -203,7 +203,7 @@ fn whose(system: &TimedSystem, work: &Work) -> String {
     }
 }
 
-/// What is executed. An activity is told apart from others of its service by its place.
+/// Returns the work in words. The place distinguishes an activity from others of its service.
 fn about(system: &TimedSystem, work: &Work) -> String {
     match *work {
         Work::State { codel, slot, .. } => format!("{}#{slot}", system.codels[codel].path),

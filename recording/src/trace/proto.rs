@@ -1,9 +1,9 @@
-//! What is needed of protocol buffers, and of Perfetto's messages.
+//! The subset of protocol buffers and of Perfetto's messages that traces need.
 //!
-//! Numbers of fields are those of `protos/perfetto/trace/trace_packet.proto` and `track_event/*.proto`. They
+//! Field numbers are those of `protos/perfetto/trace/trace_packet.proto` and `track_event/*.proto`. They
 //! never change.
 
-/// A message that is being written.
+/// A message under construction.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Message(Vec<u8>);
 
@@ -16,24 +16,24 @@ impl Message {
         self.0.push(value as u8);
     }
 
-    /// A number.
+    /// Adds a number.
     pub(super) fn number(&mut self, field: u32, value: u64) {
         self.varint(u64::from(field) << 3);
         self.varint(value);
     }
 
-    /// A number of eight bytes.
+    /// Adds a fixed number of eight bytes.
     pub(super) fn fixed(&mut self, field: u32, value: u64) {
         self.varint(u64::from(field) << 3 | 1);
         self.0.extend_from_slice(&value.to_le_bytes());
     }
 
-    /// A string.
+    /// Adds a string.
     pub(super) fn text(&mut self, field: u32, value: &str) {
         self.bytes(field, value.as_bytes());
     }
 
-    /// A message in this one.
+    /// Adds a nested message.
     pub(super) fn message(&mut self, field: u32, value: &Message) {
         self.bytes(field, &value.0);
     }
@@ -44,7 +44,7 @@ impl Message {
         self.0.extend_from_slice(value);
     }
 
-    /// Its bytes.
+    /// Returns the bytes of the message.
     pub(super) fn into_bytes(self) -> Vec<u8> {
         self.0
     }
@@ -65,7 +65,7 @@ pub(super) mod descriptor {
     pub(crate) const PARENT: u32 = 5;
     pub(crate) const CHILD_ORDERING: u32 = 11;
     pub(crate) const RANK: u32 = 12;
-    /// Children stand in the order of their ranks.
+    /// Children are ordered by rank.
     pub(crate) const EXPLICIT: u64 = 3;
 }
 

@@ -1,4 +1,4 @@
-//! What of a system has codels that can run.
+//! The parts of a system with real codels.
 
 use dotgen_analysis::model::{Name, Param, PortDir, Remote, ServiceKind};
 use dotgen_codegen::codels::value::{Values, goes_in, goes_out};
@@ -12,52 +12,52 @@ use std::collections::HashSet;
 /// A component that a host runs.
 #[derive(Debug, Clone)]
 pub struct Part<'s> {
-    /// The component, and its specification.
+    /// Component and its specification.
     pub member: Member<'s>,
-    /// Functions of codels that it does not have.
+    /// Functions of codels that the component lacks.
     pub missing: HashSet<Name>,
 }
 
-/// Data of an output port that goes to an input port.
+/// A data flow from an output port to an input port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Feed {
-    /// Component of the system, and port.
+    /// Component of the system, and output port.
     pub from: (usize, u32),
-    /// Likewise.
+    /// Component of the system, and input port.
     pub to: (usize, u32),
-    /// The input tells its sources apart by their names.
+    /// The input distinguishes its sources by name.
     pub multiple: bool,
 }
 
-/// All of them, and how they hang together. By component, codel or service of the system.
+/// All parts, and their connections. Indices are components, codels or services of the system.
 #[derive(Debug)]
 pub struct Parts<'s> {
     components: Vec<Option<Part<'s>>>,
     codels: Vec<Option<u32>>,
     functions: Vec<String>,
-    /// Full names of the events that codels declare.
+    /// Full names of the declared events, by codel.
     declared: Vec<Vec<String>>,
-    /// Nanoseconds that codels state at most.
+    /// Stated execution times in nanoseconds, by codel.
     limits: Vec<Option<u64>>,
-    /// Component and service, as in [`Names::components`].
+    /// Component and service, as in [`Names::components`], by service of the system.
     pub(super) services: Vec<(usize, u32)>,
-    /// The codels that copy the values of attributes.
+    /// Codels that copy the values of attributes, by service.
     pub(super) copies: Vec<Option<u32>>,
-    /// What requests of clients of the scenario send.
+    /// Inputs of requests by clients of the scenario, by service.
     pub(super) inputs: Vec<Vec<u8>>,
-    /// Which outputs feed which inputs.
+    /// Flows from outputs to inputs.
     pub feeds: Vec<Feed>,
-    /// Inputs that are not fed because their types hold something else.
+    /// Inputs that are not fed because their types differ.
     pub unlike: Vec<String>,
-    /// The services of the system that remotes stand for, by component and remote.
+    /// Services of the system that remotes stand for, by component and remote.
     remotes: Vec<Vec<Option<usize>>>,
-    /// The client that stands for somebody outside, by component.
+    /// First client that stands for requests from outside. The clients are in the order of components.
     first_outside: Option<usize>,
 }
 
 impl<'s> Parts<'s> {
-    /// `parts` are the components that have hosts, by number in [`Names::components`]; `inputs` what is sent
-    /// to a service, by `component.service`.
+    /// Looks up the parts. `parts` are the components with hosts, by number in [`Names::components`].
+    /// `inputs` are the inputs of a service, by `component.service`.
     pub fn new(
         prepared: &Prepared,
         names: &Names<'s>,
@@ -162,65 +162,65 @@ impl<'s> Parts<'s> {
         }
     }
 
-    /// The service of the system that a remote of a component stands for.
+    /// Returns the service of the system that a remote of a component stands for.
     pub fn remote(&self, component: usize, remote: u32) -> Option<usize> {
         *self.remotes.get(component)?.get(remote as usize)?
     }
 
-    /// Whether somebody outside sends requests, by clients that stand after those of the scenario: see
+    /// Adds clients for requests from outside. They follow the clients of the scenario: see
     /// [`refine`](crate::refine).
     pub fn with_outside(mut self, first: usize) -> Self {
         self.first_outside = Some(first);
         self
     }
 
-    /// The component whose requests a client brings from outside.
+    /// Returns the component to which a client sends requests from outside.
     pub fn outside(&self, client: usize) -> Option<usize> {
         client.checked_sub(self.first_outside?)
     }
 
-    /// The client that brings the requests for a component.
+    /// Returns the client that sends the outside requests to a component.
     pub fn client_of(&self, component: usize) -> Option<usize> {
         Some(self.first_outside? + component)
     }
 
-    /// A component that has a host.
+    /// Returns the component, if it has a host.
     pub fn of(&self, component: usize) -> Option<&Part<'s>> {
         self.components.get(component)?.as_ref()
     }
 
-    /// The number by which a host knows a codel; `None` if it is simulated.
+    /// Returns the number of a codel in its host; `None` if the codel is simulated.
     pub fn codel(&self, codel: usize) -> Option<u32> {
         self.codels.get(codel).copied().flatten()
     }
 
-    /// The function of a codel.
+    /// Returns the function of a codel.
     pub fn function(&self, codel: usize) -> String {
         self.functions.get(codel).cloned().unwrap_or_default()
     }
 
-    /// Whether a codel may end with an event of this full name.
+    /// Returns true if a codel may end with an event of this full name.
     pub fn declares(&self, codel: usize, event: &str) -> bool {
         let declared = self.declared.get(codel);
         declared.is_some_and(|it| it.iter().any(|it| it == event))
     }
 
-    /// The nanoseconds that a codel states at most.
+    /// Returns the stated execution time of a codel, in nanoseconds.
     pub fn limit(&self, codel: usize) -> Option<u64> {
         self.limits.get(codel).copied().flatten()
     }
 
-    /// How many codels run, and how many are simulated.
+    /// Returns the numbers of executed and of simulated codels.
     pub fn counts(&self, system: &TimedSystem) -> (usize, usize) {
         let real = self.codels.iter().flatten().count();
-        // What stands for no codel of a specification (the copies of attributes) counts as neither.
+        // The copies of attributes are codels of no specification, and count as neither.
         let all = system.codels.iter().filter(|it| it.site.is_some()).count();
         (real, all.saturating_sub(real))
     }
 }
 
-/// The component, and its service, that a remote stands for: the only other one that is the interface, or
-/// provides it. `None` too where the parameters hold something else.
+/// Returns the component and service that a remote stands for: the only other component that is the interface
+/// or provides it. `None` also if the types of the parameters differ.
 fn provider(names: &Names<'_>, asking: usize, remote: &Remote) -> Option<(usize, u32)> {
     let own = &names.components[asking];
     let interface = &own.spec.components.get(remote.interface as usize)?.name;

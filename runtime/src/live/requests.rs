@@ -1,18 +1,18 @@
-//! Requests, and what becomes of them: of clients of the scenario, and of whoever is outside.
+//! Requests of clients of the scenario and from outside, from start to answer.
 
 use dotgen_timing::explore::{Stepper, Work};
 
 use super::{Instance, Live};
 use crate::hosts::{Answer, Call, Message, Unanswered, Wanted};
 
-/// Marks the numbers of requests that codels make.
+/// Marks the numbers of requests by codels.
 const OF_CODELS: u64 = 1 << 63;
 
-/// The exception that stands for a component that is gone.
+/// The exception of a request to a component that is lost.
 pub(super) const LOST: &str = "::dotgen::lost";
 
 impl Live<'_> {
-    /// The activities that have begun and ended, and the requests that are handled.
+    /// Begins and ends the requests and activities that the stepper has begun and ended.
     pub(super) fn look(&mut self, stepper: &Stepper) {
         for place in 0..self.places.len() {
             let service = stepper.activity(place);
@@ -31,7 +31,7 @@ impl Live<'_> {
         for component in 0..self.pending.len() {
             match stepper.handling(component) {
                 Some((service, refused)) => {
-                    // An activity may have its place before it is accepted; it is the youngest of its
+                    // An activity may have its place before it is accepted: it is the youngest one of its
                     // service.
                     let places = self.places.iter_mut().flatten();
                     let youngest = places
@@ -56,10 +56,10 @@ impl Live<'_> {
         let component = self.system.services[service].component;
         let number = self.next_instance;
         self.next_instance += 1;
-        // The clients that stand for somebody outside come after those of the scenario.
+        // Clients for requests from outside follow the clients of the scenario.
         let outside = self.parts.outside(client) == Some(component);
         let wanted = match outside {
-            // What was wanted may have been given up meanwhile.
+            // The outside request may have been aborted meanwhile.
             true => {
                 let all = &mut self.wanted[component];
                 let first = all.front().is_some_and(|it| it.service == service);
@@ -85,7 +85,7 @@ impl Live<'_> {
         });
     }
 
-    /// A request is over.
+    /// Ends a request.
     fn finish(&mut self, it: Instance) {
         let service = &self.system.services[it.service];
         let component = service.component;
@@ -119,7 +119,7 @@ impl Live<'_> {
         self.answer(id, answer);
     }
 
-    /// The values of an attribute are copied.
+    /// Copies the values of an attribute.
     fn copy(&mut self, component: usize, codel: u32, instance: u32) {
         let ticket = u32::MAX;
         self.hosts.run(&Call {
@@ -149,13 +149,13 @@ impl Live<'_> {
         }
     }
 
-    /// Whether it is the delay of a client that stands for somebody outside.
+    /// Returns true for the delay of a client that stands for requests from outside.
     pub fn is_outside(&self, work: &Work) -> bool {
         matches!(work, Work::Delay { client } if self.parts.outside(*client).is_some())
     }
 
-    /// Whether a client may go on to a step after a delay: one that stands for somebody outside waits for
-    /// him.
+    /// Returns true if a client may proceed to a step after a delay. A client that stands for requests from
+    /// outside waits for such a request.
     pub fn may_proceed(&self, client: usize, step: usize) -> bool {
         let Some(component) = self.parts.outside(client) else {
             return true;
@@ -166,7 +166,7 @@ impl Live<'_> {
         wanted.is_some_and(|it| requests == Some(it.service))
     }
 
-    /// Interrupts what somebody outside wants no more; `tell` hears of the place of each before.
+    /// Interrupts aborted outside requests. `tell` gets the place of each one before the interruption.
     pub fn abort(&mut self, stepper: &mut Stepper, tell: &mut dyn FnMut(&Stepper, usize)) {
         for id in std::mem::take(&mut self.aborts) {
             let of = |it: &Option<Instance>| it.as_ref().is_some_and(|it| it.wanted == Some(id));
@@ -186,7 +186,8 @@ impl Live<'_> {
         }
     }
 
-    /// Tells that activities were accepted: to be asked after each step.
+    /// Answers that activities were accepted. Must be called after each step. `told` holds the numbers of
+    /// activities already answered.
     pub fn accept(&mut self, stepper: &Stepper, told: &mut Vec<u32>) {
         for place in 0..self.places.len() {
             let Some(it) = &self.places[place] else {
@@ -204,7 +205,8 @@ impl Live<'_> {
         told.retain(|number| self.places.iter().flatten().any(|it| it.number == *number));
     }
 
-    /// A codel asks a service of another component. On the virtual clock no time passes for an answer.
+    /// Handles the call of a remote service by a codel. On the virtual clock there is no answer, because no
+    /// time passes while a codel runs.
     pub(super) fn asked(&mut self, component: usize, ask: u32, remote: u32, inputs: Vec<u8>) {
         let service = self.parts.remote(component, remote);
         let Some(service) = service.filter(|_| !self.waits) else {
@@ -220,7 +222,7 @@ impl Live<'_> {
         }));
     }
 
-    /// Tells whoever wanted something what became of it: somebody outside, or a codel.
+    /// Sends an answer to its destination: outside, or a codel.
     fn answer(&mut self, id: u64, answer: Answer) {
         if id & OF_CODELS == 0 {
             return self.hosts.answer(id, answer);

@@ -1,4 +1,4 @@
-//! Random systems of all that the servers do, as tests of verification make them.
+//! Random systems with all features of the servers, as the tests of verification make them.
 
 use dotgen_analysis::host::UnitResult;
 use dotgen_loaders::unit;
@@ -7,7 +7,7 @@ use dotgen_loaders::unit;
 #[path = "../../../timing/tests/agreement/servers/random.rs"]
 pub(crate) mod random;
 
-/// What the random texts are made with.
+/// The parts from which random texts are made.
 pub(crate) mod systems {
     pub(crate) struct Dice(fastrand::Rng);
 
@@ -30,7 +30,7 @@ pub(crate) mod systems {
     }
 }
 
-/// Specifications, each compiled alone; `None` if one has errors: machines are drawn at random.
+/// Compiles each specification alone; `None` if one has errors, as machines are random.
 pub(crate) fn load(texts: &[String]) -> Option<Vec<UnitResult>> {
     texts.iter().map(|it| unit(it).ok()).collect()
 }

@@ -1,13 +1,13 @@
-//! Which activities each task may execute, as far as the requests of clients tell.
+//! The activities that each task may execute, according to the requests of clients.
 
 use super::course::Activity;
 use super::refusal::Refusal;
 use crate::system::TimedSystem;
 
-/// Instances of one activity, above which a system is refused.
+/// Number of instances of one activity above which a system is refused.
 const INSTANCES: usize = 3;
 
-/// By task, its permanent activity and those that clients may request.
+/// Returns, by task, the permanent activity and the activities that clients may request.
 pub(super) fn activities(system: &TimedSystem) -> Result<Vec<Vec<Activity>>, Refusal> {
     let mut out: Vec<Vec<Activity>> = vec![Vec::new(); system.tasks.len()];
     for (task, it) in system.tasks.iter().enumerate() {
@@ -27,7 +27,7 @@ pub(super) fn activities(system: &TimedSystem) -> Result<Vec<Vec<Activity>>, Ref
         let interrupts =
             |by: &usize| requested[*by] && system.services[*by].interrupts.contains(&service);
         let often = requests(system, service);
-        // Of an activity that interrupts itself one instance at most has begun and not ended.
+        // At most one instance of an activity that interrupts itself has begun and not ended.
         let (instances, again) = match (it.interrupts.contains(&service), often) {
             (true, often) => (1, often != Some(1)),
             (false, Some(often)) => (often, false),
@@ -53,7 +53,7 @@ pub(super) fn activities(system: &TimedSystem) -> Result<Vec<Vec<Activity>>, Ref
     Ok(out)
 }
 
-/// How often clients request a service at most; `None`: there is no limit.
+/// Returns the greatest number of requests for a service; `None` if there is no limit.
 fn requests(system: &TimedSystem, service: usize) -> Option<usize> {
     let mut often = 0;
     for client in &system.clients {

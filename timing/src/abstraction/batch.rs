@@ -1,42 +1,43 @@
-//! Busy windows: jobs that share nothing but cores, taken in one step.
+//! Busy windows: jobs that share only cores, taken in one step.
 //!
-//! Where many jobs are released at the same moment, nearly every set of them can be done first, and there are
-//! too many of these sets (the partial-order reduction for schedule-abstraction graphs of S. Ranjha, G.
-//! Nelissen, M. Nasri, RTSS 2021 and after, is about the same). So a bound on the end of each job is found
-//! without looking at orders. If each keeps its deadline by it, and all are done before the next release,
-//! what follows does not depend on the order either.
+//! If many jobs are released at the same moment, nearly every set of them can be done first, and there are
+//! too many of these sets. (The partial-order reduction for schedule-abstraction graphs of S. Ranjha, G.
+//! Nelissen, M. Nasri, RTSS 2021 and after, treats the same problem.) So a bound on the end of each job is
+//! computed without a distinction of orders. If each job keeps its deadline by its bound, and all jobs are
+//! done before the next release, the subsequent behaviour does not depend on the order either.
 //!
-//! The bound of a job counts, from its release on, what can be done before it gets a core: jobs that go
-//! before it, as far as they may not be done yet, and under earliest deadline first at most one job for each
-//! core that does not, and is under way. While it waits all cores work. The bounds are the least that follow
-//! from each other. Until the first job exceeds its own, all others have kept theirs; so no job is the first.
+//! The bound of a job counts, from its release on, the work that can be done before the job gets a core: jobs
+//! that go before it, as far as they may not be done yet. Under earliest deadline first it also counts, for
+//! each core, at most one job under way that would not go before it. While the job waits all cores work. The
+//! bounds are the least fixed point of these equations. Until the first job exceeds its own bound, all others
+//! have kept theirs; so no job is the first.
 
 use super::course::Then;
 use super::model::Model;
 use super::state::{Cycle, Out, Span, Stage, State};
 use crate::system::Policy;
 
-/// Jobs of a window, at most.
+/// Upper limit on the jobs of a window.
 const JOBS: usize = 2_000;
 
-/// Rounds until bounds no longer change, at most.
+/// Upper limit on the rounds until bounds no longer change.
 const ROUNDS: usize = 200;
 
-/// Systems all of whose tasks share nothing but cores.
+/// A system whose tasks share only cores.
 #[derive(Debug)]
 pub(super) struct Batches<'m> {
     model: &'m Model<'m>,
     cores: i64,
-    /// By thread and rest, the jobs that follow, if all of them end in the same rest.
+    /// Jobs that follow each rest of a thread, if all of them end in the same rest, by thread and rest.
     turns: Vec<Vec<Option<Turn>>>,
 }
 
 /// Jobs of a task that begin after the same rest.
 #[derive(Debug, Clone, Copy)]
 struct Turn {
-    /// The longest of them.
+    /// Longest work of these jobs.
     work: i64,
-    /// The rest after it.
+    /// Rest after the job.
     then: usize,
 }
 
@@ -45,14 +46,14 @@ struct Job {
     release: i64,
     deadline: i64,
     work: i64,
-    /// Under the semantics of the servers the first one is not.
+    /// The job is measured. Under the semantics of the servers the first job is not.
     measured: bool,
-    /// A bound on its end.
+    /// Bound on the end of the job.
     end: i64,
 }
 
 impl<'m> Batches<'m> {
-    /// `None` where some tasks share more, or never pause at a place that is known.
+    /// Returns `None` if some tasks share more than cores, or never pause at a known place.
     pub(super) fn new(model: &'m Model<'m>) -> Option<Self> {
         let cores = i64::try_from(model.cores?).ok()?;
         if model.lent > 0 {
@@ -74,11 +75,11 @@ impl<'m> Batches<'m> {
         })
     }
 
-    /// Takes the busy window that begins with a state, if that proves all its deadlines.
+    /// Takes the busy window at the beginning of a state, if the window proves all its deadlines.
     pub(super) fn follow(&self, s: &State, out: &mut Out) -> bool {
         let rests = |it: usize| {
             let ready = s.when[it].ready;
-            // Who starts another task makes ticks of that one count.
+            // The end of a first pass starts another task, whose ticks count from then on.
             let starts = self.model.threads[it].successor.is_some();
             s.is(it, Stage::Waiting)
                 && (s.done[it].cycle == Cycle::Measured || !starts)
@@ -117,13 +118,13 @@ impl<'m> Batches<'m> {
         true
     }
 
-    /// The jobs that are done before the next one is released, with bounds on their ends by which all keep
-    /// their deadlines.
+    /// Returns the jobs that are done before the next release, with bounds on their ends by which all jobs
+    /// keep their deadlines.
     fn window(&self, s: &State) -> Option<Vec<Job>> {
         let ready = |it: usize| s.when[it].ready.from;
         let mut at: Vec<usize> = s.done.iter().map(|it| it.at as usize).collect();
         let begin = (0..s.done.len()).map(ready).min()?;
-        // What is still under way when it begins.
+        // Work that is still under way at the beginning of the window.
         let rest: i64 = s.free_to.iter().map(|it| (it - begin).max(0)).sum();
         let mut until = begin;
         let mut jobs: Vec<Job> = Vec::new();
@@ -155,6 +156,7 @@ impl<'m> Batches<'m> {
             jobs.sort_by_key(|it| it.release);
             self.bound(&mut jobs, begin, rest)?;
             let over = jobs.iter().map(|it| it.end).max()?;
+            // The window ends when all jobs released so far are done.
             if over <= until {
                 return Some(jobs);
             }
@@ -162,9 +164,11 @@ impl<'m> Batches<'m> {
         }
     }
 
-    /// Finds bounds on the ends of jobs, in the order of their releases; `None` if a deadline may be missed.
+    /// Computes bounds on the ends of jobs, in the order of their releases; `None` if a deadline may be
+    /// missed.
     fn bound(&self, jobs: &mut [Job], begin: i64, rest: i64) -> Option<()> {
         let backlog = backlog(jobs, begin, rest);
+        // Fixed-point iteration from below, which finds the least bounds.
         for _ in 0..ROUNDS {
             let ends: Vec<i64> = (0..jobs.len())
                 .map(|it| self.end(jobs, it, (begin, rest), backlog[it]))
@@ -181,7 +185,8 @@ impl<'m> Batches<'m> {
         None
     }
 
-    /// The latest end of a job, given bounds on those of all others; `None` if it is not before the deadline.
+    /// Returns the latest end of a job, given bounds on those of all others; `None` if the end is not before
+    /// the deadline.
     fn end(
         &self,
         jobs: &[Job],
@@ -200,7 +205,7 @@ impl<'m> Batches<'m> {
             all.filter(|&(it, _)| it != number).map(|(_, it)| it)
         };
         let under_way = |it: &&Job| it.release <= job.release && it.end > job.release;
-        // All cores work while it waits: on what was there before it …
+        // While the job waits, all cores work: on earlier work …
         let left = (begin + rest - job.release).max(0).min(rest);
         let mut last: Vec<i64> = others()
             .filter(under_way)
@@ -221,7 +226,7 @@ impl<'m> Batches<'m> {
         if self.cores == 1 {
             present = present.min(backlog);
         }
-        // … and on what comes while it waits, and goes before it.
+        // … and on work that arrives while the job waits, and goes before it.
         let mut begins = job.release + present / self.cores;
         loop {
             if begins + job.work >= job.deadline {
@@ -238,8 +243,8 @@ impl<'m> Batches<'m> {
     }
 }
 
-/// By job, the work of all others that is left at the moment of its release on one core, at most: those
-/// released at that moment count.
+/// Returns, by job, an upper bound on the remaining work of all other jobs at its release, on one core. Jobs
+/// released at the same moment count.
 fn backlog(jobs: &[Job], begin: i64, rest: i64) -> Vec<i64> {
     let mut out = Vec::with_capacity(jobs.len());
     for job in jobs {
@@ -253,14 +258,15 @@ fn backlog(jobs: &[Job], begin: i64, rest: i64) -> Vec<i64> {
     out
 }
 
-/// The jobs of a task that follow a rest; `None` if they need not come, can end in several rests, or end it.
+/// Returns the jobs of a task that follow a rest; `None` if they may not come, or can end in several rests,
+/// or can be the last.
 fn turn(model: &Model, thread: usize, from: usize) -> Option<Turn> {
     let course = model.course(thread)?;
     let rest = &course.rests[from];
     let (false, &[Then::Goes(first)]) = (rest.skips, &rest.begins[..]) else {
         return None;
     };
-    // Without cycles, a place is looked at once for each way to it; there are few.
+    // Without cycles, a place is visited once for each path to it; there are few.
     let mut todo = vec![(first, 0i64)];
     let (mut work, mut then, mut looked_at) = (0, None, 0);
     while let Some((at, before)) = todo.pop() {

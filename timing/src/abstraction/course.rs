@@ -1,9 +1,7 @@
-//! What a task executes, one codel after the other: its permanent activity and the activities that are
-//! requested of it, put together pass by pass.
+//! The sequences of codels of a task: its permanent activity and its requested activities, pass by pass.
 //!
-//! When requests come is left open: an activity that may be requested can begin in each cycle in which it is
-//! not under way, and one that is interrupted by a service that may be requested can be interrupted before
-//! each pass.
+//! The times of requests are left open. An activity that may be requested can begin in each cycle in which it
+//! is not under way. An activity that a request can interrupt may be interrupted before each pass.
 
 use rustc_hash::FxHashMap;
 
@@ -11,30 +9,30 @@ use super::refusal::Refusal;
 use crate::system::loops::{Visited, beginning, followers};
 use crate::system::{Machine, State, TimedSystem, Yield};
 
-/// Places and rests together, above which a task is refused.
+/// Number of places and rests above which a task is refused.
 const SITUATIONS: usize = 5_000;
 
-/// What a task executes.
+/// The sequences of codels of a task.
 #[derive(Debug)]
 pub(super) struct Course {
     pub(super) places: Vec<Place>,
-    /// The first one is that before the first cycle.
+    /// Rests. The first one is the rest before the first cycle.
     pub(super) rests: Vec<Rest>,
-    /// By rest, where the permanent activity, alone, has paused.
+    /// State at which the permanent activity, alone, has paused, by rest.
     paused: Vec<Option<usize>>,
 }
 
-/// A codel that is executed.
+/// The execution of a codel.
 #[derive(Debug, Default)]
 pub(super) struct Place {
     pub(super) codel: usize,
-    /// What can follow.
+    /// Possible successors.
     pub(super) then: Vec<Then>,
-    /// What can follow an exception, if there can be one.
+    /// Possible successors after an exception, if the codel may throw.
     pub(super) thrown: Vec<Then>,
 }
 
-/// What follows a codel.
+/// The successor of a codel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Then {
     /// Another place in the same cycle.
@@ -48,14 +46,14 @@ pub(super) enum Then {
 /// A task between two cycles.
 #[derive(Debug, Default)]
 pub(super) struct Rest {
-    /// How the next cycle can begin: with a codel, or with its end.
+    /// Possible beginnings of the next cycle: a codel, or the end of the cycle.
     pub(super) begins: Vec<Then>,
-    /// At a tick there may be nothing to do.
+    /// A tick may find no work.
     pub(super) skips: bool,
 }
 
 impl Course {
-    /// The rest in which the permanent activity, alone, has paused at a state.
+    /// Returns the rest in which the permanent activity, alone, has paused at a state.
     pub(super) fn paused_at(&self, state: usize) -> Option<usize> {
         self.paused.iter().position(|it| *it == Some(state))
     }
@@ -67,34 +65,34 @@ pub(super) struct Activity {
     /// Its machine.
     pub(super) machine: usize,
     pub(super) permanent: bool,
-    /// It can be requested again when it has ended.
+    /// The activity can be requested again after its end.
     pub(super) again: bool,
-    /// Some request interrupts it.
+    /// Some request interrupts the activity.
     pub(super) interrupted: bool,
 }
 
-/// Where an activity is.
+/// The state of an activity.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 enum At {
     /// It has not begun.
     Before,
     /// It has ended for good.
     Over,
-    /// It is to execute a codel in this pass.
+    /// It executes a codel in this pass.
     Next(Visited, Stops),
-    /// It goes on in the next pass.
+    /// It continues in the next pass.
     Goes(Visited, Stops),
-    /// It goes on in the next cycle.
+    /// It continues in the next cycle.
     Pauses(usize, Stops),
 }
 
-/// Whether an activity was interrupted.
+/// True if an activity was interrupted.
 type Stops = bool;
 
-/// Where all of them are; the one that executes a codel.
+/// The states of all activities, and the activity that executes a codel.
 type Situation = (Vec<At>, Option<usize>);
 
-/// The course of a task; the permanent activity, if any, is the first.
+/// Returns the course of a task. The permanent activity, if there is one, is the first of `activities`.
 pub(super) fn course(system: &TimedSystem, activities: &[Activity]) -> Result<Course, Refusal> {
     let mut builder = Builder {
         system,
@@ -138,7 +136,7 @@ impl Builder<'_> {
         beginning(machine, machine.loop_limit, state)
     }
 
-    /// Before the first cycle, in which only the permanent activity can begin.
+    /// Adds the rest before the first cycle, in which only the permanent activity can begin.
     fn first(&mut self) {
         self.out.rests.push(Rest::default());
         self.out.paused.push(None);
@@ -149,7 +147,7 @@ impl Builder<'_> {
         self.out.rests[0].begins = self.go_on(&at);
     }
 
-    /// The number of a situation.
+    /// Returns the number of a situation.
     fn number(&mut self, situation: Situation) -> Then {
         if let Some(&it) = self.known.get(&situation) {
             return it;
@@ -217,7 +215,7 @@ impl Builder<'_> {
         for it in self.begin_pass(at, true) {
             begins.extend(self.go_on_in_pass(&it));
         }
-        // Nobody asks for a core in vain, unless what was to begin is interrupted.
+        // A task asks for a core only if it has work, unless the activity to begin is interrupted meanwhile.
         if self.activities.iter().all(|it| !it.interrupted) {
             begins.retain(|it| matches!(it, Then::Goes(_)));
         }
@@ -232,7 +230,7 @@ impl Builder<'_> {
         };
     }
 
-    /// Where an activity is that has ended.
+    /// Returns the state of an activity that has ended.
     fn over(&self, activity: usize) -> At {
         match self.activities[activity].again {
             true => At::Before,
@@ -240,9 +238,9 @@ impl Builder<'_> {
         }
     }
 
-    /// Where an activity is that may have failed. Any other may fail as well in some runs, so that there
-    /// would be a rest for each set of those that have. Instead it is as if it were paused, and need not be
-    /// resumed.
+    /// Returns the state of an activity that may have failed. Any other activity may fail as well in some
+    /// runs, so that there would be a rest for each set of failed activities. Instead a failed activity
+    /// counts as paused, and need not be resumed.
     fn fades(&self, activity: usize, stops: Stops) -> Option<At> {
         if self.activities[activity].again {
             return None;
@@ -257,7 +255,7 @@ impl Builder<'_> {
         })
     }
 
-    /// What can follow in a pass, or after it.
+    /// Returns the possible successors in a pass, or after it.
     fn go_on(&mut self, at: &[At]) -> Vec<Then> {
         let next = at.iter().any(|it| matches!(it, At::Next(..)));
         let goes = at.iter().any(|it| matches!(it, At::Goes(..)));
@@ -271,8 +269,8 @@ impl Builder<'_> {
         out
     }
 
-    /// What can follow in a pass. The permanent activity has the first slot; the slots of others are not
-    /// known.
+    /// Returns the possible successors in a pass. The permanent activity has the first slot; the slots of
+    /// others are not known.
     fn go_on_in_pass(&mut self, at: &[At]) -> Vec<Then> {
         let next = (0..at.len()).filter(|&it| matches!(at[it], At::Next(..)));
         let mut next: Vec<usize> = next.collect();
@@ -289,7 +287,8 @@ impl Builder<'_> {
             .collect()
     }
 
-    /// How a pass can begin. Only the first one of a cycle begins and resumes activities.
+    /// Returns the possible beginnings of a pass. Only the first pass of a cycle begins and resumes
+    /// activities.
     fn begin_pass(&self, at: &[At], first: bool) -> Vec<Vec<At>> {
         let mut out: Vec<Vec<At>> = vec![Vec::new()];
         for (activity, it) in at.iter().enumerate() {

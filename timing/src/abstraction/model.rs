@@ -1,4 +1,4 @@
-//! What of a system the middle tier looks at, and what it refuses.
+//! The model of the middle tier, and the systems that it refuses.
 
 use super::activities::activities;
 use super::course::{Activity, Course, course};
@@ -9,58 +9,58 @@ use crate::system::{
     CodelSet, FOREVER, LockOrder, Machine, Policy, Ticks, TimedSystem, Yield, pauseless_cycles,
 };
 
-/// Jobs in the time after which everything comes again, above which a system is refused.
+/// Number of jobs in a hyperperiod above which a system is refused.
 const JOBS: i64 = 20_000;
 
-/// Combinations of places in which tasks can be when they have started, above which a system is refused.
+/// Number of combinations of initial places of tasks above which a system is refused.
 const BEGINNINGS: usize = 64;
 
-/// Tasks that are looked at together.
+/// Tasks that are analysed together.
 #[derive(Debug)]
 pub(super) struct Model<'s> {
     pub(super) system: &'s TimedSystem,
     pub(super) threads: Vec<Thread>,
-    /// Cores, where there are fewer than tasks.
+    /// Number of cores, if there are fewer cores than tasks.
     pub(super) cores: Option<usize>,
-    /// How many of the cores may be held by others at any time.
+    /// Number of cores that other threads may hold at any time.
     pub(super) lent: usize,
-    /// By group, what others do to it.
+    /// Interference by other threads, by group.
     pub(super) interference: Vec<Option<Interference>>,
     pub(super) policy: Policy,
-    /// Whether codels wait in a queue, or any that waits may be next.
+    /// Codels wait in a queue. Otherwise any waiting codel may be next.
     pub(super) queue: bool,
-    /// By codel, whether some codel waits for it.
+    /// Codels for which some codel waits, by codel.
     pub(super) waited_for: Vec<bool>,
-    /// How many groups of tasks there are whose codels wait for each other.
+    /// Number of groups of tasks whose codels wait for each other.
     pub(super) groups: usize,
-    /// The time after which all ticks come again.
+    /// Time after which all ticks repeat, in base units.
     pub(super) hyperperiod: i64,
 }
 
 /// A task.
 #[derive(Debug)]
 pub(super) struct Thread {
-    /// Its number in the system.
+    /// Number of the task in the system.
     pub(super) task: usize,
     pub(super) period: i64,
-    /// Its first tick.
+    /// First tick, in base units.
     pub(super) first: i64,
-    /// What it executes; `None`: nothing.
+    /// Sequences of codels; `None` if there are none.
     pub(super) course: Option<Course>,
-    /// Its group.
+    /// Group.
     pub(super) group: usize,
-    /// Whether it shares anything with the others of its group.
+    /// The task shares locks with others of its group.
     pub(super) contends: bool,
-    /// Rests in which it can be before its first tick; servers: none, it begins with the first one.
+    /// Possible rests before the first tick. Servers: none, as the task begins with the first rest.
     pub(super) paused: Vec<usize>,
-    /// Servers: the thread that is started when its first pass has ended.
+    /// Servers: thread that is started after the first pass of this one.
     pub(super) successor: Option<usize>,
-    /// Servers: it is started by another one.
+    /// Servers: another thread starts this one.
     pub(super) started: bool,
 }
 
 impl Thread {
-    /// The time of one of its ticks.
+    /// Returns the time of one of the thread's ticks, in base units.
     pub(super) fn tick(&self, number: i64) -> i64 {
         self.first + number * self.period
     }
@@ -72,7 +72,7 @@ impl Model<'_> {
     }
 }
 
-/// The parts of a system that can be looked at apart; or why it is refused.
+/// Returns the parts of a system that can be analysed separately, or the reason for a refusal.
 pub(super) fn models(system: &TimedSystem) -> Result<Vec<Model<'_>>, Refusal> {
     let platform = &system.platform;
     let servers = platform.semantics == Semantics::SERVERS && platform.locks == LockOrder::Queue;
@@ -87,7 +87,7 @@ pub(super) fn models(system: &TimedSystem) -> Result<Vec<Model<'_>>, Refusal> {
     let needing = needing.count();
     let enough = platform.cores.is_none_or(|it| it as usize >= needing);
     let tied = system.tasks.iter().any(|it| it.affinity.is_some());
-    // Where cores are taken away, control tasks take them too.
+    // Under preemption, control tasks take cores as well.
     let controls = if asked { system.components.len() } else { 0 };
     let all = system.tasks.len() + controls;
     let alone = platform.cores.is_none_or(|it| it as usize >= all);
@@ -150,7 +150,7 @@ pub(super) fn models(system: &TimedSystem) -> Result<Vec<Model<'_>>, Refusal> {
         let cores = platform.cores.map(|it| it as usize);
         return Ok(vec![whole(threads, cores, groups)?]);
     }
-    // Without a core to share, tasks meet only in their groups, and where one starts another.
+    // Without shared cores, tasks interact only in their groups, and where one starts another.
     let parts = parts(&threads);
     let models = parts.into_iter().map(|part| {
         let all = std::mem::take(&mut threads).into_iter();
@@ -172,7 +172,7 @@ pub(super) fn models(system: &TimedSystem) -> Result<Vec<Model<'_>>, Refusal> {
     models.collect()
 }
 
-/// The codels of some activities.
+/// Returns the codels of some activities.
 fn codels(system: &TimedSystem, activities: &[Activity]) -> CodelSet {
     let mut all = CodelSet::default();
     for it in activities {
@@ -239,7 +239,7 @@ fn thread(
     })
 }
 
-/// Published models: where a machine pauses first, if that takes no time.
+/// Published models: returns the states at which a machine can pause first, if that takes no time.
 fn after_start_up(system: &TimedSystem, machine: &Machine) -> Result<Vec<usize>, Refusal> {
     let ends = |state: &crate::system::State| {
         system.codels[state.codel].throws || state.yields.contains(&Yield::End)
@@ -277,8 +277,8 @@ fn waited_for(system: &TimedSystem) -> Vec<bool> {
     out
 }
 
-/// Puts tasks whose codels wait for each other into groups. With a queue, all tasks of a component in which
-/// anybody waits for anybody are one, as the queue is one.
+/// Puts tasks whose codels wait for each other into groups. With a queue, all tasks of a component with any
+/// conflict belong to one group, because they share the queue.
 fn group(
     system: &TimedSystem,
     threads: &mut [Thread],
@@ -287,7 +287,7 @@ fn group(
 ) -> usize {
     let component = |task: usize| system.tasks[task].component;
     let tasks: Vec<usize> = threads.iter().map(|it| it.task).collect();
-    // Whether others of its component wait for a task, or it for them, or they for each other.
+    // True if others of its component wait for a task, or the task for them, or others for each other.
     let disturbed = |thread: usize| {
         let own = component(tasks[thread]);
         let others: Vec<&Other> = others.iter().filter(|it| it.component == own).collect();
@@ -336,7 +336,8 @@ fn group(
     numbers.len()
 }
 
-/// Servers: each task is started by the one before it. For now successors are numbers of tasks.
+/// Servers: sets the successors, because each task is started by the previous one. For now successors are
+/// numbers of tasks.
 fn chain(system: &TimedSystem, threads: &mut [Thread]) -> Result<(), Refusal> {
     for component in &system.components {
         for pair in component.tasks.windows(2) {
@@ -346,7 +347,7 @@ fn chain(system: &TimedSystem, threads: &mut [Thread]) -> Result<(), Refusal> {
                     threads[one].successor = Some(pair[1]);
                     threads[next].started = true;
                 }
-                // When that one starts is not known.
+                // The start of the aperiodic task is not known.
                 (None, Some(_)) => return Err(Refusal::Aperiodic),
                 (_, None) => {}
             }
@@ -355,7 +356,7 @@ fn chain(system: &TimedSystem, threads: &mut [Thread]) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// Tasks that are connected by groups or by starting one another, as numbers in the system.
+/// Returns sets of tasks that are connected by groups or by starting one another, as numbers in the system.
 fn parts(threads: &[Thread]) -> Vec<Vec<usize>> {
     let mut of: Vec<usize> = (0..threads.len()).collect();
     let mut join = |one: usize, other: usize| {
@@ -383,7 +384,7 @@ fn parts(threads: &[Thread]) -> Vec<Vec<usize>> {
     out
 }
 
-/// The least common multiple of all periods.
+/// Returns the least common multiple of all periods.
 fn hyperperiod(threads: &[Thread]) -> Result<i64, Refusal> {
     let mut all: i64 = 1;
     for it in threads {

@@ -1,7 +1,7 @@
-//! Who takes tickets beside the tasks that are followed: control tasks, and tasks without period.
+//! Threads outside the abstraction that take tickets: control tasks, and tasks without a period.
 //!
-//! When they do is left open. Each of them has one ticket at a time, so a codel that has taken a ticket finds
-//! at most one codel of each of them before it: one that executes, or one that is ahead in the queue.
+//! The times of their tickets are left open. Each of these threads has at most one ticket at a time. So when
+//! a codel takes a ticket, at most one codel of each thread is before it: executing, or ahead in the queue.
 
 use crate::system::{CodelSet, FOREVER, TimedSystem};
 
@@ -13,19 +13,19 @@ pub(super) struct Other {
 }
 
 impl Other {
-    /// Whether one of its codels waits for one of these, or the other way round.
+    /// Returns true if one of its codels waits for one of `codels`, or the other way round.
     pub(super) fn meets(&self, system: &TimedSystem, codels: &CodelSet) -> bool {
         waits(system, &self.codels, codels) || waits(system, codels, &self.codels)
     }
 }
 
-/// Whether one of the first waits for one of the second.
+/// Returns true if some codel of `first` waits for some codel of `second`.
 pub(super) fn waits(system: &TimedSystem, first: &CodelSet, second: &CodelSet) -> bool {
     let mut first = first.iter();
     first.any(|it| system.codels[it].conflicts.intersects(second))
 }
 
-/// All of them. `codels`: by task, those that it may execute.
+/// Returns all of these threads. `codels` are the codels that each task may execute.
 pub(super) fn others(system: &TimedSystem, codels: &[CodelSet]) -> Vec<Other> {
     let requested = system.requested();
     let mut out: Vec<Other> = Vec::new();
@@ -47,17 +47,17 @@ pub(super) fn others(system: &TimedSystem, codels: &[CodelSet]) -> Vec<Other> {
     out
 }
 
-/// What the others do to the tasks of a group.
+/// The interference of other threads with the tasks of a group.
 #[derive(Debug, Default)]
 pub(super) struct Interference {
-    /// One of theirs, at the head of the queue, may wait for these.
+    /// Codels for which a codel of another thread, at the head of the queue, may wait.
     pub(super) waits_for: CodelSet,
-    /// By codel, how long it waits for theirs at most, when all else that is before it has begun or ended;
+    /// Longest wait of each codel for other threads, after all other codels before it have begun or ended;
     /// `None`: for ever.
     pub(super) longest: Vec<Option<i64>>,
 }
 
-/// What the others of a component do to its tasks; nothing if there are none.
+/// Returns the interference of other threads of a component with its tasks; `None` if there are none.
 pub(super) fn interference(system: &TimedSystem, others: &[&Other]) -> Option<Interference> {
     if others.is_empty() {
         return None;

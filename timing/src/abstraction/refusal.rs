@@ -1,36 +1,35 @@
-//! Why the middle tier has no bounds.
+//! The reasons why the middle tier has no bounds.
 
 use std::fmt;
 
-/// Why a system has no bounds of the middle tier.
+/// The reason why a system has no bounds from the middle tier.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Refusal {
-    /// It follows neither the servers nor the published models in every point, or has a lock order that is
-    /// not treated.
+    /// Some point of the semantics differs from both presets, or the lock order is not supported.
     Semantics,
-    /// Cores are taken away from codels that execute.
+    /// Executing codels can be preempted.
     Preemption,
     /// Clients request services.
     Requests,
     /// A task has no period.
     Aperiodic,
-    /// A task keeps its tick while it has nothing to do.
+    /// A task keeps its tick while it has no work.
     KeepsTicks,
-    /// A codel is executed by a separate thread.
+    /// A separate thread executes a codel.
     Apart,
-    /// A turn need not come to a pause.
+    /// A turn need not reach a pause.
     WithoutPause,
     /// A codel has no longest time.
     Endless,
-    /// Published models: starting up takes time, or can lead to too many places.
+    /// Published models: start-up takes time, or can lead to too many places.
     StartUp,
     /// Published models: a task has no permanent activity, or one that can end.
     Ends,
-    /// The tasks come together again too late.
+    /// The hyperperiod is too long.
     Hyperperiod,
-    /// More states were looked at than the budget allows.
+    /// The number of states exceeds the budget.
     States {
-        /// So many.
+        /// Number of states.
         looked_at: usize,
     },
     /// A job may still be under way when the next tick of its task comes.
@@ -38,7 +37,7 @@ pub enum Refusal {
         /// The task.
         task: usize,
     },
-    /// Nobody wants it any more, or time is up.
+    /// The verification was cancelled, or the time limit is reached.
     Cancelled,
 }
 

@@ -1,4 +1,4 @@
-//! The graph of states, built within a budget.
+//! The construction of the state graph, within a budget.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -12,35 +12,34 @@ use super::refusal::Refusal;
 use super::state::{Done, Out, State, When};
 use crate::cancel::Cancel;
 
-/// Bytes of a state with its key, where the lists of them double.
+/// Returns the bytes of a state with its key, as the lists of them double.
 fn bytes_of_state(model: &Model) -> usize {
     let place = 2 * size_of::<Done>() + size_of::<When>();
     let fixed = size_of::<State>() + size_of::<(Box<[Done]>, usize)>() + 4 * size_of::<usize>();
     2 * fixed + model.threads.len() * (place + 4 * size_of::<i64>())
 }
 
-/// The graph of one part of a system.
+/// The state graph of one part of a system.
 pub(super) struct Search<'m> {
     model: &'m Model<'m>,
     cancel: &'m Cancel,
     batches: Option<Batches<'m>>,
-    /// States that are looked at, at most.
+    /// Upper limit on the states that are followed.
     budget: usize,
-    /// States that are kept, at most.
+    /// Upper limit on the states that are kept.
     room: usize,
     known: FxHashMap<Box<[Done]>, usize>,
     states: Vec<State>,
-    /// Which states have become wider since they were followed.
+    /// States that have become wider since they were followed.
     open: Vec<bool>,
-    /// Those, the ones with the fewest steps first: what leads to the same comes together before it is
-    /// followed.
+    /// Open states, those with the fewest steps first, so that states are merged before they are followed.
     next: BinaryHeap<Reverse<(usize, usize)>>,
-    /// By thread, the longest response time so far.
+    /// Longest response time so far, by thread, in base units.
     worst: Vec<i64>,
 }
 
 impl<'m> Search<'m> {
-    /// With `batches`, busy windows are taken as a whole where that proves their deadlines.
+    /// Prepares a search. With `batches`, busy windows are taken in one step if that proves their deadlines.
     pub(super) fn new(
         model: &'m Model<'m>,
         batches: Option<Batches<'m>>,
@@ -61,7 +60,7 @@ impl<'m> Search<'m> {
         }
     }
 
-    /// By thread, a bound on its response time.
+    /// Returns, by thread, a bound on its response time in base units.
     pub(super) fn run(mut self) -> Result<Vec<i64>, Refusal> {
         for s in self.model.initial() {
             self.add(s);

@@ -1,21 +1,21 @@
-//! What follows the end of a codel: the end of a job, the ticks that came meanwhile, and the start of the
-//! next task.
+//! The consequences of the end of a codel: the end of a job, the ticks that came meanwhile, and the start of
+//! the next task.
 
 use super::course::Then;
 use super::model::Model;
 use super::refusal::Refusal;
 use super::state::{Cycle, Done, Out, Span, Stage, State, When};
 
-/// How a codel ends.
+/// The outcome of a codel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum End {
     /// Another place follows in the same job.
     GoesOn(usize),
     /// The job is done; this rest comes before the next one.
     Pauses(usize),
-    /// There is nothing more to execute.
+    /// No further codel follows.
     Ends,
-    /// It has ended by an exception.
+    /// The codel has thrown an exception.
     Fails,
 }
 
@@ -30,7 +30,7 @@ impl From<Then> for End {
 }
 
 impl Model<'_> {
-    /// The states in which tasks have done nothing yet.
+    /// Returns the initial states, in which no task has done anything.
     pub(super) fn initial(&self) -> Vec<State> {
         let threads = self.threads.len();
         let off = Done {
@@ -79,7 +79,7 @@ impl Model<'_> {
         out
     }
 
-    /// The next job of a task is released.
+    /// Releases the next job of a task.
     fn release(
         &self,
         s: &mut State,
@@ -88,7 +88,7 @@ impl Model<'_> {
         cycle: Cycle,
         at: usize,
     ) {
-        // In its first pass it asks for a core whatever there is to do.
+        // In its first pass a task asks for a core whether it has work or not.
         let skips =
             cycle == Cycle::Measured && self.course(thread).is_some_and(|it| it.rests[at].skips);
         let it = &mut s.done[thread];
@@ -103,9 +103,9 @@ impl Model<'_> {
         s.when[thread].since = ready.from;
     }
 
-    /// Where a task is idle, or started, from some moment on, and its next tick but for those before that
-    /// moment has a number: when its next job is released, and the number of the tick that comes after that.
-    /// Several ticks that came before count as one.
+    /// Returns the possible releases of the next job, each with the number of the tick after it. The task is
+    /// idle, or started, from `from` on. `next` is the number of the next tick, not counting ticks before
+    /// that moment. Several such ticks count as one.
     fn releases(&self, thread: usize, from: Span, next: i64) -> Vec<(Span, i64)> {
         let it = &self.threads[thread];
         let mut out = Vec::new();
@@ -127,7 +127,7 @@ impl Model<'_> {
         out
     }
 
-    /// A codel of a task ends.
+    /// Ends a codel of a task.
     pub(super) fn end_codel(
         &self,
         mut s: State,
@@ -186,7 +186,7 @@ impl Model<'_> {
         Ok(())
     }
 
-    /// The next job of a task is released after a rest.
+    /// Releases the next job of a task after a rest.
     fn rest(&self, s: &State, thread: usize, end: Span, at: usize) -> Vec<State> {
         let next = i64::from(s.done[thread].next);
         let releases = match s.done[thread].cycle {
@@ -201,7 +201,7 @@ impl Model<'_> {
         releases.into_iter().map(released).collect()
     }
 
-    /// A tick of an idle task: there is nothing to do, or it asks for a core.
+    /// Handles a tick of an idle task: there is no work, or the task asks for a core.
     pub(super) fn tick(&self, s: &State, thread: usize, when: Span, out: &mut Out) {
         let mut asks = s.clone();
         asks.steps += 1;
@@ -218,13 +218,13 @@ impl Model<'_> {
         }
     }
 
-    /// A task has nothing to execute any more.
+    /// Removes a task that has nothing left to execute.
     fn leave(&self, s: &mut State, thread: usize) {
         let it = &mut s.done[thread];
         (it.stage, it.cycle, it.at, it.next) = (Stage::Gone, Cycle::Measured, 0, 0);
     }
 
-    /// The first pass of a task has ended, and the next one is started; after a failure, none ever is.
+    /// Starts the next task after the first pass of a task. After a failure, no further task is started.
     fn start(&self, mut s: State, thread: usize, end: Span, how: End) -> Vec<State> {
         if how == End::Fails {
             let mut next = Some(thread);
@@ -243,7 +243,7 @@ impl Model<'_> {
         releases.map(released).collect()
     }
 
-    /// Where there are cores enough, nobody waits for one.
+    /// Grants cores at once if there are enough cores for all tasks.
     fn settle(&self, s: State) -> Vec<State> {
         if self.cores.is_some() {
             return vec![s];
@@ -264,7 +264,7 @@ impl Model<'_> {
         out
     }
 
-    /// How a job can begin after a rest.
+    /// Returns the possible beginnings of a job after a rest.
     pub(super) fn begins(&self, s: &State, thread: usize) -> Vec<End> {
         match self.course(thread) {
             Some(it) => {
@@ -275,7 +275,7 @@ impl Model<'_> {
         }
     }
 
-    /// A job begins: with a codel, or with its end.
+    /// Begins a job: with a codel, or with its end.
     pub(super) fn begin_job(
         &self,
         mut s: State,

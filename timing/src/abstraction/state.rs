@@ -1,8 +1,8 @@
-//! A state: what has been done, and when.
+//! Abstract states: the work done, and intervals of times.
 
 use super::model::Model;
 
-/// A moment that is only known to lie between two others, both included.
+/// A time, in base units, that lies between two limits, both included.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Span {
     pub(super) from: i64,
@@ -17,7 +17,7 @@ impl Span {
         }
     }
 
-    /// The later of two moments.
+    /// Returns the later of two times.
     pub(super) fn max(self, other: Span) -> Self {
         Span {
             from: self.from.max(other.from),
@@ -25,7 +25,7 @@ impl Span {
         }
     }
 
-    /// Widens it so that it contains another one; whether it did not.
+    /// Widens the interval to contain another one. Returns true if it already did.
     fn widen(&mut self, other: Span) -> bool {
         let before = *self;
         self.from = self.from.min(other.from);
@@ -39,91 +39,90 @@ impl Span {
     }
 }
 
-/// Where a task is.
+/// The stage of a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Stage {
     /// Servers: not started yet.
     Off,
-    /// Its next tick comes, and may find nothing to do.
+    /// Its next tick comes, and may find no work.
     Idle,
     /// Its next job has been released, or will be, and has no core yet.
     Waiting,
-    /// In a job: its next codel takes a ticket (or waits for its locks) when the last one has ended.
+    /// In a job: its next codel takes a ticket (or waits for its locks) when the previous one has ended.
     Active,
-    /// It has nothing to execute any more.
+    /// It has nothing left to execute.
     Gone,
 }
 
 impl Stage {
-    /// Whether something is still to be executed, as far as is known, by who has been started.
+    /// Returns true if a task has been started and may have work left.
     pub(super) fn is_live(self) -> bool {
         matches!(self, Stage::Idle | Stage::Waiting | Stage::Active)
     }
 }
 
-/// Which cycle of a task it is, under the semantics of the servers.
+/// The cycle of a task, under the semantics of the servers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Cycle {
-    /// The first one; the next task is started when its first pass ends.
+    /// The first cycle, in its first pass; the next task is started at the end of this pass.
     FirstPass,
-    /// The first one, later on.
+    /// The first cycle, after its first pass.
     First,
-    /// One that is measured.
+    /// A measured cycle.
     Measured,
 }
 
-/// What a task has done.
+/// The work that a task has done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) struct Done {
     pub(super) stage: Stage,
     pub(super) cycle: Cycle,
-    /// Active: the place that comes next. Before: the rest.
+    /// Active: number of the next place. Otherwise: number of the rest.
     pub(super) at: u16,
-    /// Number of the tick that comes after the release of its job.
+    /// Number of the tick after the release of its job.
     pub(super) next: i32,
-    /// The codel it executed last, counted from 1, if somebody may still have to wait for its end.
+    /// Last executed codel, counted from 1, if another codel may still wait for its end.
     pub(super) held: u32,
 }
 
-/// When.
+/// The times of a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct When {
-    /// Waiting: when the job is released. Active: when its next codel is ready.
+    /// Waiting: release of the job. Active: time at which its next codel is ready.
     pub(super) ready: Span,
-    /// From when on the response time counts, at the earliest.
+    /// Earliest time from which the response time counts.
     pub(super) since: i64,
-    /// When the codel executed last ends.
+    /// End of the last executed codel.
     pub(super) held: Span,
 }
 
-/// Where steps lead.
+/// The results of a step.
 pub(super) struct Out<'o> {
     pub(super) states: &'o mut Vec<State>,
-    /// By thread, the longest response time so far.
+    /// Longest response time so far, by thread, in base units.
     pub(super) worst: &'o mut [i64],
 }
 
 /// A state of the graph.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct State {
-    /// By thread.
+    /// Work done, by thread.
     pub(super) done: Vec<Done>,
     pub(super) when: Vec<When>,
-    /// Cores whose last job is done up to its last codel. The first of them is free at the first moment, and
-    /// so on: no earlier …
+    /// Times at which cores become free after the last codel of their job, in ascending order: no earlier …
     pub(super) free_from: Vec<i64>,
     /// … and no later.
     pub(super) free_to: Vec<i64>,
-    /// By group, when the last codel began.
+    /// Beginning of the last codel, by group.
     pub(super) begun: Vec<Span>,
-    /// No core is given any more before this moment.
+    /// No core is granted before this time.
     pub(super) given: i64,
-    /// Steps from the first state to here; not part of what has been done.
+    /// Number of steps from the first state; not part of the key.
     pub(super) steps: usize,
 }
 
 impl State {
-    /// What it has in common with all states that are the same.
+    /// Returns the key: states with equal keys are merged.
     pub(super) fn key(&self) -> Box<[Done]> {
         self.done.clone().into_boxed_slice()
     }
@@ -136,13 +135,13 @@ impl State {
         (0..self.done.len()).filter(move |&it| self.is(it, stage))
     }
 
-    /// Threads that still have something to execute, and have been started.
+    /// Returns the threads that have been started and have work left.
     fn live(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.done.len()).filter(|&it| self.done[it].stage.is_live())
     }
 
-    /// Widens the intervals so that they contain those of another state in which the same has been done;
-    /// whether they did not.
+    /// Widens the intervals to contain those of another state with the same key. Returns true if they already
+    /// did.
     pub(super) fn widen(&mut self, other: &State) -> bool {
         let mut wider = false;
         for (one, other) in self.when.iter_mut().zip(&other.when) {
@@ -163,12 +162,12 @@ impl State {
         wider | lower(&mut self.given, other.given)
     }
 
-    /// Forgets what no longer matters, and counts from the hyperperiod in which the oldest job was released.
+    /// Clears irrelevant data, and counts times from the hyperperiod in which the oldest job was released.
     pub(super) fn tidy(&mut self, model: &Model) {
         let Some(now) = self.live().map(|it| self.when[it].ready.from).min() else {
             return;
         };
-        // Nobody gets a core before somebody is ready.
+        // No core is granted before some task is ready.
         self.free_from.iter_mut().for_each(|it| *it = now.max(*it));
         self.free_to.iter_mut().for_each(|it| *it = now.max(*it));
         self.given = self.given.max(now);

@@ -1,8 +1,7 @@
-//! The two kinds of steps: a task is given a core, and a codel begins.
+//! The two kinds of steps: a task gets a core, and a codel begins.
 //!
-//! Cores are given in the order of time, and the codels of a group take their tickets (or their locks) in the
-//! order of time. Steps that are not ordered by that can be taken in any order, as what is known of each
-//! remains true.
+//! Cores are granted in order of time, and the codels of a group take their tickets (or their locks) in order
+//! of time. Other steps can be taken in any order, because the knowledge about each of them remains true.
 
 use super::model::Model;
 use super::refusal::Refusal;
@@ -11,7 +10,7 @@ use super::state::{Cycle, Out, Span, Stage, State};
 use crate::system::{CodelSet, Policy};
 
 impl Model<'_> {
-    /// The states that follow a state, in which each run that has come to it goes on.
+    /// Writes the successors of a state. Each run that reaches the state continues in one of them.
     pub(super) fn follow(&self, s: &State, out: &mut Out) -> Result<(), Refusal> {
         if let Some((group, until)) = self.undisturbed(s) {
             let own = |&it: &usize| self.threads[it].group == group;
@@ -22,7 +21,7 @@ impl Model<'_> {
             }
             return Ok(());
         }
-        // The next step of all, in the order of time, whatever it is: the others come no earlier.
+        // Next step of all, in the order of time: no other step comes earlier.
         let active = s.all(Stage::Active).map(|it| self.latest(s, it));
         let ticks = s.all(Stage::Idle).map(|it| s.when[it].ready.to);
         let until = active.chain(ticks).min().unwrap_or(i64::MAX);
@@ -51,8 +50,8 @@ impl Model<'_> {
         Ok(())
     }
 
-    /// A group whose next codel begins before any task of it that has no core yet can be given one; and by
-    /// when. What other groups do makes no difference to it.
+    /// Returns a group whose next codel begins before any of its tasks without a core can get one, and the
+    /// latest time of that. Other groups make no difference.
     fn undisturbed(&self, s: &State) -> Option<(usize, i64)> {
         let mut until = vec![i64::MAX; self.groups];
         let mut holder = i64::MAX;
@@ -79,7 +78,7 @@ impl Model<'_> {
         (until != i64::MAX).then_some((group, until))
     }
 
-    /// The codel that an active task executes next.
+    /// Returns the next codel of an active task.
     fn codel(&self, s: &State, thread: usize) -> Option<usize> {
         let place = self
             .course(thread)?
@@ -88,13 +87,14 @@ impl Model<'_> {
         Some(place.codel)
     }
 
-    /// When everything has ended that the next codel of a task has to wait for, as far as it has begun.
+    /// Returns the time at which all begun codels have ended that the next codel of a task waits for.
     fn holders(&self, s: &State, thread: usize) -> Option<Span> {
         let codel = self.codel(s, thread)?;
         self.ends_of(s, thread, &self.system.codels[codel].conflicts)
     }
 
-    /// When all of these have ended, as far as they have begun; those of the task itself have.
+    /// Returns the time at which all of these codels have ended, as far as they have begun. Codels of the
+    /// task itself have ended.
     fn ends_of(&self, s: &State, thread: usize, codels: &CodelSet) -> Option<Span> {
         let it = &self.threads[thread];
         if !it.contends {
@@ -109,7 +109,7 @@ impl Model<'_> {
             .reduce(|one, other| one.max(other))
     }
 
-    /// The earliest moment of the next step of an active task: that it takes a ticket, or begins.
+    /// Returns the earliest time of the next step of an active task: taking a ticket, or beginning.
     fn earliest(&self, s: &State, thread: usize) -> i64 {
         let ready = s.when[thread].ready.from;
         match self.holders(s, thread).filter(|_| !self.queue) {
@@ -118,7 +118,8 @@ impl Model<'_> {
         }
     }
 
-    /// The latest moment of the same, unless another one of the group comes first.
+    /// Returns the latest time of the next step of an active task, unless another one of the group comes
+    /// first.
     fn latest(&self, s: &State, thread: usize) -> i64 {
         let ready = s.when[thread].ready.to;
         match self.holders(s, thread).filter(|_| !self.queue) {
@@ -127,8 +128,8 @@ impl Model<'_> {
         }
     }
 
-    /// A codel takes its ticket (or begins, where there is no queue), before all others of its group that
-    /// have not yet and by `until`.
+    /// Lets a codel take its ticket (or begin, without a queue), by `until` and before all other waiting
+    /// codels of its group.
     fn begin_codel(
         &self,
         s: &State,
@@ -152,12 +153,13 @@ impl Model<'_> {
         if it.contends {
             let ticket = begin;
             if self.queue {
-                // Behind the one before, and not while somebody executes that it has to wait for.
+                // After the previous codel of the queue, and not while a conflicting codel executes.
                 begin = begin.max(s.begun[it.group]);
                 if let Some(holders) = self.holders(&s, thread) {
                     begin = begin.max(holders);
                 }
-                // Requests are taken, and tasks without period started, after the first passes of all tasks.
+                // The first passes of all tasks come before requests, and before the start of tasks without a
+                // period.
                 let first = s.done[thread].cycle == Cycle::FirstPass;
                 if let Some(others) = self.interference[it.group].as_ref().filter(|_| !first) {
                     let awaited = self.ends_of(&s, thread, &others.waits_for);
@@ -165,6 +167,8 @@ impl Model<'_> {
                     begin.to += others.longest[place.codel].ok_or(Refusal::Endless)?;
                 }
             }
+            // This codel comes first, so all others of the group take their tickets (or, without a queue,
+            // begin) no earlier.
             let others = |&other: &usize| other != thread && self.threads[other].group == it.group;
             let others: Vec<usize> = s.all(Stage::Active).filter(others).collect();
             for other in others {
@@ -186,7 +190,7 @@ impl Model<'_> {
             s.done[thread].held = place.codel as u32 + 1;
             s.when[thread].held = end;
         }
-        // Who fails in the first pass does so as a component that never starts.
+        // A failure in the first pass means that the component never starts.
         let fails = !place.thrown.is_empty() && s.done[thread].cycle == Cycle::FirstPass;
         let thrown = place.thrown.iter().filter(|_| !fails);
         for &it in place.then.iter().chain(thrown) {
@@ -198,14 +202,15 @@ impl Model<'_> {
         Ok(())
     }
 
-    /// By when the next core is given, if somebody waits for it and one is known to be free by then.
+    /// Returns the latest time of the next grant of a core, if a task waits for one and a core is known to be
+    /// free by then.
     fn given_by(&self, s: &State) -> Option<i64> {
         let released = s.all(Stage::Waiting).map(|it| s.when[it].ready.to).min()?;
-        // Others may hold the cores that are free first.
+        // Other threads may hold the cores that are free first.
         Some(released.max(*s.free_to.get(self.lent)?))
     }
 
-    /// When a task can be the next that is given a core.
+    /// Returns the times at which a task can be the next to get a core.
     fn gets_core(&self, s: &State, thread: usize) -> Option<Span> {
         let ready = s.when[thread].ready;
         let from = ready.from.max(*s.free_from.first()?).max(s.given);
@@ -220,7 +225,7 @@ impl Model<'_> {
                     else {
                         continue;
                     };
-                    // Whoever has waited for longer goes first where deadlines are equal.
+                    // With equal deadlines, the task that has waited for longer goes first.
                     if deadline < own || (deadline == own && released < ready.from) {
                         to = to.min(released);
                     }
@@ -231,7 +236,7 @@ impl Model<'_> {
         (from <= to).then_some(Span { from, to })
     }
 
-    /// The deadline of the job of a waiting task, unless it is one of a tick that was kept.
+    /// Returns the deadline of the job of a waiting task, unless the job is that of a kept tick.
     fn deadline(&self, s: &State, thread: usize) -> Option<i64> {
         let it = &self.threads[thread];
         let tick = it.tick(i64::from(s.done[thread].next) - 1);
@@ -266,13 +271,13 @@ impl Model<'_> {
     }
 }
 
-/// A state in which nothing more begins before a moment.
+/// Returns a state in which no further step begins before a time.
 fn not_before(s: &State, time: i64) -> State {
     let mut s = s.clone();
     let active: Vec<usize> = s.all(Stage::Active).collect();
     for it in active {
         let ready = &mut s.when[it].ready;
-        // It may have been ready before, and waited for somebody who has locks until now.
+        // The codel may have been ready before, and waited for its locks until now.
         *ready = ready.max(Span::at(time));
     }
     s

@@ -1,9 +1,9 @@
-//! Who is in the way of a job that is late, as the run that shows it tells.
+//! The causes of a late job, from the run that shows it.
 
 use crate::explore::MomentKind;
 use crate::report::{CheckReport, Delay, Event};
 
-/// Codels whose execution times are in the way of the job at the end of a run, the longest first.
+/// Returns codels whose execution times delay the job at the end of a run, the longest first.
 pub(super) fn suspects(check: &CheckReport) -> Vec<String> {
     let length = |it: &Delay| it.until - it.from;
     let longest = check.reason.iter();
@@ -35,7 +35,7 @@ pub(super) fn suspects(check: &CheckReport) -> Vec<String> {
     distinct(all.into_iter().map(|it| it.1))
 }
 
-/// Pairs of codels of which one kept the other waiting for a lock: who waited, then who held it.
+/// Returns pairs of codels, of which the first waited for a lock held by the second.
 pub(super) fn waited_for(check: &CheckReport) -> Vec<(String, String)> {
     let pairs = check.reason.iter().flat_map(|it| {
         let held = it.held.iter().filter_map(|held| held.codel.as_ref());
@@ -44,14 +44,14 @@ pub(super) fn waited_for(check: &CheckReport) -> Vec<(String, String)> {
     distinct(pairs)
 }
 
-/// Tasks that a run says most about: the one that is late, then those that kept it waiting.
+/// Returns the tasks most concerned by a run: the late one, then those that kept it waiting.
 pub(super) fn tasks(check: &CheckReport) -> Vec<String> {
     let own = check.id.task.map(|_| check.of.clone());
     let held = check.reason.iter().flat_map(|it| &it.held);
     distinct(own.into_iter().chain(held.map(|it| it.by.clone())))
 }
 
-/// Each once, where it comes first.
+/// Removes duplicates, and keeps the first of equal values.
 pub(super) fn distinct<T: PartialEq>(all: impl IntoIterator<Item = T>) -> Vec<T> {
     let mut out = Vec::new();
     for it in all {
@@ -69,7 +69,7 @@ fn who(it: &Event) -> String {
     }
 }
 
-/// What somebody executes between two times of a run, and for how long.
+/// Returns the codels that a thread executes between two times of a run, with their execution times.
 fn executed(run: &[Event], by: &str, from: f64, until: f64) -> Vec<(f64, String)> {
     let mut begun: Vec<(f64, &str)> = Vec::new();
     let mut out = Vec::new();

@@ -5,8 +5,8 @@ use serde::Serialize;
 
 use crate::scn::ast::Policy;
 
-/// What to change, the rest as it is. Times are in the unit of the report, those without a place in JSON in
-/// seconds.
+/// A single change, with everything else unchanged. Times are in the unit of the report; those skipped in
+/// JSON are in seconds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "change", rename_all = "kebab-case")]
 pub enum Change {
@@ -14,33 +14,33 @@ pub enum Change {
     Wcet {
         /// `component.owner.state`
         codel: String,
-        /// The longest one now.
+        /// Present longest execution time.
         now: f64,
-        /// The longest one with which it holds.
+        /// Longest execution time with which the checks hold.
         #[serde(rename = "at-most")]
         at_most: f64,
-        /// Likewise, exactly.
+        /// Exact value of `at_most`, in seconds.
         #[serde(skip)]
         seconds: Seconds,
-        /// Shorter ones hold as well. With fixed durations only this one was verified.
+        /// Shorter times hold as well. With fixed durations only this one was verified.
         #[serde(rename = "or-less")]
         or_less: bool,
-        /// Where the codel is declared: number of the specification, and place.
+        /// Declaration of the codel: number of the specification, and place.
         #[serde(skip)]
         src: Option<(usize, Src)>,
     },
-    /// The period of a task. Longer ones need not hold.
+    /// The period of a task. The checks need not hold with longer periods.
     Period {
         /// `component.task`
         task: String,
-        /// The one it has.
+        /// Present period.
         now: f64,
-        /// The one with which it holds.
+        /// Period with which the checks hold.
         needed: f64,
-        /// Likewise, exactly.
+        /// Exact value of `needed`, in seconds.
         #[serde(skip)]
         seconds: Seconds,
-        /// Where the period is declared.
+        /// Declaration of the period.
         #[serde(skip)]
         src: Option<(usize, Src)>,
     },
@@ -48,40 +48,41 @@ pub enum Change {
     Delay {
         /// `component.task`
         task: String,
-        /// The one it has.
+        /// Present offset.
         now: f64,
-        /// The one with which it holds.
+        /// Offset with which the checks hold.
         needed: f64,
-        /// Likewise, exactly.
+        /// Exact value of `needed`, in seconds.
         #[serde(skip)]
         seconds: Seconds,
-        /// Where the task is declared, or its delay if it has one.
+        /// Declaration of the delay, or else of the task.
         #[serde(skip)]
         src: Option<(usize, Src)>,
     },
-    /// A codel that works on a copy of what it shares with another one, so that neither waits for the other.
+    /// A codel that works on a copy of the data it shares with another codel, so that neither waits for the
+    /// other.
     Lock {
-        /// The one that takes the copy: `component.owner.state`
+        /// Codel that takes the copy: `component.owner.state`
         codel: String,
-        /// The other one.
+        /// Other codel.
         other: String,
-        /// What both use, in words. The copy separates the codel from all others with which it shares nothing
-        /// else.
+        /// Data and ports that both use, in words. The copy separates the codel from all other codels with
+        /// which it shares nothing else.
         through: Vec<String>,
     },
     /// The number of cores.
     Cores {
-        /// So many there are.
+        /// Present number of cores.
         now: u32,
-        /// So many are enough.
+        /// Sufficient number of cores.
         needed: u32,
     },
-    /// The order in which cores are given.
+    /// The order in which cores are granted.
     Policy {
-        /// The one there is.
+        /// Present policy.
         #[serde(serialize_with = "by_name")]
         now: Policy,
-        /// The one with which it holds.
+        /// Policy with which the checks hold.
         #[serde(serialize_with = "by_name")]
         needed: Policy,
     },
@@ -92,8 +93,8 @@ fn by_name<S: serde::Serializer>(policy: &Policy, to: S) -> Result<S::Ok, S::Err
 }
 
 impl Change {
-    /// How much it is: what leaves all work as it is goes first, then times by the part of them that changes,
-    /// then what takes another design of codels, last what takes another computer.
+    /// Returns the size of the change, for sorting: first changes without an effect on the work, then times
+    /// by their relative change, then changes of the design of codels, last changes of the computer.
     pub fn size(&self) -> (u8, f64) {
         let part = |now: f64, needed: f64| (needed - now).abs() / now.max(f64::MIN_POSITIVE);
         match self {

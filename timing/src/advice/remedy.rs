@@ -1,4 +1,4 @@
-//! What would make a check of a task hold that fails: a shorter codel, or more cores.
+//! A single change that makes a failed check of a task hold: a shorter codel, or more cores.
 
 use std::time::{Duration, Instant};
 
@@ -11,16 +11,16 @@ use crate::scn::ast::{CheckKind, Path, Scenario};
 use crate::scn::names::Names;
 use crate::verify::{Cancel, Options, SystemInput, settings};
 
-/// Verifications that take longer together are not worth a hint.
+/// Time limit for all verifications together: a longer search is not worth a hint.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// Codels that are tried.
+/// Number of codels that are tried.
 const SUSPECTS: usize = 3;
 
-/// So many times the states of the verification may be looked at for each question, and so many in any case.
+/// Limit on the states for each question: a multiple of the states of the verification, and a minimum.
 const STATES: (usize, usize) = (4, 20_000);
 
-/// What each question may take, where a verification took what a report says.
+/// Returns the limits for each question, given the effort of the verification in a report.
 pub(super) fn limits(report: &Report, options: &Options) -> Limits {
     Limits {
         states: (report.states * STATES.0)
@@ -30,9 +30,9 @@ pub(super) fn limits(report: &Report, options: &Options) -> Limits {
     }
 }
 
-/// What makes a refuted check of a task hold, if something plain does and is found soon: of the codels that
-/// its job waits for, or is made of, the longest first, how short one has to be; else, where it waits for a
-/// core, how many are needed.
+/// Finds a simple change that makes a refuted check of a task hold, if there is one that is found soon. First
+/// it tries shorter execution times of the codels that the job executes or waits for, the longest first. If
+/// the job waits for a core, it then tries more cores.
 pub fn remedy(
     input: &SystemInput,
     scenario: &Scenario,

@@ -1,4 +1,4 @@
-//! Every single change with which all deadlines and limits are kept, where some are not.
+//! All single changes with which all deadlines and limits are kept.
 
 use std::time::{Duration, Instant};
 
@@ -16,32 +16,31 @@ use crate::scn::names::Names;
 use crate::system::FOREVER;
 use crate::verify::{Cancel, Options, SystemInput, settings};
 
-/// Policies that are worth trying: with the others an order is left open, which proves nothing that these do
-/// not.
+/// Policies to try. The other policies leave the order open, and prove nothing that these do not.
 const POLICIES: [Policy; 3] = [Policy::Priority, Policy::Edf, Policy::Fifo];
 
-/// What was found.
+/// The repairs found.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Repairs {
-    /// Changes with which everything holds, [the smallest](Change::size) first.
+    /// Changes with which all checks hold, [the smallest](Change::size) first.
     pub changes: Vec<Change>,
-    /// Set when time was up, or it was cancelled: not everything was tried.
+    /// The time limit was reached, or the search was cancelled: not all changes were tried.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub incomplete: bool,
 }
 
-/// How far [`repairs`] has come.
+/// The progress of [`repairs`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Trying {
-    /// What was tried, of all.
+    /// Number of changes tried.
     pub done: usize,
-    /// All that is tried.
+    /// Number of changes to try.
     pub of: usize,
-    /// What is tried now, in words.
+    /// Present change, in words.
     pub trying: String,
 }
 
-/// What is tried.
+/// A change to try.
 enum Candidate {
     Policy(Policy),
     Cores,
@@ -76,21 +75,21 @@ impl Candidate {
     }
 }
 
-/// Whether a deadline or a limit is missed for certain.
+/// Returns true if a deadline or a limit is certainly missed.
 fn misses(it: &CheckReport) -> bool {
     let limited = it.kind.is_deadline() || it.kind.is_time();
     let fails = it.verdict == Verdict::Refuted && !it.rounded;
     limited && (fails || it.exceeds())
 }
 
-/// Who is told: what is being tried, and each change when it is found.
+/// Callbacks for progress: the change to be tried, and each change that was found.
 pub type Tell<'a, T = Change> = (&'a (dyn Fn(Trying) + Sync), &'a (dyn Fn(&T) + Sync));
 
-/// The single changes with which every check of a deadline or a limit holds, those that were given up apart:
-/// what is blamed by the runs that show what is missed is tried first. Each is told when it is found, and was
-/// verified itself. Nothing where nothing is missed.
+/// Finds the single changes with which every check of a deadline or a limit holds, except checks that were
+/// given up. Causes named by the runs of failed checks are tried first. Each change is verified, and reported
+/// when it is found. If no check fails, the result is empty.
 ///
-/// With a `patience` nothing more is tried after it.
+/// After `patience`, no further change is tried.
 pub fn repairs(
     input: &SystemInput,
     scenario: &Scenario,
@@ -105,7 +104,7 @@ pub fn repairs(
     }
     let names = Names::new(&input.specs);
     let mut settings = settings(scenario, options);
-    // What was not answered cannot be asked of a change either.
+    // A check without an answer cannot be required of a change.
     let asked = |written: usize| {
         let mut own = report.checks.iter().filter(|it| it.id.written == written);
         let kept = |it: &CheckReport| {
@@ -153,7 +152,8 @@ pub fn repairs(
     }
 }
 
-/// What is blamed first; of the rest the longest codels first. Codels that nothing executes are left out.
+/// Returns the changes to try: first the causes named by runs, then the longest codels. Codels that are never
+/// executed are left out.
 fn candidates(trial: &Trial, missed: &[&CheckReport]) -> Vec<Candidate> {
     let system = &trial.built().system;
     let executed = system.executed();
@@ -180,7 +180,7 @@ fn candidates(trial: &Trial, missed: &[&CheckReport]) -> Vec<Candidate> {
     out.push(Candidate::Cores);
     let codels = distinct(blamed.chain(others));
     out.extend(codels.into_iter().map(Candidate::Wcet));
-    // Who holds the lock takes a copy, or who waits for it.
+    // Either the holder of the lock takes a copy, or the codel that waits.
     out.extend(pairs.into_iter().flat_map(|(waits, holds)| {
         let pair = |copies: &String, other: &String| Candidate::Lock(copies.clone(), other.clone());
         [pair(&holds, &waits), pair(&waits, &holds)]

@@ -1,4 +1,4 @@
-//! What is tried: one thing is changed, and everything asked about is verified again.
+//! Trials: one thing is changed, and all checks concerned are verified again.
 
 use std::time::Instant;
 
@@ -17,22 +17,22 @@ use crate::system::settings::Settings;
 use crate::system::{Codel, FOREVER, SharedPorts, Ticks};
 use crate::verify::{Cancel, to_f64, verify_settings};
 
-/// Cores that are tried, so many more than there are.
+/// Number of additional cores that are tried.
 const MORE_CORES: u32 = 3;
 
-/// Parts of a period by which a task is tried to come later.
+/// Number of parts of a period by which a task is tried to start later.
 const OFFSETS: Ticks = 8;
 
-/// What must hold, and with what effort it is tried.
+/// The checks that must hold, and the effort for a trial.
 pub(super) struct Trial<'t> {
     pub(super) names: &'t Names<'t>,
-    /// As the system is, with the checks that must hold.
+    /// Settings of the unchanged system, with the checks that must hold.
     settings: Settings,
     built: Built,
     report_unit: Seconds,
     limits: Limits,
     cancel: &'t Cancel,
-    /// Nothing is tried any more after it.
+    /// Time after which no further change is tried.
     end: Option<Instant>,
 }
 
@@ -56,12 +56,12 @@ impl<'t> Trial<'t> {
         }
     }
 
-    /// The system as it is.
+    /// Returns the unchanged system.
     pub(super) fn built(&self) -> &Built {
         &self.built
     }
 
-    /// Whether all checks hold with these settings.
+    /// Verifies the checks that must hold, with these settings.
     fn holds(&self, settings: &Settings) -> Verdict {
         let late = self.end.is_some_and(|end| Instant::now() > end);
         if late || self.cancel.is_over() {
@@ -94,14 +94,13 @@ impl<'t> Trial<'t> {
         to_f64(seconds / self.report_unit)
     }
 
-    /// The longest execution time of a codel with which it holds.
+    /// Finds the longest execution time of a codel with which the checks hold.
     pub(super) fn wcet(&self, path: &str) -> Option<Change> {
         let system = &self.built.system;
         let codel = system.codels.iter().find(|it| it.path == path)?;
         let (lower, upper) = (codel.lower, codel.upper);
         let fixed = self.settings.durations == Durations::Fixed;
-        // What takes no time is no codel any more, and below its least time it cannot be brought by a
-        // greatest one.
+        // A codel must take time, and its greatest time cannot be below its least time.
         let least = if fixed { 1 } else { lower.max(1) };
         if upper == FOREVER || upper <= least {
             return None;
@@ -126,8 +125,8 @@ impl<'t> Trial<'t> {
         })
     }
 
-    /// A longer period of a task with which it holds, up to four times as long, next to one with which it
-    /// does not.
+    /// Finds a longer period of a task with which the checks hold, up to four times the present one, next to
+    /// a period with which they do not hold.
     pub(super) fn period(&self, task: usize) -> Option<Change> {
         let (c, declared) = self.declared(task)?;
         let path = self.built.system.task_path(task);
@@ -161,7 +160,7 @@ impl<'t> Trial<'t> {
         })
     }
 
-    /// A later start of a task with which it holds: the first of some parts of its period.
+    /// Finds an offset of a task with which the checks hold: the first of some parts of its period.
     pub(super) fn delay(&self, task: usize) -> Option<Change> {
         let (c, declared) = self.declared(task)?;
         let it = &self.built.system.tasks[task];
@@ -189,8 +188,8 @@ impl<'t> Trial<'t> {
         })
     }
 
-    /// Whether it holds when a codel works on a copy of what it shares with another one. A copy also
-    /// separates it from all others with which it shares nothing else.
+    /// Tests a copy of the data that a codel shares with another one. A copy also separates the codel from
+    /// all other codels with which it shares nothing else.
     pub(super) fn apart(&self, codel: &str, other: &str) -> Option<Change> {
         let codels = &self.built.system.codels;
         let find = |path: &str| codels.iter().find(|it| it.path == path);
@@ -210,7 +209,7 @@ impl<'t> Trial<'t> {
             })
     }
 
-    /// The least number of more cores with which it holds.
+    /// Finds the least number of additional cores with which the checks hold.
     pub(super) fn cores(&self) -> Option<Change> {
         let now = self.settings.cores?;
         let enough = |needed: &u32| self.with(|it| it.cores = Some(*needed));
@@ -218,7 +217,7 @@ impl<'t> Trial<'t> {
         Some(Change::Cores { now, needed })
     }
 
-    /// Another policy, if it holds with it.
+    /// Tests another policy.
     pub(super) fn policy(&self, needed: Policy) -> Option<Change> {
         let now = self.settings.policy();
         let useful = self.settings.cores.is_some() && needed != now;
@@ -226,7 +225,7 @@ impl<'t> Trial<'t> {
         holds.then_some(Change::Policy { now, needed })
     }
 
-    /// The component of a task, as in [`Names::components`], and its index there.
+    /// Returns the component of a task, as in [`Names::components`], and the index of the task there.
     fn declared(&self, task: usize) -> Option<(usize, usize)> {
         let mut tasks = self.built.tasks.iter();
         let ((c, t), _) = tasks.find(|it| *it.1 == task)?;

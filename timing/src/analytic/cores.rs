@@ -1,4 +1,4 @@
-//! How long a task can wait for a core.
+//! Bounds on the time for which a task waits for a core.
 
 use super::Analysis;
 use super::demand::Demand;
@@ -6,7 +6,8 @@ use crate::system::Policy;
 use crate::system::loops::can_pause;
 
 impl Analysis<'_> {
-    /// The longest that a job can wait for a core, given how long jobs of all tasks have theirs.
+    /// Returns the longest time, in base units, for which a job can wait for a core, given the longest times
+    /// for which jobs of all tasks hold theirs.
     pub(super) fn core_wait(&self, task: usize, held: &[Option<u64>]) -> Option<u64> {
         let system = self.system;
         let Some(cores) = system.platform.cores else {
@@ -17,10 +18,10 @@ impl Analysis<'_> {
         }
         let others = (0..system.tasks.len()).filter(|&it| it != task && system.needs_core(it));
         let mut demand = Demand::default();
-        // Other tasks that keep a core for ever at worst, and those that do so even if they are given it only
-        // once.
+        // Number of other tasks that may hold a core for ever, and of those that do so even after a single
+        // grant.
         let (mut kept, mut held_for_ever) = (0, 0);
-        // Under FIFO every other task has at most one job that was released before.
+        // Under FIFO every other task has at most one earlier job.
         let mut ahead = 0u64;
         for other in others {
             let work = held[other].filter(|_| !self.may_be_endless(other));
@@ -50,8 +51,9 @@ impl Analysis<'_> {
         }
     }
 
-    /// Whether no job of a periodic task can be under way while a job of this one has its core: all other
-    /// cores are taken for ever before the first tick of any, and no codel goes on without a core.
+    /// Returns true if no job of a periodic task can be under way while a job of this task has its core: all
+    /// other cores are taken for ever before the first tick of any periodic task, and no codel runs without a
+    /// core.
     pub(super) fn alone(&self, task: usize) -> bool {
         let system = self.system;
         let Some(cores) = system.platform.cores else {
@@ -71,7 +73,7 @@ impl Analysis<'_> {
             && endless.iter().all(at_once)
     }
 
-    /// Whether a cycle of an aperiodic task can go on for ever.
+    /// Returns true if a cycle of an aperiodic task can last for ever.
     fn may_be_endless(&self, task: usize) -> bool {
         let it = &self.system.tasks[task];
         it.period.is_none()
@@ -81,7 +83,7 @@ impl Analysis<'_> {
             })
     }
 
-    /// Whether its first cycle goes on for ever in any case.
+    /// Returns true if the first cycle of a task always lasts for ever.
     fn always_endless(&self, task: usize) -> bool {
         let endless = |a: usize| self.system.machine_of(a).is_endless();
         let permanent = self.system.tasks[task].permanent;

@@ -1,37 +1,38 @@
-//! How long others can keep somebody waiting: what they do at most in a window of time.
+//! The demand function: the most work that other tasks can do in a window of time. Times are in base units.
 
 use crate::system::Ticks;
 
-/// Windows above this are given up.
+/// Length of a window above which the analysis gives up.
 const HORIZON: u64 = 1 << 31;
 
-/// Windows that are not found in so many rounds are given up: a quick bound must be quick.
+/// Rounds after which the analysis gives up: a quick bound must be quick.
 const ROUNDS: usize = 10_000;
 
-/// Jobs of a periodic task, as others see them.
+/// The jobs of a periodic task, as a demand on others.
 #[derive(Debug, Clone)]
 pub(super) struct Jobs {
     pub(super) period: Ticks,
-    /// What each can take of them.
+    /// Greatest work of a job.
     pub(super) work: u64,
     pub(super) kind: Kind,
-    /// Only those count that are released at most so long after the window has begun; `None`: none of these.
+    /// Only jobs released at most this long after the beginning of the window count; `None`: none of these.
     pub(super) released: Option<u64>,
 }
 
-/// How the jobs of a task follow each other.
+/// The pattern of the jobs of a task.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Kind {
-    /// They end at most so long after their release, before the next one.
+    /// Jobs end at most this long after their release, before the next release.
     Punctual(u64),
-    /// The window can begin with so many that were released before.
+    /// At the beginning of the window, up to this many released jobs are unfinished.
     Late(u64),
-    /// The window begins at the start of the system, and the first is released so long after that.
+    /// The window begins at the start of the system, and the first release is this much later.
     First(u64),
 }
 
 impl Jobs {
-    /// Releases in a window of this length, its end included, the first of them after `offset`.
+    /// Returns the number of releases in a window of this length, including its end, the first of them after
+    /// `offset`.
     fn releases(&self, window: u64, offset: u64) -> u64 {
         match window.checked_sub(offset) {
             Some(rest) => rest / u64::from(self.period) + 1,
@@ -39,11 +40,11 @@ impl Jobs {
         }
     }
 
-    /// What they do at most in a window, and how much of it they do at its end: 0 or 1.
+    /// Returns the greatest work in a window, and how much of it is done at the end of the window: 0 or 1.
     ///
-    /// It begins when all the work of a job is still to do, which ends as late as it can: so the next is
-    /// released as early as possible. (An earlier window has less of the first job and as much more of the
-    /// last one at most.)
+    /// The worst window begins when all the work of a job is still to do, and the job ends as late as
+    /// possible: so the next job is released as early as possible. (An earlier window has less of the first
+    /// job and at most as much more of the last one.)
     fn demand(&self, window: u64) -> (u64, u64) {
         match self.kind {
             Kind::First(tick) => (self.releases(window, tick).saturating_mul(self.work), 0),
@@ -70,7 +71,7 @@ impl Jobs {
         }
     }
 
-    /// When what they do at the end of a window changes next.
+    /// Returns the next window length at which the work at the end of the window changes.
     fn change(&self, window: u64) -> u64 {
         let period = u64::from(self.period);
         let next = |offset: u64| match window.checked_sub(offset) {
@@ -88,26 +89,26 @@ impl Jobs {
     }
 }
 
-/// Somebody who works for ever, but not without breaks.
+/// A task that works for ever, but with breaks.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stretches {
-    /// The longest work without a break.
+    /// Longest work without a break.
     pub(super) work: u64,
-    /// The shortest break; `None`: there is only one stretch.
+    /// Shortest break; `None` if there is only one stretch.
     pub(super) gap: Option<u64>,
 }
 
-/// Everything that can keep somebody waiting.
+/// All work that can delay a job or a codel.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Demand {
     pub(super) jobs: Vec<Jobs>,
     pub(super) stretches: Vec<Stretches>,
-    /// What is done once.
+    /// Work that is done once.
     pub(super) once: u64,
 }
 
 impl Demand {
-    /// What is done at most in a window, and how much of it at its end.
+    /// Returns the greatest work in a window, and how much of it is done at its end.
     fn within(&self, window: u64) -> Option<(u64, u64)> {
         let mut jobs = self.once;
         let mut slope = 0;
@@ -116,7 +117,7 @@ impl Demand {
             jobs = jobs.checked_add(demand)?;
             slope += at_end;
         }
-        // Somebody has to be at work during every break.
+        // During every break another task must be at work.
         let mut done = vec![0u64; self.stretches.len()];
         for _ in 0..ROUNDS {
             let all = done.iter().try_fold(jobs, |sum, &it| sum.checked_add(it))?;
@@ -137,7 +138,8 @@ impl Demand {
         None
     }
 
-    /// How long so many servers can be busy without a break; `None` where that is not known.
+    /// Returns the longest time for which this many servers can be busy without a break; `None` if it is not
+    /// known.
     pub(super) fn longest_busy(&self, servers: u64) -> Option<u64> {
         let mut window = 0;
         for _ in 0..ROUNDS {

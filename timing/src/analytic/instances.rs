@@ -1,19 +1,19 @@
-//! Which activities can be under way at the same time, as far as the order of requests tells.
+//! The activities that can be under way at the same time, according to the order of requests.
 
 use rustc_hash::FxHashSet;
 
 use crate::system::{Client, ClientAction, TimedSystem};
 
-/// Clients that can be in more situations than this may have all slots in use.
+/// Number of situations of a client above which all slots are assumed to be in use.
 const SITUATIONS: usize = 2_000;
 
-/// Tasks with more combinations of activities than this may have all slots in use.
+/// Number of combinations of activities of a task above which all slots are assumed to be in use.
 const COMBINATIONS: usize = 32;
 
-/// Per task, sets of automata: those that have a turn in one job are among those of one set.
+/// Returns, by task, sets of automata. All automata that have a turn in one job belong to one of these sets.
 ///
-/// Whoever has had a turn in a job keeps its slot until the job has ended, so all of them are in use at its
-/// end.
+/// An activity that has had a turn in a job keeps its slot until the job has ended, so all of these slots are
+/// in use at its end.
 pub(super) fn of_one_job(system: &TimedSystem) -> Vec<Vec<Vec<usize>>> {
     let live: Vec<Option<FxHashSet<Live>>> = system
         .clients
@@ -24,7 +24,7 @@ pub(super) fn of_one_job(system: &TimedSystem) -> Vec<Vec<Vec<usize>>> {
         let it = &system.tasks[task];
         let permanent: Vec<usize> = it.permanent.into_iter().collect();
         let all = || FxHashSet::from_iter([[&permanent[..], &it.slots[..]].concat()]);
-        // What ends beside a job gives its slot back at once.
+        // An activity with threads of its own frees its slot at its end, independently of jobs.
         if system.runs_apart(task) {
             return all().into_iter().collect();
         }
@@ -58,7 +58,7 @@ pub(super) fn of_one_job(system: &TimedSystem) -> Vec<Vec<Vec<usize>>> {
     (0..system.tasks.len()).map(of_task).collect()
 }
 
-/// Adds slots for so many instances.
+/// Adds slots for the live instances.
 fn with_slots(system: &TimedSystem, task: usize, set: &[usize], live: &Live) -> Vec<usize> {
     let mut out = set.to_vec();
     for &(service, _) in live {
@@ -75,10 +75,11 @@ fn with_slots(system: &TimedSystem, task: usize, set: &[usize], live: &Live) -> 
 /// Instances of activities: the service and the trackers that follow it.
 type Live = Vec<(usize, Vec<usize>)>;
 
-/// The instances there can be of the requests of a client, one list for each situation it can be in.
+/// Returns the instances that the requests of a client can have at the same time, one list for each situation
+/// of the client.
 ///
-/// Those nobody waits for stay for ever here. That they may end makes no other list longer: as many more as
-/// then find a slot are there already.
+/// Instances whose end is not awaited stay for ever here. Their end would not make another list longer: the
+/// lists already contain as many more instances as would find a slot.
 fn situations(system: &TimedSystem, client: &Client) -> Option<FxHashSet<Live>> {
     let mut seen: FxHashSet<(usize, Live)> = FxHashSet::default();
     let mut stack: Vec<(usize, Live)> = client.first.iter().map(|&it| (it, Vec::new())).collect();

@@ -1,48 +1,49 @@
-//! Bounds under the semantics of the servers where cores are given and taken away (`policy priority` and
-//! `policy fair`).
+//! Response-time analysis under the semantics of the servers with preemption (`policy priority` and `policy
+//! fair`).
 //!
-//! At every moment of a job some thread holds it up: its own, or one of its component that is ahead in the
-//! lock queue. If that thread executes, it does a part of the work that the job needs or waits for, which is
-//! at most the length of a cycle with cores enough (see [`super::queue`]). If it does not, others have all
-//! cores: under `priority` only those whose priority is not lower than that of all threads that can hold the
-//! job up. So on *N* cores a job takes at most *S + W / N*, where *S* is the former and *W* what the others
-//! do meanwhile (the work-conserving argument of response-time analysis for global fixed priorities: M.
-//! Bertogna, M. Cirinei, RTSS 2007). Where tasks are tied to cores, others may idle: there it is *S + W*.
+//! At every moment of a job some thread delays it: its own, or a thread of its component that is ahead in the
+//! lock queue. If that thread executes, it does a part of the work that the job needs or waits for. This work
+//! is at most the length of a cycle with enough cores (see [`super::queue`]). If that thread does not
+//! execute, other threads have all cores: under `priority` only threads whose priority is not lower than that
+//! of all threads that can delay the job. So on *N* cores a job takes at most *S + W / N*, where *S* is the
+//! former work and *W* the work of the other threads meanwhile (the work-conserving argument of response-time
+//! analysis for global fixed priorities: M. Bertogna, M. Cirinei, RTSS 2007). If tasks are bound to cores,
+//! other cores may idle: there the bound is *S + W*.
 //!
-//! What a periodic task does in a window of length *w*: a cycle for every tick in it, one that has begun
-//! before, and one for a tick that was kept (from its start-up as well); a cycle that is late was released up
-//! to its response time before, so that all ticks in *w + R* count. The bounds *R* are the least that follow
-//! from each other; no job can be the first to exceed its own. Of other threads it is not known how much they
-//! do: aperiodic tasks, and control tasks that are asked for ever. Each of them is taken to have a core of
-//! its own for ever.
+//! In a window of length *w*, a periodic task does the following work: a cycle for every tick in the window,
+//! one that has begun before, and one for a kept tick (also from its start-up). A late cycle was released up
+//! to its response time before, so that all ticks in *w + R* count. The bounds *R* are the least fixed point
+//! of these equations; no job can be the first to exceed its own bound. The work of other threads is not
+//! known: aperiodic tasks, and control tasks with unlimited requests. Each of them is assumed to hold a core
+//! of its own for ever.
 //!
-//! Nothing here depends on when codels end: the bounds hold for any duration up to the longest, also where
-//! that is no whole number of units.
+//! Nothing here depends on the times at which codels end: the bounds hold for any duration up to the longest,
+//! also if it is not a whole number of units.
 
 use super::queue::{cycle, is_within_components, requests, work};
 use crate::system::{Policy, Ticks, TimedSystem};
 
-/// A thread as it is seen by others.
+/// A thread, as a demand on others.
 struct Thread {
-    /// The lower number goes first.
+    /// Priority; the lower number goes first.
     priority: u64,
     work: Work,
 }
 
-/// What a thread does at most.
+/// The greatest work of a thread.
 enum Work {
-    /// A task with its period: so much in each cycle.
+    /// A task with a period: greatest work of each cycle.
     Cycles { task: usize, period: u64, each: u64 },
-    /// A control task: so much in all.
+    /// A control task: greatest work in total.
     Total(u64),
-    /// Nobody knows.
+    /// Not known.
     Endless,
 }
 
-/// More rounds than this are not made; a quick bound must be quick.
+/// Upper limit on the number of rounds: a quick bound must be quick.
 const ROUNDS: usize = 1000;
 
-/// A bound on the response time of every task; `None` where there is none.
+/// Returns a bound on the response time of every task; `None` if there is none.
 pub(super) fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
     let none = || vec![None; system.tasks.len()];
     if !is_within_components(system) {
@@ -62,7 +63,7 @@ pub(super) fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
                 let others = meanwhile(system, &others, &bounds, bounds[task]?)?;
                 let length = u64::from(lengths[task]?).checked_add(others.delay(system)?)?;
                 let period = u64::from(system.tasks[task].period?);
-                // A bound beyond the period helps nobody, and need not be followed any further.
+                // A bound beyond the period is useless, and is not followed any further.
                 (length < period).then_some(length.max(bounds[task]?))
             })
             .collect();
@@ -78,9 +79,9 @@ pub(super) fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
     none()
 }
 
-/// How long after a tick the cycle that serves it ends at most; `None` if a tick may be kept again and again.
-/// A first cycle may begin between two ticks, except for the first task of a component; then the next cycle
-/// begins late, and ends before the tick after that.
+/// Returns the greatest time, in base units, from a tick to the end of the cycle that serves the tick; `None`
+/// if a tick may be kept again and again. A first cycle may begin between two ticks, except for the first
+/// task of a component. Then the next cycle begins late, and ends before the tick after that.
 fn after_tick(system: &TimedSystem, bounds: &[Option<u64>], task: usize) -> Option<u64> {
     let it = &system.tasks[task];
     let first = system.components[it.component].tasks.first() == Some(&task);
@@ -92,15 +93,15 @@ fn after_tick(system: &TimedSystem, bounds: &[Option<u64>], task: usize) -> Opti
     (most < u64::from(it.period?)).then_some(most)
 }
 
-/// What others do in a window of time.
+/// The work of other threads in a window of time.
 struct Meanwhile {
-    /// All that is known of.
+    /// All known work.
     work: u64,
-    /// How many may work for ever.
+    /// Number of threads that may work for ever.
     endless: u32,
 }
 
-/// What some threads do at most in a window, with bounds on the response times of tasks.
+/// Returns the greatest work of some threads in a window, given bounds on the response times of tasks.
 fn meanwhile(
     system: &TimedSystem,
     threads: &[&Thread],
@@ -132,12 +133,12 @@ fn meanwhile(
 }
 
 impl Meanwhile {
-    /// How long it can keep a thread from the cores.
+    /// Returns the longest time for which this work can keep a thread from the cores.
     fn delay(&self, system: &TimedSystem) -> Option<u64> {
         let left = system.platform.cores?.checked_sub(self.endless)?;
         let tied = system.tasks.iter().any(|it| it.affinity.is_some());
         match (tied, self.endless) {
-            // A core may be waited for while others idle.
+            // A thread may wait for its core while other cores idle.
             (true, 0) => Some(self.work),
             (true, _) => None,
             _ if left == 0 => None,
@@ -199,7 +200,7 @@ fn threads(system: &TimedSystem, priorities: &[u64], requests: &[Option<u32>]) -
     out
 }
 
-/// The threads that can have the cores while a job of a task could go on.
+/// Returns the threads that can have the cores while a job of a task could continue.
 fn delaying<'t>(
     system: &TimedSystem,
     priorities: &[u64],
@@ -207,7 +208,7 @@ fn delaying<'t>(
     task: usize,
 ) -> Vec<&'t Thread> {
     let is_own = |it: &Thread| matches!(it.work, Work::Cycles { task: of, .. } if of == task);
-    // Those of its component can hold it up, be it only at the head of the queue without a core.
+    // Threads of the same component can delay the task, even at the head of the queue without a core.
     let own = system.components[system.tasks[task].component].tasks.iter();
     let last = own.map(|&it| priorities[it]).max().unwrap_or(u64::MAX);
     let any = system.platform.policy != Policy::Priority;

@@ -1,21 +1,21 @@
-//! Bounds under the semantics of the servers, where no core is waited for.
+//! Response-time analysis under the semantics of the servers, without waits for cores.
 //!
-//! A cycle is a sequence of codels, and before each of them its task takes a ticket. When it does, every
-//! other thread of the component is ahead of it with at most one codel, in the queue or executing; whatever
-//! they take a ticket for later comes behind. The head waits for codels that execute, the next one for the
-//! head to begin, and so on: until the task has its turn, at most one codel of each other thread has ended
-//! that somebody waited for. So a cycle takes at most the sum, over its codels, of their times and of the
-//! longest such codel of each other thread.
+//! A cycle is a sequence of codels, and before each of them its task takes a ticket. At that moment every
+//! other thread of the component is ahead with at most one codel, in the queue or executing; its later
+//! tickets come behind. The head of the queue waits for codels that execute, the next codel waits for the
+//! head to begin, and so on. Until the task has its turn, at most one codel of each other thread has ended
+//! for which another codel waited. So a cycle takes at most the sum, over its codels, of their times and of
+//! the longest such codel of each other thread.
 //!
-//! If that is less than the period, no tick comes during a cycle, and every job that counts is one cycle from
-//! its tick on. The first cycle of a later task of a component may begin between two ticks, with one that was
-//! kept. Then a tick may come in it, and the next cycle begins late; it ends before the tick after that if
-//! twice the length is less than the period.
+//! If that is less than the period, no tick comes during a cycle, and every measured job is one cycle, which
+//! starts at its tick. The first cycle of a later task of a component may begin between two ticks, with a
+//! kept tick. Then a tick may come during the cycle, and the next cycle begins late. It ends before the tick
+//! after that if twice the length is less than the period.
 
 use crate::system::loops::pauseless_cycles;
 use crate::system::{ClientAction, FOREVER, Machine, Ticks, TimedSystem, Yield};
 
-/// A bound on the response time of every task; `None` where there is none.
+/// Returns a bound on the response time of every task; `None` if there is none.
 pub(super) fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
     let bound = |task: usize| {
         let length = cycle(system, task, &requests(system))?;
@@ -34,7 +34,7 @@ pub(super) fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
         .collect()
 }
 
-/// Whether codels wait only for codels of their component, as they do where ports are copied.
+/// Returns true if codels wait only for codels of their component, as is the case if ports are copied.
 pub(super) fn is_within_components(system: &TimedSystem) -> bool {
     system.codels.iter().all(|codel| {
         let mut others = codel.conflicts.iter();
@@ -42,7 +42,7 @@ pub(super) fn is_within_components(system: &TimedSystem) -> bool {
     })
 }
 
-/// How often each service is requested at most; `None`: there is no limit.
+/// Returns the greatest number of requests for each service; `None` if there is no limit.
 pub(super) fn requests(system: &TimedSystem) -> Vec<Option<u32>> {
     let mut out = vec![Some(0u32); system.services.len()];
     for client in &system.clients {
@@ -56,7 +56,7 @@ pub(super) fn requests(system: &TimedSystem) -> Vec<Option<u32>> {
     out
 }
 
-/// The longest time of a cycle, with what it waits for in the lock queue.
+/// Returns the longest time of a cycle, including its waits in the lock queue, in base units.
 pub(super) fn cycle(system: &TimedSystem, task: usize, requests: &[Option<u32>]) -> Option<Ticks> {
     let it = &system.tasks[task];
     let component = &system.components[it.component];
@@ -75,7 +75,7 @@ pub(super) fn cycle(system: &TimedSystem, task: usize, requests: &[Option<u32>])
     work(system, task, requests, blocking)
 }
 
-/// The longest time that the codels of a cycle take, with so much blocking for each.
+/// Returns the longest time of the codels of a cycle, with this blocking for each.
 pub(super) fn work(
     system: &TimedSystem,
     task: usize,
@@ -87,7 +87,7 @@ pub(super) fn work(
     if let Some(permanent) = it.permanent {
         length = turn(system, system.machine_of(permanent), blocking)?;
     }
-    // No more instances than places, and of each service no more than are requested.
+    // At most as many instances as places, and of each service at most as many as are requested.
     let mut instances: Vec<(Ticks, u32)> = Vec::new();
     for &a in &it.slots {
         let most = system.automata[a].service.and_then(|it| requests[it]);
@@ -111,7 +111,7 @@ fn codels_of(system: &TimedSystem, task: usize) -> Vec<usize> {
     states.map(|it| it.codel).collect()
 }
 
-/// The longest of some codels among those that some codel waits for.
+/// Returns the longest time of the given codels, among those for which some codel waits.
 fn longest_waited_for(system: &TimedSystem, codels: &[usize]) -> Option<Ticks> {
     let waited_for = |it: usize| {
         system
@@ -124,7 +124,7 @@ fn longest_waited_for(system: &TimedSystem, codels: &[usize]) -> Option<Ticks> {
     (longest != FOREVER).then_some(longest)
 }
 
-/// The longest turn of a machine, from wherever it was resumed to a pause or its end, with so much blocking
+/// Returns the longest turn of a machine, from any resumed state to a pause or its end, with this blocking
 /// for each codel.
 fn turn(system: &TimedSystem, machine: &Machine, blocking: Ticks) -> Option<Ticks> {
     let time = |state: usize| {
@@ -135,14 +135,14 @@ fn turn(system: &TimedSystem, machine: &Machine, blocking: Ticks) -> Option<Tick
     };
     let times: Vec<Ticks> = (0..machine.states.len()).map(time).collect::<Option<_>>()?;
     if !pauseless_cycles(machine).is_empty() {
-        // A turn enters every state so often at most; after an interruption another one begins.
+        // A turn enters every state at most this often; after an interruption another turn begins.
         let limit = machine.loop_limit.filter(|_| !machine.rounds)?;
         let once = times
             .iter()
             .try_fold(0u32, |sum, &it| sum.checked_add(it))?;
         return once.checked_mul(2)?.checked_mul(u32::from(limit));
     }
-    // An interruption makes it go on with `stop` between two codels.
+    // After an interruption, the machine continues with `stop` between two codels.
     let mut longest = vec![None; machine.states.len()];
     let of_stop = match machine.stop {
         Some(stop) => way(machine, &times, 0, stop, &mut longest.clone())?,
@@ -155,7 +155,7 @@ fn turn(system: &TimedSystem, machine: &Machine, blocking: Ticks) -> Option<Tick
     Some(most)
 }
 
-/// The longest way from a state on; after each codel that goes on, `stop` may come instead.
+/// Returns the longest path from a state on; after each codel that continues, `stop` may come instead.
 fn way(
     machine: &Machine,
     times: &[Ticks],

@@ -1,25 +1,25 @@
-//! Bounds on the reaction of chains of data under the semantics of the servers (section 19), where no core is
-//! waited for.
+//! Bounds on the reaction time of cause-effect chains under the semantics of the servers (section 19),
+//! without waits for cores.
 //!
-//! A chain leads through codels of permanent activities of periodic tasks. Where every cycle of the task
-//! executes the codel, whatever state it resumes, the one that begins next after some moment reads what was
-//! visible then. Cycles follow each other by a period at most, and each takes at most its length (see
-//! `queue`): so the codel has ended, and what it writes is visible, a period and a length after that moment.
-//! A later codel of the same cycle has ended by then too. A datum that depends on the first one keeps doing
-//! so whatever else is written, as the first one that arrives ends the measurement: so the times add up (the
+//! A chain leads through codels of permanent activities of periodic tasks. If every cycle of the task
+//! executes the codel, whatever state it resumes, the first execution that begins after some moment reads the
+//! data visible then. Cycles follow each other by at most a period, and each takes at most its length (see
+//! `queue`). So the codel has ended, and its output is visible, a period and a length after that moment. A
+//! later codel of the same cycle has ended by then, too. A datum that depends on the first one continues to
+//! do so whatever else is written, because the first arrival ends the measurement. So the times add up (the
 //! bound of A. Davare et al., *Period optimization for hard real-time distributed automotive systems*, DAC
-//! 2007), and any way of the data gives a bound.
+//! 2007), and any path of the data gives a bound.
 //!
-//! A moment before a task has begun waits for its start: tasks of a component are started one after the
-//! other, each when the first pass of the one before has ended, and begin with a tick.
+//! A moment before the start of a task waits for this start: tasks of a component are started one after the
+//! other, each after the first pass of the previous one, and begin with a tick.
 
 use super::queue;
 use crate::scn::semantics::Semantics;
 use crate::system::loops::pauseless_cycles;
 use crate::system::{Machine, Ticks, TimedSystem, Yield};
 
-/// A bound on the reaction of a chain whose data go by any of some ways, each the codels that carry them, in
-/// order; `None` where this method finds none.
+/// Returns a bound on the reaction time of a chain, in base units. The data go by any of some paths; each
+/// path lists the codels that carry the data, in order. Returns `None` if this method finds no bound.
 pub fn reaction_bound(system: &TimedSystem, ways: &[Vec<usize>]) -> Option<Ticks> {
     let platform = &system.platform;
     let simple = platform.semantics == Semantics::SERVERS
@@ -42,7 +42,7 @@ struct Tasks<'s> {
     requests: &'s [Option<u32>],
 }
 
-/// Codels of one way that every cycle of a task executes one after the other.
+/// Codels of one path that every cycle of a task executes one after the other.
 struct Stage<'s> {
     task: usize,
     machine: &'s Machine,
@@ -51,8 +51,8 @@ struct Stage<'s> {
 }
 
 impl Tasks<'_> {
-    /// When the data of a moment 0 have gone all the way, at the latest. A later moment waits no longer: less
-    /// is left of the start.
+    /// Returns the latest time at which the data of moment 0 have passed the whole path. A later moment waits
+    /// no longer, because less of the start is left.
     fn way(&self, way: &[usize]) -> Option<Ticks> {
         let mut stages: Vec<Stage> = Vec::new();
         for &codel in way {
@@ -78,7 +78,7 @@ impl Tasks<'_> {
         Some(at).filter(|_| !stages.is_empty())
     }
 
-    /// The task whose permanent activity executes a codel in every cycle but perhaps the first.
+    /// Returns the task whose permanent activity executes a codel in every cycle, except possibly the first.
     fn executes(&self, codel: usize) -> Option<(usize, &Machine)> {
         let system = self.system;
         let has = |machine: &Machine| machine.states.iter().any(|it| it.codel == codel);
@@ -99,8 +99,8 @@ impl Tasks<'_> {
         always.then_some((task, machine))
     }
 
-    /// A period and the length of a cycle: less than two periods, for a later task less than one and a half
-    /// (see `queue`).
+    /// Returns a period and the length of a cycle: less than two periods, for a later task less than one and
+    /// a half (see `queue`).
     fn round(&self, task: usize) -> Option<Ticks> {
         let period = self.system.tasks[task].period?;
         let length = self.length(task)?;
@@ -115,20 +115,20 @@ impl Tasks<'_> {
         queue::cycle(self.system, task, self.requests)
     }
 
-    /// Index of a task in its component.
+    /// Returns the index of a task in its component.
     fn place(&self, task: usize) -> Option<usize> {
         let component = &self.system.components[self.system.tasks[task].component];
         component.tasks.iter().position(|it| *it == task)
     }
 
-    /// When the first cycle that executes a stage has ended at the latest.
+    /// Returns the latest end of the first cycle that executes a stage.
     fn started(&self, stage: &Stage) -> Option<Ticks> {
         let component = &self.system.components[self.system.tasks[stage.task].component];
         let mut at: Ticks = 0;
         for &task in component.tasks.iter().take(self.place(stage.task)? + 1) {
             let it = &self.system.tasks[task];
-            // A tick that has come is kept; else the next one comes after a period, the first one perhaps
-            // later.
+            // A tick that has come is kept; otherwise the next tick comes after a period, the first one
+            // possibly later.
             let tick = it.period?.checked_add(it.delay)?;
             at = at.checked_add(tick)?.checked_add(self.length(task)?)?;
         }
@@ -139,7 +139,7 @@ impl Tasks<'_> {
     }
 }
 
-/// Whether a turn that begins with a state executes a codel, whatever is yielded.
+/// Returns true if a turn that begins with a state executes a codel, whatever the yields.
 fn meets(machine: &Machine, state: usize, codel: usize) -> bool {
     let mut seen = vec![false; machine.states.len()];
     let mut todo = vec![state];
@@ -157,7 +157,7 @@ fn meets(machine: &Machine, state: usize, codel: usize) -> bool {
     true
 }
 
-/// Whether a turn that has executed a codel executes another one after it, whatever is yielded.
+/// Returns true if a turn that has executed a codel executes another one after it, whatever the yields.
 fn follows(machine: &Machine, codel: usize, next: usize) -> bool {
     let mut states = machine.states.iter().filter(|it| it.codel == codel);
     states.all(|it| {

@@ -1,33 +1,33 @@
-//! Who can keep a codel waiting for its locks.
+//! The work that can keep a codel waiting for its locks.
 
 use super::Analysis;
 use super::demand::Stretches;
 use super::ways::Ways;
 use crate::system::{Client, ClientAction, CodelSet, FOREVER, LockOrder, Machine, TimedSystem};
 
-/// What can keep codels waiting for their locks.
+/// The work that can keep codels waiting for their locks.
 #[derive(Debug, Default)]
 pub(super) struct Rivals {
     /// Periodic tasks.
     pub(super) jobs: Vec<Rival>,
-    /// Tasks without a period; `None`: there is no telling how much they work.
+    /// Tasks without a period; `None` if the work of a task is unknown.
     pub(super) stretches: Vec<Option<Stretches>>,
-    /// What control tasks can execute at all.
+    /// Total work of control tasks, if it is limited.
     pub(super) control: Option<u64>,
 }
 
-/// A periodic task, and what of its work keeps others waiting.
+/// A periodic task, and its work that keeps others waiting.
 #[derive(Debug)]
 pub(super) struct Rival {
     pub(super) task: usize,
-    /// In its start-up.
+    /// Work in its start-up.
     pub(super) start: Option<u64>,
-    /// In one job.
+    /// Work in one job.
     pub(super) job: Option<u64>,
 }
 
-/// The codels whose execution can keep each codel waiting. With locks in order of arrival it also waits for
-/// what those before it wait for.
+/// Returns, by codel, the codels whose execution can keep it waiting. With locks in order of arrival it also
+/// waits for the codels that earlier ones wait for.
 pub(super) fn excluded(system: &TimedSystem) -> Vec<CodelSet> {
     let mut sets: Vec<CodelSet> = system
         .codels
@@ -53,9 +53,9 @@ pub(super) fn excluded(system: &TimedSystem) -> Vec<CodelSet> {
 }
 
 impl Analysis<'_> {
-    /// What certain tasks, and control tasks, can execute of some codels, while a codel of its `own` task is
-    /// waited for. The job of that is not in its own way, unless it leaves codels to others; its start-up may
-    /// be.
+    /// Returns the work of certain tasks, and of control tasks, in some codels, while a codel of the `own`
+    /// task waits. The waiting job does not block itself, unless separate threads execute its codels; its
+    /// start-up may.
     pub(super) fn rivals(
         &self,
         excluded: &CodelSet,
@@ -102,13 +102,13 @@ impl Analysis<'_> {
         out
     }
 
-    /// The longest that an execution of a codel can be, unless it has no end.
+    /// Returns the longest execution time of a codel, unless it is unlimited.
     pub(super) fn upper(&self, codel: usize) -> Option<u64> {
         let upper = self.system.codels[codel].upper;
         (upper != FOREVER).then_some(u64::from(upper))
     }
 
-    /// The work of a permanent activity without periods, given what each codel has of it.
+    /// Returns the stretches of work of a permanent activity without a period, given the work of each codel.
     fn stretches(
         &self,
         machine: &Machine,

@@ -1,15 +1,15 @@
-//! Ways through the states of a machine, and what they cost at most.
+//! Paths through the states of a machine, and their greatest cost.
 
 use rustc_hash::FxHashMap;
 
 use crate::system::loops::{Visited, beginning, followers};
 use crate::system::{Machine, Yield};
 
-/// Machines whose loop limits make more combinations of states and visits than this are given up: a quick
-/// bound must be quick.
+/// Upper limit on the combinations of states and visits of a machine with loop limits: a quick bound must be
+/// quick.
 const COMBINATIONS: usize = 2_000;
 
-/// States that a new turn of a machine can begin with, except the first one.
+/// Returns the states in which a new turn of a machine can begin, except the first one.
 pub(super) fn resumed(machine: &Machine) -> impl Iterator<Item = usize> + '_ {
     let yields = machine.states.iter().flat_map(|it| &it.yields);
     yields.filter_map(|it| match *it {
@@ -18,24 +18,25 @@ pub(super) fn resumed(machine: &Machine) -> impl Iterator<Item = usize> + '_ {
     })
 }
 
-/// Ways through states of a machine.
+/// Paths through states of a machine.
 #[derive(Debug)]
 pub(super) struct Ways {
-    /// The state of each vertex.
+    /// State, by vertex.
     at: Vec<usize>,
-    /// The vertices that can follow each.
+    /// Successors, by vertex.
     next: Vec<Vec<usize>>,
-    /// There are too many vertices; each state once instead, and how often a way can enter it.
+    /// There were too many vertices. Instead, each state has one vertex, and this is the number of times that
+    /// a path can enter a state.
     often: Option<Option<u16>>,
 }
 
 impl Ways {
-    /// The turns that begin with one of some states.
+    /// Returns the turns that begin in one of some states.
     pub(super) fn turns(machine: &Machine, from: impl IntoIterator<Item = usize>) -> Self {
         Self::new(machine, from, &|_| true, false)
     }
 
-    /// Ways that begin anywhere, go on beyond pauses, and only lead through some states.
+    /// Returns paths that begin anywhere, continue beyond pauses, and only lead through some states.
     pub(super) fn stretches(machine: &Machine, through: &dyn Fn(usize) -> bool) -> Self {
         Self::new(machine, 0..machine.states.len(), through, true)
     }
@@ -89,12 +90,12 @@ impl Ways {
         }
     }
 
-    /// The states they lead through.
+    /// Returns the states on the paths.
     pub(super) fn states(&self) -> impl Iterator<Item = usize> + '_ {
         self.at.iter().copied()
     }
 
-    /// The cost of the costliest way; `None` if there is no greatest, or it is not found.
+    /// Returns the greatest cost of a path; `None` if there is none, or it is not found.
     pub(super) fn costliest(&self, cost: &dyn Fn(usize) -> Option<u64>) -> Option<u64> {
         let costs: Vec<u64> = self.states().map(cost).collect::<Option<_>>()?;
         let sum = costs.iter().try_fold(0u64, |sum, &it| sum.checked_add(it));
@@ -104,8 +105,8 @@ impl Ways {
         if let Some(often) = self.often {
             return sum?.checked_mul(u64::from(often?));
         }
-        // Longest ways, round by round: with n vertices they are stable after n rounds, unless there is a
-        // cycle that costs something.
+        // Longest paths, round by round: with n vertices they are stable after n rounds, unless some cycle
+        // has a cost.
         let mut longest = costs.clone();
         for _ in 0..=costs.len() {
             let mut changed = false;

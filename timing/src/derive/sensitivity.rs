@@ -13,40 +13,40 @@ use crate::system::build::build;
 use crate::system::{FOREVER, TimedSystem};
 use crate::verify::{Cancel, Options, SystemInput, settings};
 
-/// All of it: how far a system is from missing a deadline, or from meeting them.
+/// The sensitivity of a system: its distance from missing a deadline, or from meeting all of them.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct Sensitivity {
     /// The smallest number of cores.
     pub minimum_cores: MinimumCores,
-    /// The largest WCET of each codel that has a bound, the others as they are.
+    /// The largest WCET of each codel that has a bound, with all others unchanged.
     pub wcet: Vec<Extreme>,
-    /// The smallest period of each periodic task, the others as they are.
+    /// The smallest period of each periodic task, with all others unchanged.
     pub period: Vec<Extreme>,
-    /// What breaks first, of what holds now.
+    /// The most critical value, among those that hold now.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub next_to_break: Option<NextToBreak>,
-    /// Set when it was cancelled: questions are missing.
+    /// The analysis was cancelled: answers are missing.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub incomplete: bool,
 }
 
-/// The value that is nearest, by a factor, to one with which a deadline is missed.
+/// The value that needs the smallest factor to miss a deadline.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NextToBreak {
-    /// Which value.
+    /// Kind of value.
     pub quantity: Quantity,
-    /// Of what: a codel or a task.
+    /// Codel or task.
     pub of: String,
-    /// Its value now, in the unit of the report.
+    /// Present value, in the unit of the report.
     pub now: Value,
-    /// The last one with which every deadline is known to be met.
+    /// Last value with which every deadline is known to be met.
     pub extreme: Value,
-    /// The greater of them divided by the smaller.
+    /// The greater of the two values divided by the smaller.
     pub factor: f64,
 }
 
-/// A value that is looked into.
+/// The kind of a value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Quantity {
@@ -56,21 +56,21 @@ pub enum Quantity {
     Period,
 }
 
-/// How far [`sensitivity`] has come.
+/// The progress of [`sensitivity`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Progress {
-    /// Questions answered, of all.
+    /// Number of questions answered.
     pub done: usize,
-    /// All of them.
+    /// Number of all questions.
     pub of: usize,
-    /// What is asked now, in words.
+    /// Present question, in words.
     pub asking: String,
 }
 
-/// What [`sensitivity`] tells on its way.
+/// An intermediate result of [`sensitivity`].
 #[derive(Debug, Clone, Copy)]
 pub enum Told<'a> {
-    /// What is about to be asked.
+    /// The next question.
     Asking(&'a Progress),
     /// An answer about cores.
     Cores(&'a MinimumCores),
@@ -80,10 +80,11 @@ pub enum Told<'a> {
     Period(&'a Extreme),
 }
 
-/// Every derived question about a scenario, the most useful first: the tasks that are nearest to their
-/// deadlines by the quick bounds, and their codels, the longest first. Codels that nothing executes are not
-/// asked about. Takes as long as some dozen verifications for each codel and task, of which as many are under
-/// way at the same time as there are threads. Answers are told in this order, each when it is there.
+/// Answers every derived question about a scenario, the most useful first: the tasks that are nearest to
+/// their deadlines by response-time analysis, and their codels, the longest first. Codels that are never
+/// executed are left out. The analysis takes as long as a few dozen verifications for each codel and task; as
+/// many run at the same time as there are threads. Answers are reported in this order, each as soon as
+/// possible.
 pub fn sensitivity(
     input: &SystemInput,
     scenario: &Scenario,
@@ -136,10 +137,10 @@ pub fn sensitivity(
     Ok(out)
 }
 
-/// See [`sensitivity`] for their order.
+/// Returns the questions, in the order of [`sensitivity`].
 fn questions(system: &TimedSystem) -> Vec<Question> {
     let bounds = response_bounds(system);
-    // The part of its period that a task may take; what has no bound is nearest.
+    // The part of its period that a task may take; a task without a bound comes first.
     let near = |task: usize| match (system.tasks[task].period, bounds[task]) {
         (None, _) => 0.0,
         (Some(_), None) => f64::INFINITY,
@@ -171,15 +172,15 @@ fn questions(system: &TimedSystem) -> Vec<Question> {
         let of = |it: &usize| Question::Wcet(Path::of(&system.codels[*it].path));
         out.extend(own.iter().map(of));
     }
-    // Those of control tasks.
+    // Codels of control tasks.
     let rest = codels.iter();
     out.extend(rest.map(|&it| Question::Wcet(Path::of(&system.codels[it].path))));
     out
 }
 
 impl Sensitivity {
-    /// What breaks first, of what holds now and has a limit: the WCET or the period that can change by the
-    /// smallest factor.
+    /// Returns the most critical value, among those that hold now and have a limit: the WCET or the period
+    /// that can change by the smallest factor.
     fn next_to_break(&self) -> Option<NextToBreak> {
         let factor = |it: &Extreme| match (it.now, it.extreme) {
             (Value::Time(now), Some(Value::Time(extreme))) if !it.fails_now && now > 0.0 => {

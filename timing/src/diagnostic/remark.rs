@@ -1,4 +1,4 @@
-//! What is assumed of a model and its user should know: of one thing, or of several in one sentence.
+//! Remarks: assumptions about a model that the user should know, of one thing or of several in one sentence.
 
 use std::ops::Range;
 
@@ -12,60 +12,61 @@ use super::{Diagnostic, Place};
 pub enum Remark {
     /// A codel without execution time.
     NoWcet {
-        /// Its function.
+        /// Function of the codel.
         codel: String,
-        /// Where it is used: `component.owner.state`.
+        /// Path: `component.owner.state`.
         path: String,
     },
-    /// A cycle of states that a turn can go round as often as it likes.
+    /// A cycle of states that a turn can repeat without limit.
     StateCycle {
         /// `component.task` or `component.service`.
         machine: String,
         /// `a → b → a`
         cycle: String,
-        /// Whether a loop limit makes sense for the machine.
+        /// A loop limit is possible for the machine.
         can_be_limited: bool,
     },
-    /// A codel for which the head of the lock queue waits, and behind it a task that shares nothing with it.
+    /// A codel that blocks the head of the lock queue, and a task behind the head that shares nothing with
+    /// the codel.
     LockQueue {
-        /// What executes: `component.owner.state`, and for how long at most.
+        /// Executing codel: `component.owner.state`.
         codel: String,
-        /// Its greatest time.
+        /// Its greatest time, in seconds.
         time: Seconds,
-        /// What waits for it at the head of the queue.
+        /// Waiting codel at the head of the queue.
         head: String,
-        /// The task behind, and its period, which is no longer.
+        /// Task behind the head, with a period that is no longer than this time.
         task: String,
-        /// Its period.
+        /// Period of the task, in seconds.
         period: Seconds,
     },
-    /// A request that can only ever be refused: nobody requests what has to succeed before, or that is
-    /// refused itself.
+    /// A request that is always refused: a service that must succeed before it is never requested, or is
+    /// always refused itself.
     OnlyRefused {
         /// `component.service`
         service: String,
-        /// What would have to succeed before: names of services.
+        /// Names of services that would have to succeed before.
         missing: Vec<String>,
     },
     /// A codel that holds a port that a task of another component needs.
     PortHold {
-        /// What holds it: `component.owner.state`.
+        /// Holding codel: `component.owner.state`.
         codel: String,
-        /// For how long at most.
+        /// Its greatest time, in seconds.
         time: Seconds,
-        /// What waits for it.
+        /// Waiting codel.
         other: String,
-        /// The task that executes that.
+        /// Task of the waiting codel.
         task: String,
-        /// Its period, which is no longer.
+        /// Period of the task, in seconds, which is no longer than this time.
         period: Seconds,
     },
 }
 
-/// Something that an exploration has seen on its way.
+/// An observation during an exploration.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Sighting {
-    /// A request of a service was refused because all its slots were in use.
+    /// A request for a service was refused because all its slots were in use.
     NoSlot {
         /// `component.service`
         service: String,
@@ -93,11 +94,12 @@ impl std::fmt::Display for Sighting {
     }
 }
 
-/// More names than this are counted only.
+/// Number of names in a message; further names are only counted.
 const NAMED: usize = 6;
 
 impl Remark {
-    /// As a warning: at a place of the scenario, if there is one, and about places of the specifications.
+    /// Returns the remark as a warning: at a place of the scenario, if there is one, and about places of the
+    /// specifications.
     pub(crate) fn warning(self, range: Range<usize>, places: Vec<Place>) -> Diagnostic {
         let about = Diagnostic {
             places,
@@ -119,7 +121,7 @@ impl Remark {
         }
     }
 
-    /// Whether both can be said in one sentence.
+    /// Returns true if one sentence can contain both remarks.
     fn joins(&self, other: &Remark) -> bool {
         match (self, other) {
             (Remark::NoWcet { .. }, Remark::NoWcet { .. }) => true,
@@ -130,7 +132,7 @@ impl Remark {
         }
     }
 
-    /// What it is about, among others of its kind.
+    /// Returns the subject, which distinguishes it from others of its kind.
     fn name(&self) -> &str {
         match self {
             Remark::NoWcet { path, .. } => path,
@@ -141,8 +143,8 @@ impl Remark {
     }
 }
 
-/// Joins what can be said in one sentence: the codels of a specification that have no execution time, the
-/// state cycles of one machine. The rest stays as it is, and so does the order.
+/// Joins remarks that fit in one sentence: the codels of a specification that have no execution time, the
+/// state cycles of one machine. Other diagnostics and the order remain.
 pub fn together(all: &[Diagnostic]) -> Vec<Diagnostic> {
     let mut groups: Vec<Vec<&Diagnostic>> = Vec::new();
     for it in all {
@@ -169,7 +171,7 @@ fn joined(group: &[&Diagnostic]) -> Diagnostic {
     };
     let mut others: Vec<&Remark> = Vec::new();
     for &it in &group[1..] {
-        // A codel of several states is one codel.
+        // A codel of several states is named once.
         let known = |place: &Place| out.places.iter().any(|it| it.at() == place.at());
         let is_codel = matches!(it.remark.as_deref(), Some(Remark::NoWcet { .. }));
         if is_codel && it.places.iter().all(known) {

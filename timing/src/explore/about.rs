@@ -1,32 +1,33 @@
-//! What else a line of a run is about, as data: who keeps whom waiting, who asks whom.
+//! Details of a line of a run, as data: blocked codels, requests, preemptions.
 
-/// What a [moment](super::Moment) is about beside its task and its codel.
+/// The details of a [moment](super::Moment) beyond its task and its codel.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum About {
-    /// Nothing else.
+    /// No details.
     #[default]
     Nothing,
-    /// A task waits for a core from here on.
+    /// From this moment on, a task waits for a core.
     AwaitsCore,
-    /// A codel waits for these: those that execute first, then those ahead of it in the queue.
+    /// From this moment on, a codel waits for these codels: first those that execute, then those ahead in the
+    /// queue.
     Blocked(Vec<Blocker>),
-    /// A request of a client is taken.
+    /// The control task takes a request of a client.
     Requested {
         /// The client.
         client: usize,
         /// The service.
         service: usize,
     },
-    /// A control task lets an activity go on, which a task executes.
+    /// A control task allows an activity of a task to go on.
     Released {
         /// The task.
         task: usize,
     },
-    /// Somebody loses the core.
+    /// A thread is preempted.
     Preempted(Executing),
 }
 
-/// Who executes codels.
+/// A thread that executes codels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Executing {
     /// A task.
@@ -35,13 +36,13 @@ pub enum Executing {
     Control(usize),
 }
 
-/// Who keeps a codel waiting.
+/// A codel that keeps another codel waiting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Blocker {
-    /// Its codel.
+    /// Codel.
     pub codel: usize,
-    /// Who executes it, or is about to.
+    /// Thread that executes it, or is about to.
     pub by: Executing,
-    /// It waits as well, ahead in the queue; otherwise it executes.
+    /// The codel waits as well, ahead in the queue; otherwise it executes.
     pub ahead: bool,
 }

@@ -1,4 +1,4 @@
-//! What no run of a system has: a proof about it says nothing.
+//! Jobs and atoms that occur in no run of a system: a proof about them is vacuous.
 
 use super::reductions::Orbits;
 use super::rules::Rules;
@@ -6,23 +6,23 @@ use super::state::{State, TaskStatus};
 use super::watch::Watch;
 use crate::property::{Atom, Predicate};
 
-/// Of what a [`Watch`] asks about, the tasks without a job and the atoms that never hold.
+/// The tasks without a job, and the atoms that never hold, among the subjects of a [`Watch`].
 #[derive(Debug, Clone, Default)]
 pub struct Absent {
     jobs: Vec<NoJob>,
     atoms: Vec<Atom>,
 }
 
-/// A task of which no job is ever released.
+/// A task without any released job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NoJob {
     task: usize,
-    /// The task whose start-up it waits for in the run that comes furthest; `None` if that is over.
+    /// Task whose start-up the task awaits in the run that comes furthest; `None` if the start-up is over.
     pub start_up: Option<usize>,
 }
 
 impl Absent {
-    /// Everything, before any state is known.
+    /// Returns all subjects, before any state is known.
     pub(super) fn of(watch: &Watch) -> Absent {
         let responses = watch.response.iter().map(|it| &it.task);
         let tasks = watch.schedulable.iter().chain(&watch.overdue);
@@ -39,7 +39,7 @@ impl Absent {
         }
     }
 
-    /// The atoms of predicates.
+    /// Returns the atoms of predicates.
     pub(super) fn of_predicates(predicates: &[Predicate]) -> Absent {
         let mut out = Absent::default();
         for it in predicates {
@@ -52,25 +52,25 @@ impl Absent {
         out
     }
 
-    /// Removes what a state has.
+    /// Removes the subjects that occur in a state.
     pub(super) fn look<R: Rules>(&mut self, rules: &R, s: &State, orbits: &Orbits) {
         let has_job = |&task: &usize| rules.job(s, task) != TaskStatus::Idle;
         self.jobs
             .retain(|it| !orbits.of_task(it.task).iter().any(has_job));
         for it in &mut self.jobs {
             let now = rules.awaits_start_up(s, it.task);
-            // Tasks are started in order.
+            // Tasks are started in order, so the later one counts.
             it.start_up = it.start_up.zip(now).map(|(one, other)| one.max(other));
         }
         self.atoms.retain(|it| !rules.atom(s, it));
     }
 
-    /// Whether a task has no job, and why.
+    /// Returns the reason why a task has no job; `None` if the task has a job.
     pub fn job(&self, task: usize) -> Option<NoJob> {
         self.jobs.iter().copied().find(|it| it.task == task)
     }
 
-    /// Whether an atom never holds.
+    /// Returns true if an atom never holds.
     pub fn has(&self, atom: &Atom) -> bool {
         self.atoms.contains(atom)
     }

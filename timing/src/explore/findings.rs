@@ -1,4 +1,4 @@
-//! What an exploration found.
+//! The findings of an exploration.
 
 use super::absent::Absent;
 use super::reductions::Activity;
@@ -9,66 +9,65 @@ use crate::system::Ticks;
 /// A supremum of a time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Bound {
-    /// Reached, and never exceeded.
+    /// Reached, and never exceeded, in base units.
     Finite(Ticks),
-    /// There is none.
+    /// There is no supremum.
     Unbounded,
 }
 
-/// Something found, with a run that shows it.
+/// A finding, with a run that shows it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Found {
-    /// From time 0 to the state in question.
+    /// Run from time 0 to the state.
     pub run: Run,
 }
 
 /// A time that was measured.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Measured {
-    /// Its supremum.
+    /// Supremum.
     pub bound: Bound,
-    /// A run that reaches it, or shows that there is none.
+    /// Run that reaches the supremum, or shows that there is none.
     pub longest: Found,
-    /// The limit is exceeded: by this run, which ends when that has happened. If the time has a bound, no
-    /// run exceeds the limit earlier.
+    /// Run that exceeds the limit, and ends as soon as the limit is exceeded. If the time has a bound, no run
+    /// exceeds the limit earlier.
     pub excess: Option<Found>,
 }
 
-/// What an exploration found. Lists follow those of the [`Watch`](super::watch::Watch).
+/// The findings of an exploration. Lists correspond to those of the [`Watch`](super::watch::Watch).
 #[derive(Debug, Clone, Default)]
 pub struct Findings {
-    /// Runs in which a tick came too early.
+    /// Runs in which a tick came before its job had ended.
     pub missed: Vec<Option<Found>>,
-    /// Runs in which a task waited too long.
+    /// Runs in which a task waited for a core for its whole period.
     pub overdue: Vec<Option<Found>>,
     /// Response times; `None` if the task was never released.
     pub response: Vec<Option<Measured>>,
-    /// Runs to the predicates.
+    /// Runs that reach the predicates.
     pub reached: Vec<Option<Found>>,
     /// Least bounds; `None` if the first predicate never became true.
     pub within: Vec<Option<Measured>>,
-    /// Whether each predicate is known to be never reached, even if the exploration was stopped.
+    /// Predicates that are certainly never reached, even if the exploration was stopped.
     pub never: Vec<bool>,
-    /// What no state has that was looked at.
+    /// Jobs and atoms that no examined state has.
     pub absent: Absent,
-    /// A run to a deadlock.
+    /// Run to a deadlock.
     pub deadlock: Option<Found>,
-    /// It is known that there is no deadlock, even if the exploration was stopped.
+    /// There is certainly no deadlock, even if the exploration was stopped.
     pub no_deadlock: bool,
-    /// Services of which a request was refused because no slot was free.
+    /// Services with a request that was refused because no slot was free.
     pub refused: Vec<usize>,
-    /// Services that interrupt themselves, of which two waiting instances interrupted each other.
+    /// Services that interrupt themselves, if two waiting instances interrupted each other.
     pub restarts: Vec<usize>,
-    /// Which reductions were used, of each exploration.
+    /// Reductions used in each exploration.
     pub reductions: Vec<Vec<Activity>>,
-    /// States kept.
+    /// Number of states kept.
     pub states: usize,
-    /// Steps taken.
+    /// Number of actions followed.
     pub steps: u64,
-    /// Bytes used for states.
+    /// Bytes taken by states.
     pub bytes: usize,
-    /// Set when the exploration is not complete: what was not found may still exist, and bounds are
-    /// lower bounds.
+    /// Reason for an incomplete exploration. Then findings may be missing, and bounds are lower bounds.
     pub stopped: Option<Stop>,
 }
 
@@ -79,7 +78,7 @@ impl Findings {
         self.reductions.extend(other.reductions.iter().cloned());
         self.steps += other.steps;
         self.bytes = self.bytes.max(other.bytes);
-        // What one exploration has answered says nothing about the next.
+        // A complete answer of one exploration says nothing about the next exploration.
         let given_up = |it: Option<Stop>| it.filter(|&it| it != Stop::Answered);
         self.stopped = given_up(self.stopped)
             .or(given_up(other.stopped))

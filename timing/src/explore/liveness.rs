@@ -1,4 +1,4 @@
-//! Unbounded response: is there a run that never answers?
+//! Unbounded response: the search for a run that never answers.
 
 use std::rc::Rc;
 
@@ -14,32 +14,32 @@ use crate::cancel::Cancel;
 use crate::property::Predicate;
 use crate::system::{Ticks, TimedSystem};
 
-/// Whenever `trigger` becomes true, `response` follows on every run.
+/// Whenever `trigger` becomes true, `response` must follow on every run.
 #[derive(Debug, Clone)]
 pub struct LivenessQuery {
-    /// What opens the obligation; `None`: it is open from the start.
+    /// Predicate that opens the obligation; `None` if the obligation is open from the start.
     pub trigger: Option<Predicate>,
-    /// What has to follow.
+    /// Predicate that must follow.
     pub response: Predicate,
 }
 
 /// The answer to a [`LivenessQuery`].
 #[derive(Debug, Clone)]
 pub struct Liveness {
-    /// A run that never answers. `Run::cycle` tells where it begins to repeat; if `None` time passes
-    /// for ever after the end of the run.
+    /// Run that never answers. It repeats from `Run::cycle` on. If that is `None`, time passes for ever after
+    /// the end of the run.
     pub counterexample: Option<Run>,
-    /// The obligation was open at some time, or met at once.
+    /// The obligation was open at some time, or was met at once.
     pub triggered: bool,
-    /// States visited.
+    /// Number of states visited.
     pub states: usize,
-    /// Bytes used for states.
+    /// Bytes taken by states.
     pub bytes: usize,
-    /// Set when the exploration is not complete.
+    /// Reason for an incomplete exploration.
     pub stopped: Option<Stop>,
 }
 
-/// Decides a query. States are neither merged nor covered: a cycle must be one of the system.
+/// Decides a query. States are neither merged nor covered, because a cycle must be a cycle of the system.
 pub fn liveness(
     system: &TimedSystem,
     query: &LivenessQuery,
@@ -58,7 +58,7 @@ fn decide<R: Rules>(rules: &R, query: &LivenessQuery, limits: Limits, cancel: &C
         ..Clocks::none(rules.system().tasks.len())
     };
     let rules = rules.with_clocks(&clocks);
-    // "Always" as a trigger: true in the initial state.
+    // The trigger "always": true in the initial state.
     let always = || {
         Predicate::Or(
             Box::new(query.response.clone()),
@@ -79,7 +79,7 @@ fn decide<R: Rules>(rules: &R, query: &LivenessQuery, limits: Limits, cancel: &C
     .search()
 }
 
-/// States looked at between two looks at what may end the search.
+/// Number of states between two polls of the limits.
 const LOOKS: usize = 64;
 
 struct Graph<'a, R> {
@@ -91,7 +91,7 @@ struct Graph<'a, R> {
     cancel: &'a Cancel,
 }
 
-/// How one state is entered from another.
+/// The step from one state to another.
 #[derive(Clone, Copy)]
 enum Edge {
     Act(Action),
@@ -129,7 +129,7 @@ impl<R: Rules> Graph<'_, R> {
         let mut stopped = None;
         let mut at = 0;
         while at < visits.len() {
-            // What the lists hold now is still there while they are copied to larger ones.
+            // A list that grows is copied: its old memory is still in use meanwhile.
             let about_to_grow = visits.capacity() - visits.len() < LOOKS;
             let with_copy = bytes + if about_to_grow { bytes / 4 } else { 0 };
             let full = visits.len() > self.limits.states || with_copy > self.limits.bytes;
@@ -149,7 +149,7 @@ impl<R: Rules> Graph<'_, R> {
                 for (edge, next, forever) in self.successors(&s, &mut enabled) {
                     triggered |= observe::predicate(&self.rules, Some(&s), &next, trigger);
                     if forever {
-                        // Time passes and nothing ever happens: a cycle of its own.
+                        // Time passes and no event ever follows: the state is a cycle of its own.
                         next_ids.push(at as u32);
                         continue;
                     }
@@ -188,7 +188,7 @@ impl<R: Rules> Graph<'_, R> {
             .and_then(|open| self.cycle(&successors, &open))
             .map(|cycle| self.run(&visits, &successors, &cycle));
         if self.cancel.is_too_late() {
-            // What was not found may not have been looked for.
+            // A missing counterexample proves nothing if the search was stopped.
             stopped = Stop::reason(visits.len(), bytes, self.limits, self.cancel);
         }
         self.cancel.ended(visits.len());
@@ -201,7 +201,7 @@ impl<R: Rules> Graph<'_, R> {
         }
     }
 
-    /// The states in which the answer is still awaited; `None` if it is too late.
+    /// Returns, by state, whether the obligation is still open; `None` if the search must end.
     fn unanswered(&self, visits: &[Visit]) -> Option<Vec<bool>> {
         let mut open = Vec::with_capacity(visits.len());
         for (i, it) in visits.iter().enumerate() {
@@ -240,7 +240,7 @@ impl<R: Rules> Graph<'_, R> {
         out
     }
 
-    /// The run to the first state of a cycle and once around it.
+    /// Returns the run to the first state of a cycle and once around the cycle.
     fn run(&self, visits: &[Visit], successors: &[Vec<u32>], cycle: &[u32]) -> Run {
         let mut path = vec![cycle[0]];
         while visits[path[path.len() - 1] as usize].parent != u32::MAX {
@@ -289,7 +289,7 @@ impl<R: Rules> Graph<'_, R> {
     }
 }
 
-/// Bytes of a state that is visited: its own, those of the visit, of the index and of the successors.
+/// Returns the bytes of a visited state: its own, those of the visit, of the index and of the successors.
 fn weight(it: &Encoded) -> usize {
     let list = size_of::<Vec<u32>>();
     let counts = 2 * size_of::<usize>();
@@ -299,9 +299,9 @@ fn weight(it: &Encoded) -> usize {
 }
 
 impl<R: Rules> Graph<'_, R> {
-    /// A cycle through states that are all `open`.
+    /// Returns a cycle through states that are all `open`.
     fn cycle(&self, successors: &[Vec<u32>], open: &[bool]) -> Option<Vec<u32>> {
-        // Depth-first search with colours; a back edge closes a cycle.
+        // Depth-first search with colours: a back edge closes a cycle.
         let n = successors.len();
         let mut colour = vec![0u8; n];
         let mut steps = 0usize;

@@ -1,4 +1,4 @@
-//! Times that are measured by clocks: response times, and times from one event to another.
+//! Times measured by clocks: response times, and times between two events.
 
 use super::rules::Rules;
 use super::run::Run;
@@ -6,17 +6,17 @@ use super::state::{Frame, State, TaskStatus};
 use super::watch::Watch;
 use crate::system::Ticks;
 
-/// What is measured.
+/// The subject of a measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Timing {
     /// The response time of a task.
     Response(usize),
-    /// The time until an observer is answered.
+    /// The time until the obligation of an observer is met.
     Within(usize),
 }
 
 impl Timing {
-    /// The clock that measures it in a state, if there is one.
+    /// Returns the clock of the measurement in a state, if there is one.
     pub(in crate::explore) fn clock(self, l: &Frame, s: &State) -> Option<usize> {
         match self {
             Timing::Response(task) => l.response[task],
@@ -24,7 +24,7 @@ impl Timing {
         }
     }
 
-    /// The task whose response time it is.
+    /// Returns the task, for a response time.
     pub(super) fn task(self) -> Option<usize> {
         match self {
             Timing::Response(task) => Some(task),
@@ -32,8 +32,8 @@ impl Timing {
         }
     }
 
-    /// How many obligations are as old as the one that is measured, itself included. When they become fewer,
-    /// another may have taken its place; they never become more.
+    /// Returns the number of obligations as old as the measured one, including that one. If the number
+    /// decreases, another obligation may have replaced the measured one. It never increases.
     fn as_old(self, l: &Frame, s: &State) -> usize {
         let Timing::Within(observer) = self else {
             return 0;
@@ -44,13 +44,14 @@ impl Timing {
         ages.filter(|&it| it == oldest).count()
     }
 
-    /// How long it has lasted in a state, and how many obligations are as old.
+    /// Returns the present age of the measured obligation in base units, and the number of obligations of
+    /// that age.
     pub(super) fn age(self, l: &Frame, s: &State) -> (Ticks, usize) {
         let clock = self.clock(l, s);
         (clock.map_or(0, |clock| s.t[clock]), self.as_old(l, s))
     }
 
-    /// Whether it is being measured in a state.
+    /// Returns true if the measurement runs in a state.
     pub(super) fn runs<R: Rules>(self, rules: &R, s: &State) -> bool {
         match self {
             Timing::Response(task) => rules.job(s, task) != TaskStatus::Idle,
@@ -59,34 +60,34 @@ impl Timing {
     }
 }
 
-/// A time that is asked for.
+/// A measured time, with its limits in base units.
 #[derive(Debug, Clone)]
 pub(super) struct Gauge {
     pub(super) of: Timing,
-    /// What it must not exceed.
+    /// Limit of the check.
     pub(super) limit: Option<Ticks>,
-    /// What it never exceeds, where that is known.
+    /// Upper bound, if analysis knows one.
     pub(super) most: Option<Ticks>,
     pub(super) how: How,
-    /// A run that exceeds the limit, from an exploration that has ended.
+    /// Run that exceeds the limit, from an earlier exploration.
     pub(super) excess: Option<Run>,
 }
 
-/// How a time is measured.
+/// The mode of a measurement.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum How {
-    /// Together with others.
+    /// In the same exploration as others.
     Shared,
-    /// Not now, as it grew suspiciously; later on its own.
+    /// In an exploration of its own, later, because the time grew suspiciously.
     Alone,
-    /// On its own, until it repeats itself.
+    /// In an exploration of its own, until the run repeats itself.
     Patient,
-    /// No more, as this run proves that there is no bound.
+    /// Finished: this run proves that there is no bound.
     Unbounded(Run),
 }
 
 impl Gauge {
-    /// What a [`Watch`] asks for: responses, then the others.
+    /// Returns the gauges of a [`Watch`]: first responses, then pairs of predicates.
     pub(super) fn of(watch: &Watch, how: &How) -> Vec<Gauge> {
         let responses = watch.response.iter();
         let responses = responses.map(|it| (Timing::Response(it.task), it.limit, it.most));
@@ -104,7 +105,7 @@ impl Gauge {
             .collect()
     }
 
-    /// Whether it is measured in the next exploration.
+    /// Returns true if the gauge is measured in the next exploration.
     pub(super) fn active(&self) -> bool {
         matches!(self.how, How::Shared | How::Patient)
     }
@@ -115,11 +116,12 @@ impl Gauge {
     }
 }
 
-/// A time that grows, with a run that proves that it has no bound; without one it is only suspected.
+/// A time that grows, with a run that proves that the time has no bound. Without a run, this is only
+/// suspected.
 #[derive(Debug, Clone)]
 pub(super) struct Diverging {
     pub(super) gauge: usize,
     pub(super) proof: Option<Run>,
-    /// A run that exceeds the limit.
+    /// Run that exceeds the limit.
     pub(super) excess: Option<Run>,
 }

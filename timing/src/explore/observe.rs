@@ -5,16 +5,16 @@ use super::state::State;
 use crate::property::Predicate;
 use crate::system::Ticks;
 
-/// Whenever `trigger` becomes true, the `responses` are awaited, one after the other. Each may hold at the
-/// moment at which the one before does.
+/// An observer: whenever `trigger` becomes true, the `responses` are awaited in order. Each may hold at the
+/// same moment as the previous one.
 #[derive(Debug, Clone)]
 pub(crate) struct Observer {
     pub(crate) trigger: Predicate,
-    /// At least one.
+    /// At least one response.
     pub(crate) responses: Vec<Predicate>,
 }
 
-/// A predicate in a state entered from `before` (`None`: the initial state).
+/// Evaluates a predicate in a state entered from `before` (`None`: the initial state).
 pub(crate) fn predicate<R: Rules>(
     rules: &R,
     before: Option<&State>,
@@ -37,11 +37,12 @@ pub(crate) fn observe<R: Rules>(
     observe_telling(rules, observers, before, now, |_, _| {});
 }
 
-/// The same. `met` is told the observer of each obligation that is met, and how long it was open.
+/// Opens and closes the obligations of observers after a step. `met` gets the observer of each obligation
+/// that is met, and the time for which the obligation was open.
 ///
-/// Of the obligations that await the same, the oldest is kept: what meets it meets the others. One that has
-/// come further is older than one that has not, as it has seen something that would have brought the other
-/// further as well.
+/// Among obligations at the same stage, only the oldest is kept: the event that meets it meets the others as
+/// well. An obligation at a later stage is older than one at an earlier stage, because the event that
+/// advanced it would have advanced the younger one, too.
 pub(crate) fn observe_telling<R: Rules>(
     rules: &R,
     observers: &[Observer],
@@ -52,7 +53,7 @@ pub(crate) fn observe_telling<R: Rules>(
     let l = rules.frame();
     for (i, observer) in observers.iter().enumerate() {
         let stages = l.stages(i);
-        // How long the obligation has been open that comes to the stage in question.
+        // Age of the obligation that enters the stage.
         let mut coming = None;
         let triggers = !l.is_open_at(now, stages.start)
             && predicate(rules, before, now, &observer.trigger)

@@ -1,14 +1,14 @@
-//! Reductions: what need not be followed, kept or told apart.
+//! Reductions: actions that need not be followed, and states that need not be kept.
 //!
-//! Which reductions there are depends on the rules they were shown to be sound for ([`Reduced`]).
-//! Strategies ask at five places, whatever the rules: which of the enabled actions to follow
-//! ([`Reductions::persistent`], [`Reductions::follow`]), whose end can be put off ([`Reductions::waiters`],
-//! [`Reductions::closure`]), and which of the states that differ only by names to keep
+//! The available reductions depend on the rules for which they are proved sound ([`Reduced`]). Strategies use
+//! them at five places, whatever the rules: to select the enabled actions to follow
+//! ([`Reductions::persistent`], [`Reductions::follow`]), to find the ends that can be postponed
+//! ([`Reductions::waiters`], [`Reductions::closure`]), and to select a representative of symmetric states
 //! ([`Reductions::order`]).
 //!
-//! Each reduction is one type behind the trait [`Reduction`]: it tells when it applies to a system, its rules
-//! and what is asked, and else the [`Reason`]. What it leaves out and why that is sound stands at its module;
-//! `docs/explorer.md` is the map.
+//! Each reduction is one type with the trait [`Reduction`]. It applies to a system, its rules and its watched
+//! properties, or gives a [`Reason`] for not applying. The module of each reduction describes it and proves
+//! its soundness; `docs/explorer.md` gives an overview.
 
 mod ample;
 mod facts;
@@ -30,21 +30,21 @@ use super::store::Encoded;
 use crate::property::Predicate;
 use crate::system::{Ticks, TimedSystem};
 
-/// What is put off for now: a sleep set. Executors from bit 0 on, ticks from bit 64 on.
+/// A sleep set: the actions held back for now. Executors from bit 0 on, ticks from bit 64 on.
 pub(crate) type Held = u128;
 
-/// What is asked of a system, as far as reductions have to respect it.
+/// The watched properties of a system, as far as reductions must respect them.
 pub(crate) struct Watched<'a> {
-    /// Tasks with equal labels are asked the same.
+    /// Labels of tasks. Tasks with equal labels are watched in the same way.
     pub(crate) labels: Vec<Label>,
-    /// What is said about single states.
+    /// Predicates on single states.
     pub(crate) predicates: Vec<&'a Predicate>,
     /// Tasks with a clock for their response time.
     pub(crate) measured: Vec<bool>,
 }
 
 impl<'a> Watched<'a> {
-    /// Nothing but some predicates.
+    /// Watches only some predicates.
     pub(crate) fn only(system: &TimedSystem, predicates: Vec<&'a Predicate>) -> Self {
         Watched {
             labels: vec![Label::default(); system.tasks.len()],
@@ -54,13 +54,13 @@ impl<'a> Watched<'a> {
     }
 }
 
-/// What a reduction may or may not be used for.
+/// The input of a reduction's examination.
 pub(crate) struct Setting<'a, R> {
     pub(crate) rules: &'a R,
     pub(super) asked: &'a Watched<'a>,
-    /// What is known beforehand.
+    /// Known facts about the system.
     pub(super) facts: &'a Facts,
-    /// What is switched off.
+    /// Reductions that are switched off.
     pub(crate) without: Kinds,
 }
 
@@ -72,14 +72,17 @@ impl<R: Rules> Setting<'_, R> {
 
 /// One reduction, for one set of rules.
 pub(crate) trait Reduction<R>: Sized {
-    /// Which one it is.
+    /// Kind of the reduction.
     const KIND: Kind;
 
-    /// The reduction, examined for a system and what is asked of it, or the reason why it is not sound, or of
-    /// no use, there.
+    /// Returns the reduction for a system and its watched properties.
+    ///
+    /// # Errors
+    ///
+    /// Returns the reason why the reduction is not sound, or of no use, for the system.
     fn applies(setting: &Setting<R>) -> Result<Self, Reason>;
 
-    /// The same, unless it is switched off; notes which of both.
+    /// Applies the reduction unless it is switched off, and records the outcome in `notes`.
     fn examine(setting: &Setting<R>, notes: &mut Vec<Activity>) -> Option<Self> {
         let it = match setting.without.contains(Self::KIND) {
             true => Err(Reason::SwitchedOff),
@@ -93,21 +96,20 @@ pub(crate) trait Reduction<R>: Sized {
     }
 }
 
-/// All reductions that are known for a set of rules, as far as they apply to one system and what is asked of
-/// it.
+/// All known reductions for a set of rules, as far as they apply to one system and its watched properties.
 pub(crate) trait Reductions<R: Rules>: Sized {
-    /// Examines a system. Some are switched off.
+    /// Examines a system. The reductions in `without` are switched off.
     fn new(rules: &R, asked: &Watched, without: Kinds) -> Self;
 
-    /// Which are used, and why others are not.
+    /// Returns the reductions used, and the reasons against the others.
     fn activities(&self) -> &[Activity];
 
-    /// Writes the actions to follow in a state, so that all calm states are still come to at this moment (a
-    /// persistent set), or all that are enabled.
+    /// Writes the actions to follow in a state: a persistent set, with which all calm states of this moment
+    /// are still reached, or all enabled actions.
     fn persistent(&self, rules: &R, s: &State, enabled: &Enabled, out: &mut Vec<Action>);
 
-    /// Writes the actions to follow in a state in which some are held back, with what they hold back. `first`
-    /// is memory.
+    /// Writes the actions to follow in a state in which some actions are held back, each with the actions
+    /// that it holds back. `first` is scratch memory.
     fn follow(
         &self,
         rules: &R,
@@ -117,23 +119,23 @@ pub(crate) trait Reductions<R: Rules>: Sized {
         out: &mut Vec<(Action, Held)>,
     );
 
-    /// What is still held back after an action that led from one state to another.
+    /// Returns the actions still held back after an action that led from `before` to `s`.
     fn held_after(&self, rules: &R, before: &State, action: Action, s: &State, held: Held) -> Held;
 
-    /// Those whose ends can be put off in a calm state, if there are any.
+    /// Returns the executors whose ends can be postponed in a calm state, if there are any.
     fn waiters(&self, rules: &R, s: &State) -> Option<Waiters>;
 
-    /// Calls `found` with calm states that a calm state can reach by ends that can be put off, so that they
-    /// need not be kept. Takes what it looked at off the budget.
+    /// Calls `found` with calm states that a calm state reaches by ends that can be postponed, and that need
+    /// not be kept. Subtracts the number of examined states from the budget.
     fn closure(&self, rules: &R, s: &State, budget: &mut usize, found: impl FnMut(&Encoded));
 
-    /// Puts what is alike in order. `None` if it is.
+    /// Puts symmetric parts of a state in order. Returns `None` if they already are.
     fn order(&self, rules: &R, s: &mut State) -> Option<Renaming>;
 
-    /// What is alike.
+    /// Returns the symmetric parts.
     fn orbits(&self) -> &Orbits;
 
-    /// The next moment at which something has to be looked at, after a calm state. `None`: never.
+    /// Returns the time until the next moment to examine after a calm state, in base units. `None`: never.
     fn next_moment(&self, rules: &R, s: &State) -> Option<Ticks> {
         let waiters = self.waiters(rules, s);
         rules.next_moment(s, &|executor| {
@@ -143,31 +145,31 @@ pub(crate) trait Reductions<R: Rules>: Sized {
     }
 }
 
-/// Tasks, control tasks and clients whose ends can be put off in one state: numbered as *members*, in this
+/// Tasks, control tasks and clients whose ends can be postponed in one state: numbered as *members*, in this
 /// order.
 #[derive(Debug, Clone)]
 pub(crate) struct Waiters(pub(super) SmallVec<[bool; 24]>);
 
 impl Waiters {
-    /// Whether the end of what an executor executes can be put off.
+    /// Returns true if the end of an executor's work can be postponed.
     pub(crate) fn can_wait(&self, system: &TimedSystem, executor: usize) -> bool {
         let automata = &system.automata;
         let member = match automata.get(executor) {
             Some(it) => it.task,
-            // Control tasks and clients come after the automata, as among the members after the tasks.
+            // Control tasks and clients follow the automata, and among the members they follow the tasks.
             None => executor - automata.len() + system.tasks.len(),
         };
         self.0[member]
     }
 }
 
-/// Rules for which it was shown which reductions are sound.
+/// Rules with reductions that are proved sound for them.
 pub(crate) trait Reduced: Rules {
-    /// These reductions.
+    /// Reductions of the rules.
     type Reductions: Reductions<Self>;
 }
 
-/// Nothing is left out: for rules that nothing is known of.
+/// The reductions of rules without any proved reduction: nothing is left out.
 #[derive(Debug)]
 #[allow(
     dead_code,

@@ -1,53 +1,54 @@
-//! The rules: one step of the timed system, and nothing else.
+//! The rules: a single step of the timed system.
 //!
 //! A set of rules is one type that implements [`Rules`]. Strategies (`search`), goals and the store of states
-//! are written against the trait, and are compiled once for each set. So far there is one, [`published`]:
-//! sections 3 to 9 of the timed semantics.
+//! are written against the trait, and are compiled once for each set. There are two sets: [`published`],
+//! sections 3 to 9 of the timed semantics, and [`servers`], section 21.
 //!
 //! # The contract
 //!
-//! What is on the other side of this trait relies on the following; a set of rules must keep all of it.
+//! The users of this trait rely on the following; a set of rules must keep all of it.
 //!
 //! **States.** A state is two arrays of numbers ([`State`]). Rules choose the places with
-//! [`Places`](super::state::Places), and give a [`Frame`]. Equal numbers are equal states: what has no
-//! meaning any more is set to 0 (dead variables), as states are compared as they are.
+//! [`Places`](super::state::Places), and give a [`Frame`]. Equal numbers are equal states: numbers without a
+//! meaning in the present state are set to 0 (dead variables), because states are compared by their numbers.
 //!
 //! **Executors.** Only executors take time. While one executes, its phase has the bit
-//! [`phase::EXECUTING`](super::state::phase::EXECUTING), and its window tells when it may end: it may while
-//! the lower bound is 0, it must when the upper one is. Otherwise its window is `(0, 0)`. Windows are set
-//! when something begins to execute, to its least and greatest duration. Rules look at a window for nothing
-//! but "may it end" and "must it", so that a state with wider windows can do whatever one with narrower
-//! windows can (inclusion), and states with adjoining windows can be joined (union). What ends an execution
-//! is [`Action::Finish`] of this executor, always and only.
+//! [`phase::EXECUTING`](super::state::phase::EXECUTING), and its window gives its end: the executor may end
+//! while the lower bound is 0, and must end when the upper bound is 0. Otherwise its window is `(0, 0)`. A
+//! window is set when an execution begins, to its least and greatest duration. Rules use a window only to
+//! decide "may it end" and "must it", so that a state with wider windows can do whatever one with narrower
+//! windows can (inclusion), and states with adjoining windows can be joined (union). An execution ends with
+//! [`Action::Finish`] of its executor, always and only.
 //!
-//! **Actions.** [`Rules::enabled`] lists the actions of the best rank present. Ranks are the rules' own;
-//! those before the last are *committed*: parts of the step that made them possible, followed at once, which
-//! nothing may come between. Within a rank any order is possible and followed. [`Enabled::urgent`] is set if
-//! at least one action of the list must happen before time passes, whatever the windows; [`Enabled::forced`]
-//! if some window is at its end. Time passes only in *calm* states, which are neither. [`Rules::apply`]
-//! performs an action of the list; a free choice (a yield, whether a request is accepted) is several actions.
-//! Both depend on the state alone. Not even they look at clocks.
+//! **Actions.** [`Rules::enabled`] lists the actions of the best rank present. Each set of rules has its own
+//! ranks. All ranks but the last are *committed*: these actions are parts of the step that made them
+//! possible, and are followed at once, with no other action in between. Within a rank any order is possible
+//! and followed. [`Enabled::urgent`] is set if at least one action of the list must happen before time
+//! passes, whatever the windows; [`Enabled::forced`] is set if some window is at its end. Time passes only in
+//! *calm* states, which are neither. [`Rules::apply`] performs an action of the list; a free choice (a yield,
+//! the acceptance of a request) is several actions. Both methods depend on the state alone, and not on
+//! clocks.
 //!
-//! **Time.** [`Rules::next_moment`] tells how long nothing can become possible that was not: until then no
-//! state needs to be looked at. [`Rules::elapse`] lets so much time pass or less, in one jump or in several
-//! with the same effect. It also advances the clocks of jobs ([`Frame::elapse`] does so for windows and for
-//! observers). Deadlines and timers that are read by `enabled` are times of the key.
+//! **Time.** [`Rules::next_moment`] returns the time for which no new action can become possible: until then
+//! no state needs to be examined. [`Rules::elapse`] lets that much time pass or less, in one jump or in
+//! several with the same effect. It also advances the clocks of jobs ([`Frame::elapse`] does so for windows
+//! and for observers). Deadlines and timers that `enabled` reads are times of the key.
 //!
-//! **Jobs.** [`Rules::job`] tells whether a task has a job whose response time is being measured, and if so,
-//! whether it waits for a core. Its clock ([`Frame::response`]) is advanced while it has one, and set to 0
-//! when it ends. The action by which a waiting job gets its core is [`Action::Grant`].
+//! **Jobs.** [`Rules::job`] returns the status of a task: whether it has a job whose response time is being
+//! measured, and whether the job waits for a core. The clock of the job ([`Frame::response`]) advances while
+//! there is a job, and is set to 0 at the end of the job. A waiting job gets its core by the action
+//! [`Action::Grant`].
 //!
-//! **Without periodic tasks** times of the key are always 0 (zones do not look at them).
+//! **Without periodic tasks** times of the key are always 0 (zones ignore them).
 //!
 //! # Adding a set of rules
 //!
-//! 1. A folder beside `published`, with a type that implements [`Rules`]. Actions that it needs are variants
+//! 1. A folder next to `published`, with a type that implements [`Rules`]. Actions that it needs are variants
 //!    of [`Action`], with their lines in [`Action::renamed`](super::reductions::Renaming::action) and
 //!    [`Rules::task_of`].
 //! 2. Its reductions: [`Reduced`](super::reductions::Reduced). To begin with,
-//!    [`NoReductions`](super::reductions::NoReductions): everything is followed, nothing is left out, and
-//!    each of the known reductions is reported as off, because nobody has shown that it is sound for these
-//!    rules.
+//!    [`NoReductions`](super::reductions::NoReductions): all actions are followed, no state is left out, and
+//!    each of the known reductions is reported as off, because it is not proved sound for these rules.
 //! 3. A line in `with_rules!`, which chooses the rules of a system.
 
 mod moment;
@@ -61,18 +62,18 @@ use super::state::{Clocks, Frame, State, TaskStatus};
 use crate::property::Atom;
 use crate::system::{Ticks, TimedSystem};
 
-/// Something that happens without taking time. Executors are numbered: automata, then the control
-/// tasks of components, then clients.
+/// An action: an event that takes no time. Executors are numbered: automata, then the control tasks of
+/// components, then clients. (The servers have tasks instead of automata.)
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Action {
-    /// What a client waited for has happened; it goes on.
+    /// A client proceeds, because the event that it waited for has happened.
     Proceed {
         /// The client.
         client: usize,
-        /// Its next step.
+        /// Next step.
         next: usize,
     },
-    /// A task is released: takes its tick and asks for a core.
+    /// A task is released: it takes its tick and asks for a core.
     Release {
         /// The task.
         task: usize,
@@ -89,14 +90,14 @@ pub enum Action {
     },
     /// A codel takes its locks.
     Acquire {
-        /// What executes it.
+        /// Executor.
         executor: usize,
     },
     /// A codel or a delay ends.
     Finish {
-        /// What executed it.
+        /// Executor.
         executor: usize,
-        /// For automata the index of the yield; for control tasks 0 is "accepted" (or done), 1
+        /// For automata the index of the yield; for control tasks 0 for "accepted" (or done) and 1 for
         /// "refused"; for clients the step after the delay.
         outcome: usize,
     },
@@ -117,44 +118,44 @@ pub enum Action {
     },
     /// A thread takes the core of another (servers, policy `fair`).
     Preempt {
-        /// Who had it.
+        /// Executor that has the core.
         executor: usize,
-        /// Who takes it.
+        /// Executor that takes the core.
         by: usize,
     },
-    /// Of threads that have become ready at the same moment, one counts as the next (servers, policy
+    /// A thread counts as the next one of several that have become ready at the same moment (servers, policy
     /// `priority`).
     Ready {
         /// The thread.
         executor: usize,
     },
-    /// The control task has executed its codels: it replies, and looks at all activities (servers).
+    /// The control task has executed its codels: it replies, and handles the end of activities (servers).
     Reply {
-        /// Its component.
+        /// Component.
         component: usize,
     },
-    /// A component that was killed gets on with its end (servers).
+    /// A killed component proceeds with its shutdown (servers).
     Shut {
         /// The component.
         component: usize,
     },
     /// The control task handles the end of activities.
     Signal {
-        /// Its component.
+        /// Component.
         component: usize,
     },
-    /// What was just written, or read, is marked, or not; no step of the system (see `explore::token`).
+    /// The last write, or read, is marked or not; not a step of the system (see `explore::token`).
     Mark {
-        /// Who has read it, where it is new whenever it is read.
+        /// Executor that has read the datum, if the datum is new at every read.
         executor: Option<usize>,
-        /// Whether it is marked.
+        /// The datum is marked.
         taken: bool,
     },
     /// The control task takes a client's request.
     Request {
         /// The client.
         client: usize,
-        /// The client's next step.
+        /// Next step of the client.
         next: usize,
     },
 }
@@ -162,37 +163,37 @@ pub enum Action {
 /// The actions of a state.
 #[derive(Debug, Default)]
 pub(crate) struct Enabled {
-    /// All of the best rank.
+    /// All actions of the best rank.
     pub(crate) actions: Vec<Action>,
-    /// At least one of them must happen before time passes, whatever the windows.
+    /// At least one action must happen before time passes, whatever the windows.
     pub(crate) urgent: bool,
-    /// They are of a rank before the last: part of the step that made them possible.
+    /// The actions are of a rank before the last: parts of the step that made them possible.
     pub(crate) committed: bool,
-    /// Some executing codel has come to the end of its window.
+    /// Some executing codel has reached the end of its window.
     pub(crate) forced: bool,
 }
 
 impl Enabled {
-    /// Whether time may pass.
+    /// Returns true if time may pass.
     pub(crate) fn is_calm(&self) -> bool {
         !self.urgent && !self.forced
     }
 }
 
-/// A set of rules, applied to one system. What it has to keep to is said in the [module](self).
+/// A set of rules, applied to one system. The [module](self) contains its contract.
 pub(crate) trait Rules: Sized {
-    /// The same rules for the same system, with clocks for what is measured.
+    /// Returns the same rules for the same system, with clocks for measured times.
     fn with_clocks(&self, clocks: &Clocks) -> Self;
 
-    /// The system.
+    /// Returns the system.
     fn system(&self) -> &TimedSystem;
 
-    /// Where the common parts of a state are.
+    /// Returns the places of the common parts of a state.
     fn frame(&self) -> &Frame;
 
     // ---- Steps -----------------------------------------------------------------------------
 
-    /// The state at time 0, before anything has happened.
+    /// Returns the state at time 0, before any action.
     fn initial(&self) -> State;
 
     /// Lists the actions of a state.
@@ -201,31 +202,33 @@ pub(crate) trait Rules: Sized {
     /// Performs an action that is enabled.
     fn apply(&self, s: &mut State, action: Action);
 
-    /// How long nothing needs to be looked at after a calm state: until the next moment at which something
-    /// may happen, or, for executors whose end `can_wait`, has to. `None`: for ever.
+    /// Returns the time after a calm state for which no state needs to be examined, in base units: until the
+    /// next moment at which an action may become possible or, for executors whose end `can_wait`, must
+    /// happen. `None`: for ever.
     fn next_moment(&self, s: &State, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks>;
 
     /// Lets time pass, at most until the next moment.
     fn elapse(&self, s: &mut State, time: Ticks);
 
-    /// Whether time brings an executor nearer to the end of what it executes.
+    /// Returns true if time brings an executor nearer to the end of its work.
     fn gets_on(&self, _s: &State, _executor: usize) -> bool {
         true
     }
 
-    // ---- What is to be seen ----------------------------------------------------------------
+    // ---- Observation -----------------------------------------------------------------------
 
-    /// What the job of a task does.
+    /// Returns the status of a task's job.
     fn job(&self, s: &State, task: usize) -> TaskStatus;
 
-    /// The task whose start-up a task waits for before its first job: one before it in its component, or
-    /// itself. `None`: the start-up is over.
+    /// Returns the task whose start-up a task awaits before its first job: an earlier one of its component,
+    /// or itself. `None`: the start-up is over.
     fn awaits_start_up(&self, s: &State, task: usize) -> Option<usize>;
 
-    /// Whether a tick of a task has come before its job has ended.
+    /// Returns true if a tick of a task has come before its job has ended.
     fn missed(&self, s: &State, task: usize) -> bool;
 
-    /// Whether a job waits for a core for as long as the period of its task. Its response time is measured.
+    /// Returns true if a job waits for a core for at least the period of its task. The response time of the
+    /// task must be measured.
     fn overdue(&self, s: &State, task: usize) -> bool {
         let (period, clock) = (
             self.system().tasks[task].period,
@@ -237,55 +240,58 @@ pub(crate) trait Rules: Sized {
         self.job(s, task) == TaskStatus::Waiting && s.t[clock] >= period
     }
 
-    /// Whether a task may wait for a core after an action although it did not before.
+    /// Returns true if a task may begin to wait for a core with an action.
     fn may_begin_to_wait(&self, action: Action, task: usize) -> bool {
         action == Action::Release { task }
     }
 
-    /// The value of an atom of a predicate.
+    /// Returns the value of an atom of a predicate.
     fn atom(&self, s: &State, atom: &Atom) -> bool;
 
-    /// Whether a request for a service was ever refused by [`Rules::apply`] for want of a slot.
+    /// Returns true if [`Rules::apply`] ever refused a request for a service for lack of a slot.
     fn has_refused(&self, service: usize) -> bool;
 
-    /// Whether two waiting instances of a service were ever seen to interrupt each other by [`Rules::apply`].
+    /// Returns true if two waiting instances of a service ever interrupted each other in [`Rules::apply`].
     fn has_ended_restarts(&self, _service: usize) -> bool {
         false
     }
 
-    /// The task an action is one of; `None` for those of control tasks and clients.
+    /// Returns the task of an action; `None` for actions of control tasks and clients.
     fn task_of(&self, action: Action) -> Option<usize>;
 
-    /// Least and greatest time of what an executor executes.
+    /// Returns the least and greatest time of an executor's work, in base units.
     fn duration(&self, s: &State, executor: usize) -> (Ticks, Ticks);
 
-    /// What an executor takes a ticket or waits for, or executes; `None` if that is nothing.
+    /// Returns the work of an executor: a codel for which it takes a ticket, waits or executes, or a delay.
+    /// `None` if there is none.
     fn work(&self, s: &State, executor: usize) -> Option<Work>;
 
-    /// The step a client is at; [`Client::done`](crate::system::Client::done) after the last, one more before
-    /// the first.
+    /// Returns the step of a client; [`Client::done`](crate::system::Client::done) after the last step, one
+    /// more before the first.
     fn position(&self, s: &State, client: usize) -> usize;
 
-    /// How many places for activities there are, those of permanent activities included. They are numbered as
-    /// in [`Work::State`].
+    /// Returns the number of places for activities, including permanent activities. They are numbered as in
+    /// [`Work::State`].
     fn places(&self) -> usize;
 
-    /// The automaton of the activity that has a place: accepted, running, or ended and not yet reported.
+    /// Returns the automaton of the activity in a place: accepted, running, or ended and not yet reported.
     fn activity(&self, s: &State, place: usize) -> Option<usize>;
 
-    /// Interrupts the activity that has a place, as a service that interrupts it would.
+    /// Interrupts the activity in a place, like a service that interrupts it.
     fn interrupt_activity(&self, s: &mut State, place: usize);
 
-    /// The service whose request a control task is handling, and whether it is already refused.
+    /// Returns the service whose request a control task is handling, and whether the request is already
+    /// refused.
     fn handling(&self, s: &State, component: usize) -> Option<(usize, bool)>;
 
-    /// The place of the activity whose request a control task is handling; `None` if it has none, or is given
-    /// one later.
+    /// Returns the place of the activity whose request a control task is handling; `None` if there is none,
+    /// or if the place is given later.
     fn requested_place(&self, _s: &State, _component: usize) -> Option<usize> {
         None
     }
 
-    /// An action in words: what it did to the first state, to become the second. `None`: the initial state.
+    /// Returns an action in words. The action led from the first state to the second. `None`: the initial
+    /// state.
     fn tell(
         &self,
         change: (&State, &State),
@@ -295,7 +301,8 @@ pub(crate) trait Rules: Sized {
     );
 }
 
-/// Calls a function that is generic in the rules: its first argument are those of a system, without clocks.
+/// Calls a function that is generic in the rules. Its first argument is the rules of a system, without
+/// clocks.
 macro_rules! with_rules {
     ($system:expr, $function:ident ( $($argument:expr),* $(,)? )) => {{
         let system: &$crate::system::TimedSystem = $system;

@@ -1,4 +1,4 @@
-//! Runs: what happened, and when.
+//! Runs: sequences of actions with their times.
 
 use rustc_hash::FxHashMap;
 
@@ -9,19 +9,19 @@ use super::state::State;
 use crate::cancel::Cancel;
 use crate::system::{FOREVER, Ticks, TimedSystem};
 
-/// Steps of a run that is made longer by repetition, at most.
+/// Upper limit on the steps of a prolonged run.
 const PROLONGED: usize = 10_000;
 
 /// A run from time 0.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Run {
-    /// Actions with their times, in order.
+    /// Actions, with their times in base units, in order.
     pub steps: Vec<(u64, Action)>,
-    /// When the run ends; later than the last action if the point is that time passed.
+    /// End of the run in base units; later than the last action if the passage of time is the point.
     pub end: u64,
-    /// From this step on the run repeats itself for ever.
+    /// Step from which the run repeats itself for ever.
     pub cycle: Option<usize>,
-    /// There is such a run, but there was no time to find its steps.
+    /// The run exists, but there was no time to find its steps.
     pub left_out: bool,
 }
 
@@ -32,10 +32,10 @@ impl Run {
         self.end = time;
     }
 
-    /// Two moments of the last `recent` units of the run with the same state just before time passes,
-    /// observation clocks apart: what is between them can go on for ever. `age` tells how long what is
-    /// measured has lasted in a state, and how many are as old: one of the same age may take its place, but
-    /// not for ever.
+    /// Returns two moments within the last `recent` units of the run with the same state just before time
+    /// passes, except for observation clocks: the part between them can be repeated for ever. `age` returns
+    /// the age of the measured obligation in a state, and the number of obligations of that age. An
+    /// obligation of the same age may take its place, but not for ever.
     pub(in crate::explore) fn repetition<R: Rules>(
         &self,
         rules: &R,
@@ -51,8 +51,8 @@ impl Run {
             if time < from {
                 return !(time.is_multiple_of(64) && cancel.is_abandoned());
             }
-            // What is measured may begin before the job that is measured: with a tick that is kept until the
-            // job before has ended. What repeats across that end does not last.
+            // The measurement may begin before the measured job, with a tick that is kept until the previous
+            // job has ended. A repetition across that end does not last.
             let (now, as_old) = age(s);
             if now < std::mem::replace(&mut measured, now) {
                 seen.clear();
@@ -65,6 +65,8 @@ impl Run {
                     }
                     let (lower, upper) = rules.duration(s, e);
                     let elapsed = time - began[e];
+                    // Without an upper bound, the codel can end at any time after its lower bound. Longer
+                    // times make no difference.
                     if upper == FOREVER {
                         elapsed.min(u64::from(lower))
                     } else {
@@ -80,7 +82,7 @@ impl Run {
         found
     }
 
-    /// The run up to the second of two moments, after which it goes on for ever as it did since the first.
+    /// Returns the run up to the second of two moments, repeating for ever from the first moment on.
     pub(crate) fn repeating(&self, (from, to): (u64, u64)) -> Run {
         let steps = self.steps.iter().copied();
         let steps: Vec<_> = steps.take_while(|it| it.0 <= to).collect();
@@ -92,8 +94,8 @@ impl Run {
         }
     }
 
-    /// The run with what is between two moments repeated, until it is longer by `more`; `None` if that
-    /// takes too many steps to be of use to anybody.
+    /// Returns the run with the part between two moments repeated until the run is longer by `more`; `None`
+    /// if that takes too many steps to be readable.
     pub(crate) fn prolonged(&self, (from, to): (u64, u64), more: Ticks) -> Option<Run> {
         let end = self.end + u64::from(more);
         let within = |a: u64, b: u64| {
@@ -118,8 +120,8 @@ impl Run {
         Some(run)
     }
 
-    /// Calls `calm` with the state before every unit of time that passes, the time, and when each
-    /// executor began. Ends when it says so.
+    /// Calls `calm` before every unit of time that passes, with the state, the time, and the start times of
+    /// executors. Ends when `calm` returns false.
     fn replay<R: Rules>(
         &self,
         rules: &R,
@@ -156,7 +158,7 @@ impl Run {
         }
     }
 
-    /// The run in words.
+    /// Returns the run in words.
     pub fn moments(&self, system: &TimedSystem) -> Vec<Moment> {
         with_rules!(system, told(self))
     }
@@ -183,7 +185,7 @@ fn told<R: Rules>(rules: &R, run: &Run) -> Vec<Moment> {
     out
 }
 
-/// Lets time pass although windows may end early: only their outcome matters here.
+/// Lets time pass although windows may end early: only the outcome of executions matters here.
 fn advance<R: Rules>(rules: &R, s: &mut State, time: Ticks) {
     let l = rules.frame();
     for e in 0..l.executors() {

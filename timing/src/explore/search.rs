@@ -1,9 +1,9 @@
 //! Exploration: strategies that follow the rules in different orders, and a supervisor.
 //!
-//! What is looked for is one list of [`goals`]; [`watching`] takes single steps and notes what they show.
-//! [`layers`] go from moment to moment, keep a [`graph`] and find the runs again to what they have seen;
-//! [`mod@chase`] goes straight on, in random orders; [`zones`] look in dense time. The [`supervisor`] says
-//! who works and when it is over.
+//! [`goals`] lists what is searched for. [`watching`] performs single steps and records what they show.
+//! [`layers`] proceed from moment to moment, keep a [`graph`] and reconstruct runs. [`mod@chase`] proceeds
+//! depth first, in random orders. [`zones`] search in dense time. The [`supervisor`] divides the effort
+//! between these strategies and ends the exploration.
 
 mod chase;
 mod goals;
@@ -30,8 +30,8 @@ pub fn explore(system: &TimedSystem, watch: &Watch, limits: Limits, cancel: &Can
     explore_telling(system, watch, limits, cancel, &mut |_| {})
 }
 
-/// Explores all runs of a system, and tells of failures and of predicates that are reached as soon as they
-/// are seen. Findings that are told have nothing else in them; the same may be told again.
+/// Explores all runs of a system, and reports failures and reached predicates as soon as they are seen. Such
+/// findings contain nothing else; a finding may be reported again.
 pub fn explore_telling(
     system: &TimedSystem,
     watch: &Watch,
@@ -51,7 +51,7 @@ pub(super) fn explore_by<R: Reduced>(
 ) -> Findings {
     let mut gauges = Gauge::of(watch, &How::Shared);
     let mut findings = until_measured(rules, watch, &mut gauges, limits, cancel, news);
-    // What grew suspiciously is measured alone, so that clocks do not multiply.
+    // A time that grew suspiciously is measured alone, so that clocks do not multiply.
     for (i, gauge) in gauges.iter().enumerate() {
         let given_up = findings.stopped.is_some_and(|it| it != Stop::Answered);
         if gauge.how != How::Alone || given_up {
@@ -77,7 +77,7 @@ pub(super) fn explore_by<R: Reduced>(
     findings
 }
 
-/// Explores, again without what turns out to diverge.
+/// Explores, and starts again without measurements that diverge.
 fn until_measured<R: Reduced>(
     rules: &R,
     watch: &Watch,

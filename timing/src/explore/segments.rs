@@ -1,22 +1,22 @@
-//! Sequences that grow without being copied.
+//! Sequences that grow without a copy.
 //!
-//! A vector that is full allocates twice its size and copies itself: for a moment it needs three times what
-//! it holds, in one step that no bound can stop. A sequence of segments allocates one more segment. So a
-//! search that compares its bytes with a bound every few steps exceeds the bound by a few segments at most.
+//! A full vector allocates twice its size and copies itself: for a moment it needs three times the memory of
+//! its contents, in one step that no limit can stop. A sequence of segments allocates one more segment. So a
+//! search that compares its bytes with a limit every few steps exceeds the limit by a few segments at most.
 
 use std::ops::{Index, IndexMut};
 
-/// Bytes of a segment, at most; unless a single slice is longer.
+/// Upper limit on the bytes of a segment, unless a single slice is longer.
 const BYTES: usize = 1 << 20;
 
-/// A sequence of values; slices that were added together stay together.
+/// A sequence of values. Slices that were added together stay together.
 #[derive(Debug)]
 pub(crate) struct Segments<T> {
-    /// The first grows like any vector; each other one has its full capacity from the start.
+    /// The first segment grows like any vector; each other segment has its full capacity from the start.
     segments: Vec<Vec<T>>,
     /// The segment that is being filled.
     current: usize,
-    /// Values that there is room for, in all segments.
+    /// Capacity of all segments, in values.
     capacity: usize,
 }
 
@@ -31,18 +31,18 @@ impl<T> Default for Segments<T> {
 }
 
 impl<T> Segments<T> {
-    /// Values of a segment, as a power of two.
+    /// Capacity of a segment, as a power of two.
     const SHIFT: u32 = (BYTES / size_of::<T>()).ilog2();
 
     const SIZE: usize = 1 << Self::SHIFT;
 
-    /// Removes everything, keeping the memory.
+    /// Removes all values, and keeps the memory.
     pub(crate) fn clear(&mut self) {
         self.segments.iter_mut().for_each(Vec::clear);
         self.current = 0;
     }
 
-    /// Adds a value. Returns its place.
+    /// Adds a value. Returns its index.
     pub(crate) fn push(&mut self, it: T) -> usize {
         let place = self.room(1);
         let segment = &mut self.segments[self.current];
@@ -52,7 +52,7 @@ impl<T> Segments<T> {
         place
     }
 
-    /// The number of values, if they are only added one by one.
+    /// Returns the number of values, if they are only added one by one.
     pub(crate) fn len(&self) -> usize {
         (self.current << Self::SHIFT) + self.segments[self.current].len()
     }
@@ -65,15 +65,16 @@ impl<T> Segments<T> {
         self.segments[self.current].pop()
     }
 
-    /// Bytes allocated.
+    /// Returns the bytes allocated.
     pub(crate) fn memory(&self) -> usize {
         self.capacity * size_of::<T>()
     }
 
-    /// Goes on to the next segment if so many values do not fit in this one. Returns the place of the first.
+    /// Moves on to the next segment if the values do not fit in the present one. Returns the index of the
+    /// first value.
     fn room(&mut self, values: usize) -> usize {
         let len = self.segments[self.current].len();
-        // No values also need a place that is in a segment.
+        // An empty slice also needs an index within a segment.
         if len > 0 && len + values.max(1) > Self::SIZE {
             self.current += 1;
             if self.current == self.segments.len() {
@@ -90,7 +91,7 @@ impl<T> Segments<T> {
 }
 
 impl<T: Copy> Segments<T> {
-    /// Adds values that stay together. Returns the place of the first.
+    /// Adds values that stay together. Returns the index of the first value.
     pub(crate) fn extend(&mut self, values: &[T]) -> usize {
         let place = self.room(values.len());
         let segment = &mut self.segments[self.current];
@@ -100,7 +101,7 @@ impl<T: Copy> Segments<T> {
         place
     }
 
-    /// So many values from a place on, which were added together.
+    /// Returns `len` values from an index on, which were added together.
     #[inline]
     pub(crate) fn slice(&self, place: usize, len: usize) -> &[T] {
         let at = place & (Self::SIZE - 1);

@@ -1,29 +1,29 @@
 //! States of a timed system as two flat arrays of small numbers, whatever the rules.
 //!
-//! The *discrete* part holds statuses, positions and queues. The *times* hold what the rules count (timers,
-//! for instance), for every executor the window of remaining time, and observation clocks. The discrete part
-//! and what the rules count are the *key* of a state; windows and clocks are its *box*. States with the same
-//! key are merged and compared by box (see [`super::store`]). What the numbers of the key mean is known to
-//! the rules alone (see [`super::rules`]); a [`Frame`] tells the rest where its parts are.
+//! The *discrete* part holds statuses, positions and queues. The *times* hold the times of the rules (such as
+//! timers), the window of remaining time of every executor, and observation clocks. The discrete part and the
+//! times of the rules are the *key* of a state; windows and clocks are its *box*. States with the same key
+//! are merged and compared by box (see [`super::store`]). Only the rules know the meaning of the numbers of
+//! the key (see [`super::rules`]); a [`Frame`] contains the places of the common parts.
 //!
-//! An *executor* is whatever can spend time executing: an automaton, a control task, a client
-//! (its delays). The window `[a, b]` of an executor says that it ends after any number of units
-//! in it, counted from now.
+//! An *executor* is anything that can spend time executing: an automaton, a control task, a client (its
+//! delays). The window `[a, b]` of an executor means that it ends after any number of units in the window,
+//! counted from now.
 
 use std::ops::Range;
 
 use crate::system::Ticks;
 
-/// One state.
+/// A state.
 #[derive(Debug, Default, PartialEq, Eq, Hash)]
 pub(crate) struct State {
     /// Discrete part.
     pub(crate) d: Vec<u16>,
-    /// Times.
+    /// Times, in base units.
     pub(crate) t: Vec<Ticks>,
 }
 
-// By hand, as states are copied all the time and `clone_from` of a derived `Clone` keeps no memory.
+// Implemented by hand: states are copied all the time, and `clone_from` of a derived `Clone` keeps no memory.
 impl Clone for State {
     fn clone(&self) -> Self {
         State {
@@ -38,48 +38,48 @@ impl Clone for State {
     }
 }
 
-/// Status of a task, and of its job.
+/// The status of a task and of its job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum TaskStatus {
     /// No job.
     Idle,
     /// The job waits for a core.
     Waiting,
-    /// The job has one, or needs none.
+    /// The job has a core, or needs none.
     Running,
 }
 
-/// What an executor is doing with its codel.
+/// The phase of an executor.
 pub(crate) mod phase {
     pub(crate) const REST: u16 = 0;
     pub(crate) const LOCKING: u16 = 1;
     pub(crate) const EXECUTING: u16 = 2;
-    /// Added to the others when an asynchronous codel is executed by a separate thread.
+    /// Flag: a separate thread executes the asynchronous codel.
     pub(crate) const ASYNC: u16 = 4;
 }
 
-/// What is measured by clocks: each clock makes states that differ in it different, so there are no others.
+/// The clocks of a state. Each clock distinguishes more states, so there are no others.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Clocks {
     /// Tasks whose response times are measured.
     pub(crate) response: Vec<bool>,
-    /// By observer, what is kept of it.
+    /// Stages, by observer.
     pub(crate) within: Vec<Stages>,
-    /// Numbers of the discrete part that whoever follows data keeps.
+    /// Numbers in the discrete part for the token of a chain.
     pub(crate) token: usize,
 }
 
-/// What is kept of an observer.
+/// The stages of an observer.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Stages {
-    /// What it awaits, one after the other; an obligation can be open at each.
+    /// Number of stages: one for each response. An obligation can be open at each stage.
     pub(crate) count: usize,
-    /// Whether the time its obligations are open is measured.
+    /// The age of obligations is measured.
     pub(crate) measured: bool,
 }
 
 impl Clocks {
-    /// No clocks, and no observers.
+    /// Returns the absence of clocks and observers.
     pub(crate) fn none(tasks: usize) -> Self {
         Clocks {
             response: vec![false; tasks],
@@ -89,16 +89,16 @@ impl Clocks {
     }
 }
 
-/// Where the parts of a [`State`] are that are the same under all rules.
+/// The places of the common parts of a [`State`].
 #[derive(Debug, Clone)]
 pub(crate) struct Frame {
     /// Number of executors.
     executors: usize,
-    /// One number per executor in the discrete part, see [`phase`].
+    /// First place of the phases in the discrete part: one number per executor, see [`phase`].
     phase_base: usize,
-    /// One flag per stage of each observer in the discrete part: an obligation is open there.
+    /// First place of the flags of stages in the discrete part: an obligation is open at the stage.
     observer_base: usize,
-    /// Stages of each observer, numbered through.
+    /// Stages of each observer, numbered consecutively.
     stages: Vec<Range<usize>>,
     token_base: usize,
     d_len: usize,
@@ -111,39 +111,40 @@ pub(crate) struct Frame {
     stage_clock: Vec<Option<usize>>,
 }
 
-/// Hands out places in a [`State`], to make a [`Frame`].
+/// An allocator of places in a [`State`], which results in a [`Frame`].
 #[derive(Debug, Default)]
 pub(crate) struct Places {
     d: usize,
     t: usize,
-    /// Number of executors, and where their phases are.
+    /// Number of executors, and the place of their phases.
     executors: (usize, usize),
 }
 
 impl Places {
-    /// The first of so many places in the discrete part.
+    /// Allocates `n` places in the discrete part. Returns the first.
     pub(crate) fn discrete(&mut self, n: usize) -> usize {
         self.d += n;
         self.d - n
     }
 
-    /// The first of so many places for times that belong to the key.
+    /// Allocates `n` places for times that belong to the key. Returns the first.
     pub(crate) fn times(&mut self, n: usize) -> usize {
         self.t += n;
         self.t - n
     }
 
-    /// Places for the phases of so many executors.
+    /// Allocates places for the phases of `n` executors.
     pub(crate) fn executors(&mut self, n: usize) {
         self.executors = (n, self.discrete(n));
     }
 
-    /// Adds places for windows, observers and clocks. Nothing is handed out after that.
+    /// Allocates places for windows, observers and clocks, and ends the allocation.
     pub(crate) fn frame(self, clocks: &Clocks) -> Frame {
         self.frame_with(clocks, 0).0
     }
 
-    /// The same, with clocks of the rules' own: also returns the place of the first.
+    /// Like [`frame`](Self::frame), with `own` further clocks of the rules: also returns the place of the
+    /// first one.
     pub(crate) fn frame_with(mut self, clocks: &Clocks, own: usize) -> (Frame, usize) {
         let mut count = 0;
         let stages: Vec<Range<usize>> = (clocks.within.iter())
@@ -181,14 +182,14 @@ impl Places {
 }
 
 impl Frame {
-    /// Everything zero.
+    /// Returns a state of zeros.
     pub(crate) fn blank(&self) -> State {
         let mut s = State::default();
         self.clear(&mut s);
         s
     }
 
-    /// Makes everything zero.
+    /// Sets all numbers of a state to zero.
     pub(crate) fn clear(&self, s: &mut State) {
         s.d.clear();
         s.d.resize(self.d_len, 0);
@@ -196,35 +197,35 @@ impl Frame {
         s.t.resize(self.t_len, 0);
     }
 
-    /// Bytes of a state.
+    /// Returns the bytes of a state.
     pub(crate) fn state_bytes(&self) -> usize {
         size_of::<State>() + self.d_len * size_of::<u16>() + self.t_len * size_of::<Ticks>()
     }
 
-    /// Number of observation clocks.
+    /// Returns the number of observation clocks.
     pub(crate) fn clocks(&self) -> usize {
         self.t_len - self.clock_base
     }
 
-    /// Number of executors.
+    /// Returns the number of executors.
     #[inline]
     pub(crate) fn executors(&self) -> usize {
         self.executors
     }
 
-    /// Place in the discrete part of what an executor is doing.
+    /// Returns the place of an executor's phase in the discrete part.
     #[inline]
     pub(crate) fn phase_place(&self, executor: usize) -> usize {
         self.phase_base + executor
     }
 
-    /// Place in the times of the window of an executor: its lower bound; the upper one follows.
+    /// Returns the place of the lower bound of an executor's window in the times; the upper bound follows.
     #[inline]
     pub(crate) fn window_place(&self, executor: usize) -> usize {
         self.window_base + 2 * executor
     }
 
-    /// What an executor is doing, see [`phase`].
+    /// Returns the phase of an executor, see [`phase`].
     #[inline]
     pub(crate) fn phase(&self, s: &State, executor: usize) -> u16 {
         s.d[self.phase_base + executor]
@@ -235,19 +236,19 @@ impl Frame {
         s.d[self.phase_base + executor] = value;
     }
 
-    /// What every executor is doing.
+    /// Returns the phases of all executors.
     #[inline]
     pub(crate) fn phases<'s>(&self, s: &'s State) -> &'s [u16] {
         &s.d[self.phase_base..self.phase_base + self.executors]
     }
 
-    /// Whether an executor is executing.
+    /// Returns true if an executor is executing.
     #[inline]
     pub(crate) fn is_executing(&self, s: &State, executor: usize) -> bool {
         self.phase(s, executor) & phase::EXECUTING != 0
     }
 
-    /// Executors that are executing.
+    /// Returns the executors that are executing.
     #[inline]
     pub(crate) fn executing<'s>(&self, s: &'s State) -> impl Iterator<Item = usize> + 's {
         let phases = self.phases(s).iter().enumerate();
@@ -269,24 +270,24 @@ impl Frame {
         s.t[at + 1] = b;
     }
 
-    /// The first of the numbers of whoever follows data.
+    /// Returns the first place of the token of a chain.
     pub(crate) fn token_place(&self) -> usize {
         self.token_base
     }
 
-    /// Stages of an observer, first to last.
+    /// Returns the stages of an observer, from first to last.
     #[inline]
     pub(crate) fn stages(&self, observer: usize) -> Range<usize> {
         self.stages[observer].clone()
     }
 
-    /// Clock of a stage, if it has one.
+    /// Returns the clock of a stage, if it has one.
     #[inline]
     pub(crate) fn stage_clock(&self, stage: usize) -> Option<usize> {
         self.stage_clock[stage]
     }
 
-    /// Whether an obligation is open at a stage.
+    /// Returns true if an obligation is open at a stage.
     #[inline]
     pub(crate) fn is_open_at(&self, s: &State, stage: usize) -> bool {
         s.d[self.observer_base + stage] != 0
@@ -296,14 +297,14 @@ impl Frame {
         s.d[self.observer_base + stage] = u16::from(open);
     }
 
-    /// Whether an obligation of an observer is open.
+    /// Returns true if an obligation of an observer is open.
     #[inline]
     pub(crate) fn is_open(&self, s: &State, observer: usize) -> bool {
         (self.stages(observer)).any(|it| self.is_open_at(s, it))
     }
 
-    /// Clock of the oldest open obligation of an observer, if it has clocks. The further an obligation has
-    /// come, the older it is.
+    /// Returns the clock of the oldest open obligation of an observer, if the observer has clocks. An
+    /// obligation at a later stage is older.
     #[inline]
     pub(crate) fn observer_clock(&self, s: &State, observer: usize) -> Option<usize> {
         let stages = self.stages(observer);
@@ -311,32 +312,31 @@ impl Frame {
         self.stage_clock[oldest.unwrap_or(stages.start)]
     }
 
-    /// Times that belong to the key.
+    /// Returns the times that belong to the key.
     #[inline]
     pub(crate) fn key_times<'s>(&self, s: &'s State) -> &'s [Ticks] {
         &s.t[..self.window_base]
     }
 
-    /// The same, to be written.
+    /// Returns the times that belong to the key, for changes.
     #[inline]
     pub(crate) fn key_times_mut<'s>(&self, s: &'s mut State) -> &'s mut [Ticks] {
         &mut s.t[..self.window_base]
     }
 
-    /// The observation clocks.
+    /// Returns the observation clocks.
     #[inline]
     pub(crate) fn clock_values<'s>(&self, s: &'s State) -> &'s [Ticks] {
         &s.t[self.clock_base..]
     }
 
-    /// The same, to be written.
+    /// Returns the observation clocks, for changes.
     #[inline]
     pub(crate) fn clock_values_mut<'s>(&self, s: &'s mut State) -> &'s mut [Ticks] {
         &mut s.t[self.clock_base..]
     }
 
-    /// Lets time pass in windows and in the clocks of open obligations. Response times are a matter of the
-    /// rules.
+    /// Lets time pass in windows and in the clocks of open obligations. The rules advance response times.
     #[inline]
     pub(crate) fn elapse(&self, s: &mut State, time: Ticks) {
         for executor in 0..self.executors {

@@ -1,9 +1,9 @@
-//! One run, step by step, for whoever chooses what happens.
+//! A single run, step by step, with free choice of the actions.
 //!
-//! A [`Stepper`] holds one state and does what the explorer does with each of its states: it asks the same
-//! rules what is possible, performs what it is told, and lets time pass. So whatever is done with it is a
-//! run of the verified system. What it sees on the way (jobs that end, ticks that come too early,
-//! predicates that are reached) it tells as [`Seen`].
+//! A [`Stepper`] holds one state and treats it like the explorer: the same rules determine the possible
+//! actions, perform the chosen action, and let time pass. So every sequence of steps is a run of the verified
+//! system. The stepper reports events on the way (jobs that end, deadlines that are missed, predicates that
+//! are reached) as [`Seen`].
 
 use super::observe::{self, Observer};
 use super::rules::{Action, Enabled, Rules, Work, with_rules};
@@ -11,41 +11,42 @@ use super::state::{Clocks, Stages, State, TaskStatus, phase};
 use crate::property::Predicate;
 use crate::system::{Ticks, TimedSystem};
 
-/// What is looked at along a run, beside jobs and ticks.
+/// The predicates to watch along a run, in addition to jobs and ticks.
 #[derive(Debug, Clone, Default)]
 pub struct Watched {
     /// Predicates that may become true.
     pub reach: Vec<Predicate>,
-    /// Whenever the first becomes true, the others are awaited, one after the other; there is at least one.
+    /// Pairs of predicates: whenever the first becomes true, the others are awaited in order. There is at
+    /// least one other.
     pub within: Vec<(Predicate, Vec<Predicate>)>,
 }
 
-/// What was seen in a step.
+/// An event of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Seen {
-    /// An executor asks for the locks of a codel; often it gets them at the same moment.
+    /// An executor asks for the locks of a codel, which it often gets at the same moment.
     Asked {
         /// The executor.
         executor: usize,
-        /// What it is about to do.
+        /// Work that it is about to begin.
         work: Work,
     },
-    /// An executor begins something that takes time.
+    /// An executor begins work that takes time.
     Begun {
         /// The executor.
         executor: usize,
-        /// What.
+        /// Work.
         work: Work,
-        /// Least and greatest time that it takes.
+        /// Least and greatest duration of the work, in base units.
         time: (Ticks, Ticks),
     },
-    /// What an executor did has ended.
+    /// An executor ends its work.
     Ended {
         /// The executor.
         executor: usize,
-        /// What it did.
+        /// Work.
         work: Work,
-        /// As in [`Action::Finish`].
+        /// Outcome, as in [`Action::Finish`].
         outcome: usize,
     },
     /// A control task has taken a request.
@@ -55,172 +56,178 @@ pub enum Seen {
         /// The service.
         service: usize,
     },
-    /// A job has ended that is measured.
+    /// A measured job ends.
     Job {
-        /// Its task.
+        /// Task.
         task: usize,
-        /// Its response time.
+        /// Response time, in base units.
         response: Ticks,
     },
-    /// A tick has come before the job of the one before has ended.
+    /// A tick comes before its previous job has ended.
     Missed {
         /// The task.
         task: usize,
     },
-    /// A job waits for a core for as long as the period of its task.
+    /// A job waits for a core for at least the period of its task.
     Overdue {
         /// The task.
         task: usize,
     },
     /// A predicate of [`Watched::reach`] has become true.
     Reached {
-        /// Which.
+        /// Index of the predicate.
         predicate: usize,
     },
-    /// The second predicate of a pair of [`Watched::within`] has followed the first.
+    /// The last predicate of an entry of [`Watched::within`] has followed the first.
     Answered {
-        /// Which pair.
+        /// Index of the entry.
         within: usize,
-        /// How long afterwards.
+        /// Time since the first predicate became true, in base units.
         after: Ticks,
     },
 }
 
-/// What can happen in a state.
+/// The possible actions in a state.
 #[derive(Debug, Default)]
 pub struct Possible {
     enabled: Enabled,
 }
 
 impl Possible {
-    /// The actions. Where there are several any of them may be next.
+    /// Returns the actions. Any of them may be next.
     pub fn actions(&self) -> &[Action] {
         &self.enabled.actions
     }
 
-    /// Whether they are part of the step that made them possible: nothing else may come between.
+    /// Returns true if the actions are part of the step that made them possible: no other action may come
+    /// between.
     pub fn is_committed(&self) -> bool {
         self.enabled.committed
     }
 
-    /// Whether time may pass first.
+    /// Returns true if time may pass first.
     pub fn may_wait(&self) -> bool {
         self.enabled.is_calm()
     }
 }
 
-/// See the [module](self).
+/// A run under way. See the [module](self).
 pub struct Stepper<'s> {
     walk: Box<dyn Walk + 's>,
 }
 
 impl<'s> Stepper<'s> {
-    /// For runs of a system. [`Stepper::begin`] begins the first.
+    /// Creates a stepper for runs of a system. [`Stepper::begin`] begins the first run.
     pub fn new(system: &'s TimedSystem, watched: &Watched) -> Self {
         with_rules!(system, walk(watched))
     }
 
-    /// Begins a run at time 0, and adds what is to be seen there.
+    /// Begins a run at time 0, and appends its first events.
     pub fn begin(&mut self, seen: &mut Vec<Seen>) {
         self.walk.begin(seen);
     }
 
-    /// Base units since the start.
+    /// Returns the time since the start, in base units.
     pub fn now(&self) -> u64 {
         self.walk.now()
     }
 
-    /// Lists what can happen.
+    /// Lists the possible actions.
     pub fn possible(&self, out: &mut Possible) {
         self.walk.possible(&mut out.enabled);
     }
 
-    /// Does one of the possible actions, and adds what is to be seen of it.
+    /// Performs one of the possible actions, and appends its events.
     pub fn perform(&mut self, action: Action, seen: &mut Vec<Seen>) {
         self.walk.perform(action, seen);
     }
 
-    /// Decides how long what an executor has just begun takes: it must be one of the times it may take.
+    /// Sets the duration, in base units, of the work that an executor has just begun. It must be a possible
+    /// duration.
     pub fn decide(&mut self, executor: usize, time: Ticks) {
         self.walk.decide(executor, time);
     }
 
-    /// What an executor takes a ticket or waits for, or executes; `None` if that is nothing.
+    /// Returns the work of an executor: a codel for which it takes a ticket, waits or executes, or a delay.
+    /// `None` if there is none.
     pub fn work(&self, executor: usize) -> Option<Work> {
         self.walk.work(executor)
     }
 
-    /// The service that a client requests next, if its next step is a request.
+    /// Returns the service that a client requests next, if its next step is a request.
     pub fn requests(&self, client: usize) -> Option<usize> {
         self.walk.requests(client)
     }
 
-    /// How many executors there are.
+    /// Returns the number of executors.
     pub fn executors(&self) -> usize {
         self.walk.executors()
     }
 
-    /// The least and the greatest time until what an executor executes may end, and must; `None` if it
-    /// executes nothing.
+    /// Returns the least and the greatest time until the end of an executor's work, in base units; `None` if
+    /// it executes nothing.
     pub fn window(&self, executor: usize) -> Option<(Ticks, Ticks)> {
         self.walk.window(executor)
     }
 
-    /// Decides anew when what an executor executes may end, and must: nothing of the system does that, but
-    /// whoever follows another run may have to. Within the [window](Self::window) it had the run stays one of
-    /// the system.
+    /// Changes the remaining time of an executor's work. A system has no such action, but a replay may need
+    /// it. If the new window lies within the present [window](Self::window), the run remains one of the
+    /// system.
     pub fn set_window(&mut self, executor: usize, window: (Ticks, Ticks)) {
         self.walk.set_window(executor, window);
     }
 
-    /// How long nothing new is possible. `None`: nothing will ever happen again.
+    /// Returns the time for which no new action is possible, in base units. `None`: no action will ever be
+    /// possible.
     pub fn next_moment(&self) -> Option<Ticks> {
         self.walk.next_moment(&|_| false)
     }
 
-    /// Likewise, where some executors may end at any time, which is no new possibility.
+    /// Returns the time for which no new action is possible, in base units, if the executors with `can_wait`
+    /// may end at any time.
     pub fn next_moment_but(&self, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks> {
         self.walk.next_moment(can_wait)
     }
 
-    /// Lets time pass, at most until the next moment, and adds what is to be seen then.
+    /// Lets time pass, at most until the next moment, and appends the events of that moment.
     pub fn pass(&mut self, time: Ticks, seen: &mut Vec<Seen>) {
         self.walk.pass(time, seen);
     }
 
-    /// How long a task's job has lasted, if it has one that is measured.
+    /// Returns the duration so far of a task's job, in base units, if the task has a measured job.
     pub fn job(&self, task: usize) -> Option<Ticks> {
         self.walk.job(task)
     }
 
-    /// How long the second predicate of a pair has been awaited, if it is.
+    /// Returns the time, in base units, for which the responses of an entry of [`Watched::within`] have been
+    /// awaited, if they are.
     pub fn awaited(&self, within: usize) -> Option<Ticks> {
         self.walk.awaited(within)
     }
 
-    /// How many places for activities there are. They are numbered as in [`Work::State`].
+    /// Returns the number of places for activities. They are numbered as in [`Work::State`].
     pub fn places(&self) -> usize {
         self.walk.places()
     }
 
-    /// The automaton of the activity that has a place: accepted, running, or ended and not yet reported.
+    /// Returns the automaton of the activity in a place: accepted, running, or ended and not yet reported.
     pub fn activity(&self, place: usize) -> Option<usize> {
         self.walk.activity(place)
     }
 
-    /// Interrupts the activity that has a place, as a service that interrupts it would: nothing of the system
-    /// does that, but whoever runs it may.
+    /// Interrupts the activity in a place, like a service that interrupts it. A system has no such action,
+    /// but a run on the real clock may need it.
     pub fn interrupt(&mut self, place: usize) {
         self.walk.interrupt(place);
     }
 
-    /// The service whose request the control task of a component is handling, and whether it is already
-    /// refused. (Under the published semantics only the end of a codel that validates tells that.)
+    /// Returns the service whose request the control task of a component is handling, and whether the request
+    /// is already refused. (Under the published semantics only the end of the validation shows that.)
     pub fn handling(&self, component: usize) -> Option<(usize, bool)> {
         self.walk.handling(component)
     }
 
-    /// Whether a request for a service was ever refused for want of a slot.
+    /// Returns true if a request for a service was ever refused for lack of a slot.
     pub fn has_refused(&self, service: usize) -> bool {
         self.walk.has_refused(service)
     }
@@ -234,7 +241,7 @@ impl std::fmt::Debug for Stepper<'_> {
     }
 }
 
-/// A stepper, whatever the rules.
+/// A stepper, independent of its rules.
 trait Walk {
     fn begin(&mut self, seen: &mut Vec<Seen>);
     fn now(&self) -> u64;
@@ -294,13 +301,14 @@ struct Walker<R: Rules> {
     s: State,
     /// The state before the last action.
     before: State,
-    /// Tasks that are known to be overdue.
+    /// Tasks that were reported as overdue.
     overdue: Vec<bool>,
     now: u64,
 }
 
 impl<R: Rules> Walker<R> {
-    /// What executors began in a step; `ended` is the one whose work has ended in it.
+    /// Appends the work that executors began in a step; `ended` is the executor whose work has ended in the
+    /// step.
     fn beginnings(&self, before: Option<&State>, ended: Option<usize>, seen: &mut Vec<Seen>) {
         let l = self.rules.frame();
         for executor in 0..l.executors() {
@@ -339,7 +347,7 @@ impl<R: Rules> Walker<R> {
             if self.rules.job(before, task) == TaskStatus::Idle {
                 continue;
             }
-            // A tick that was kept begins the next job at once: its clock shows less.
+            // A kept tick begins the next job at once, with a smaller value of its clock.
             let over =
                 self.rules.job(now, task) == TaskStatus::Idle || now.t[clock] < before.t[clock];
             if over {
@@ -433,7 +441,7 @@ impl<R: Rules> Walk for Walker<R> {
     fn decide(&mut self, executor: usize, time: Ticks) {
         let l = self.rules.frame();
         let (a, b) = l.window(&self.s, executor);
-        // A window within the window: fewer runs, all of them runs of the system.
+        // A window within the present window: fewer runs, all of them runs of the system.
         let time = time.clamp(a, b);
         l.set_window(&mut self.s, executor, (time, time));
     }

@@ -1,15 +1,14 @@
 //! Sets of states, by key and box.
 //!
-//! Keys are interned byte strings. For each key there is a list of *covers*: boxes whose union
-//! holds everything that was inserted. Two facts make this exact for questions about what can be
-//! reached:
+//! Keys are interned byte strings. For each key there is a list of *covers*: boxes whose union contains every
+//! inserted box. Two facts make this exact for reachability:
 //!
-//! * *Union.* The future of an executing codel depends only on when it ends, so states that
-//!   differ in nothing but the remaining time of one executor, over adjoining ranges, behave
-//!   together like one state with the joined range.
-//! * *Inclusion.* A state with wider windows can do whatever one with narrower windows can.
-//!   Observation clocks influence nothing, and only their supremum is asked for, so that an older
-//!   clock covers a younger one.
+//! * *Union.* The future of an executing codel depends only on when it ends. So states that differ only in
+//!   the remaining time of one executor, over adjoining ranges, behave together like one state with the
+//!   joined range.
+//! * *Inclusion.* A state with wider windows can do whatever a state with narrower windows can. Observation
+//!   clocks influence no action, and only their supremum is measured, so that an older clock covers a younger
+//!   one.
 
 mod table;
 
@@ -24,7 +23,7 @@ use crate::system::Ticks;
 
 const NONE: u32 = u32::MAX;
 
-/// A key and a box, ready to be looked up.
+/// A key and a box, encoded for look-up.
 #[derive(Debug, Default, Clone, PartialEq, Eq, Hash)]
 pub(crate) struct Encoded {
     pub(crate) key: Vec<u8>,
@@ -32,11 +31,11 @@ pub(crate) struct Encoded {
     pub(crate) dims: Vec<Ticks>,
 }
 
-/// Writes a state as key and box.
+/// Encodes a state as key and box.
 pub(crate) fn encode(l: &Frame, s: &State, out: &mut Encoded) {
     out.key.clear();
     out.dims.clear();
-    // Most numbers are small; without branches this is done for many at once.
+    // Most numbers are small. Without branches, many of them are encoded at once.
     if s.d.iter().fold(0, |most, &value| most.max(value)) < 255 {
         out.key.extend(s.d.iter().map(|&value| value as u8));
     } else {
@@ -60,14 +59,14 @@ pub(crate) fn encode(l: &Frame, s: &State, out: &mut Encoded) {
     out.dims.extend(l.clock_values(s));
 }
 
-/// The state written as `key` and `dims`.
+/// Returns the state encoded as `key` and `dims`.
 pub(crate) fn decode(l: &Frame, key: &[u8], dims: &[Ticks]) -> State {
     let mut s = State::default();
     decode_to(l, key, dims, &mut s);
     s
 }
 
-/// The same, into the memory of another state.
+/// Decodes a state into the memory of another state.
 pub(crate) fn decode_to(l: &Frame, key: &[u8], dims: &[Ticks], s: &mut State) {
     l.clear(s);
     let mut at = 0;
@@ -123,19 +122,19 @@ fn read_varint(key: &[u8], at: &mut usize) -> u32 {
     }
 }
 
-/// Geometry of boxes: `windows` pairs of bounds, then clocks.
+/// The geometry of boxes: `windows` pairs of bounds, then clocks.
 #[derive(Debug, Clone, Copy)]
 struct Shape {
     windows: usize,
     covering: Covering,
 }
 
-/// What boxes do to each other.
+/// The relations between boxes that reduce a set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Covering {
-    /// Adjoining ones are joined.
+    /// Adjoining boxes are joined.
     pub(crate) union: bool,
-    /// A larger one covers a smaller one. Without, only itself.
+    /// A larger box covers a smaller one. Otherwise a box covers only itself.
     pub(crate) inclusion: bool,
 }
 
@@ -155,7 +154,7 @@ impl Shape {
             Covering {
                 inclusion: true, ..
             } => {}
-            // What was joined stands for all its parts.
+            // A joined box stands for all of its parts.
             Covering { union: true, .. } if cover[at..] == it[at..] => {}
             _ => return cover == it,
         }
@@ -220,12 +219,12 @@ struct Cover {
     start: usize,
     len: u32,
     next: u32,
-    /// Whatever the owner of the store attaches.
+    /// A tag of the owner of the store.
     tag: u32,
 }
 
 impl Store {
-    /// An empty set of states with this many clocks.
+    /// Creates an empty set of states with this many clocks.
     pub(crate) fn new(clocks: usize, covering: Covering) -> Self {
         Store {
             clocks,
@@ -234,7 +233,7 @@ impl Store {
         }
     }
 
-    /// Removes everything, keeping the memory.
+    /// Removes all states, and keeps the memory.
     pub(crate) fn clear(&mut self) {
         self.table.clear();
         self.keys.clear();
@@ -243,8 +242,8 @@ impl Store {
         self.dims.clear();
     }
 
-    /// Adds a state. Returns its key, or `None` if it was covered already. `on_join` is called with
-    /// the tags of covers that became part of the new one, and gives its tag.
+    /// Adds a state. Returns its key, or `None` if a cover already contains the state. `on_join` gets the
+    /// tags of covers that became part of the new cover, and returns the tag of the new cover.
     pub(crate) fn insert(
         &mut self,
         it: &Encoded,
@@ -285,9 +284,10 @@ impl Store {
             cover = record.next;
         }
 
-        // Join with whatever adjoins, until nothing does; drop what is covered.
+        // Join the box with adjoining covers, until there are none; drop covers that it contains.
         let mut dims: SmallVec<[Ticks; 32]> = SmallVec::from_slice(&it.dims);
         let mut tag = tag;
+        // A join may let covers adjoin that were examined before, so the list is examined again.
         let mut again = true;
         while again {
             again = false;
@@ -326,7 +326,7 @@ impl Store {
         Some(k)
     }
 
-    /// Whether one of the covers holds a state.
+    /// Returns true if one of the covers contains a state.
     pub(crate) fn holds(&self, it: &Encoded) -> bool {
         let windows = (it.dims.len() - self.clocks) / 2;
         let shape = Shape {
@@ -337,7 +337,7 @@ impl Store {
             .any(|(dims, _)| shape.covers(dims, &it.dims))
     }
 
-    /// The covers of the key with these bytes.
+    /// Returns the covers of the key with these bytes.
     pub(crate) fn find(&self, key: &[u8]) -> impl Iterator<Item = (&[Ticks], u32)> {
         let hash = hash(key);
         let found = self.table.find(hash, |k| {
@@ -347,7 +347,7 @@ impl Store {
         found.into_iter().flat_map(|k| self.covers(k))
     }
 
-    /// The bytes of a key.
+    /// Returns the bytes of a key.
     pub(crate) fn key(&self, key: u32) -> &[u8] {
         self.bytes_of(&self.keys[key as usize])
     }
@@ -356,17 +356,17 @@ impl Store {
         self.key_bytes.slice(key.start, key.len as usize)
     }
 
-    /// The number of keys.
+    /// Returns the number of keys.
     pub(crate) fn len(&self) -> usize {
         self.keys.len()
     }
 
-    /// The number of covers, of all keys and with those that were joined since.
+    /// Returns the number of covers of all keys, including covers that have been joined.
     pub(crate) fn count(&self) -> usize {
         self.covers.len()
     }
 
-    /// The covers of a key with their tags.
+    /// Returns the covers of a key with their tags.
     pub(crate) fn covers(&self, key: u32) -> impl Iterator<Item = (&[Ticks], u32)> {
         let mut cover = self.keys[key as usize].first;
         std::iter::from_fn(move || {
@@ -380,7 +380,7 @@ impl Store {
         })
     }
 
-    /// Bytes in use, roughly.
+    /// Returns the approximate number of bytes in use.
     pub(crate) fn memory(&self) -> usize {
         self.table.memory()
             + self.keys.memory()
@@ -396,7 +396,7 @@ fn hash(key: &[u8]) -> u64 {
     hasher.finish()
 }
 
-/// Whether a box of this layout holds a point (or smaller box).
+/// Returns true if a box of this layout contains a point (or smaller box).
 pub(crate) fn holds(layout: &Frame, cover: &[Ticks], it: &[Ticks]) -> bool {
     let clocks = layout.clocks();
     Shape {

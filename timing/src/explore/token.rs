@@ -1,15 +1,16 @@
-//! Chains of data (section 19): one writing of the first datum is marked, and what depends on it is followed.
+//! Cause-effect chains (section 19): one write of the first datum is marked, and the data that depend on it
+//! are followed.
 //!
-//! [`Tracked`] are rules with a *token* beside the state of other rules: which places hold marked data, and
-//! which executors execute a codel that began with marked data. Which writing is marked is a free choice,
-//! offered after each ([`Action::Mark`]); one token at a time, so one clock measures it. Nothing is known
-//! here of components: a [`Chain`] tells what each codel reads and writes.
+//! [`Tracked`] are rules with a *token* in addition to the state of other rules: the places that hold marked
+//! data, and the executors of codels that began with marked data. The marked write is a free choice, offered
+//! after each write ([`Action::Mark`]). There is one token at a time, so one clock measures it. This module
+//! does not depend on components: a [`Chain`] lists the places that each codel reads and writes.
 //!
-//! *Reaction*: marks stay, as a later writing of a place is made of later data, and the first codel that
-//! began with marked data and writes the last datum ends the measurement. *Age*: an unmarked writing clears a
-//! place, and the time counts while the last datum is marked.
+//! *Reaction*: marks stay, as a later write of a place is made of later data. The first codel that began with
+//! marked data and writes the last datum ends the measurement. *Age*: an unmarked write clears a place, and
+//! the time counts while the last datum is marked.
 //!
-//! Reductions leave out orders of what commutes in the system, but not in what the token sees; all of them
+//! Reductions leave out orders of actions that commute in the system, but not for the token. So all of them
 //! are off.
 
 use super::findings::{Bound, Findings, Measured};
@@ -26,8 +27,8 @@ use crate::scn::ast::ChainKind;
 use crate::system::chain::{Chain, DataPlace};
 use crate::system::{FOREVER, Ticks, TimedSystem};
 
-/// The supremum of a chain, by exploring all runs. `within` of the findings has it as its only entry; `None`
-/// there if nothing is ever marked.
+/// Finds the supremum of a chain, by exploring all runs. It is the only entry of `within` in the findings;
+/// `None` there if no write is ever marked.
 pub fn explore_chain(
     system: &TimedSystem,
     chain: &Chain,
@@ -54,8 +55,8 @@ pub fn explore_chain(
     found
 }
 
-/// Ages that are not visible are counted up to this only. Greater ones would be an age without bound, or
-/// nearly so.
+/// Returns the greatest age, in base units, up to which invisible ages are counted. Greater ages would be
+/// unbounded, or nearly so.
 pub(super) fn greatest_age(system: &TimedSystem) -> Ticks {
     let periods = system.tasks.iter().filter_map(|it| it.period);
     let uppers = (system.codels.iter()).map(|it| {
@@ -81,7 +82,7 @@ fn explore_tracked<R: Rules>(
     explore_by(&tracked, watch, limits, cancel, &mut |_| {})
 }
 
-/// Runs are those of the system: choices of what is marked are no steps of it.
+/// Removes marks from runs: they are not actions of the system.
 fn without_marks(it: &mut Measured) {
     let strip = |run: &mut Run| {
         let is_mark = |action: &Action| matches!(action, Action::Mark { .. });
@@ -97,15 +98,15 @@ fn without_marks(it: &mut Measured) {
     }
 }
 
-/// What becomes of the token.
+/// The status of the token.
 mod status {
-    /// Nothing is marked yet.
+    /// No datum is marked yet.
     pub(super) const IDLE: u16 = 0;
-    /// What has just been written can be marked.
+    /// The last write can be marked.
     pub(super) const OFFERED: u16 = 1;
-    /// Something is marked.
+    /// Some datum is marked.
     pub(super) const ALIVE: u16 = 2;
-    /// It has come to its end, or nothing marked is left.
+    /// The measurement has ended, or no marked datum is left.
     pub(super) const OVER: u16 = 3;
 }
 
@@ -116,7 +117,7 @@ const BITS: usize = u16::BITS as usize;
 struct Tracked<'c, R> {
     rules: R,
     chain: &'c Chain,
-    /// Where the token is in the discrete part.
+    /// Place of the token in the discrete part.
     token: usize,
     /// Number of executors.
     executors: usize,
@@ -145,8 +146,8 @@ impl<'c, R: Rules> Tracked<'c, R> {
         s.d[self.token]
     }
 
-    /// Places of bits: executors that began in this step, executors with marked data, places with marked
-    /// data.
+    /// Returns the place of a bit: executors that began in this step, executors with marked data, places with
+    /// marked data.
     fn fresh(&self, executor: usize) -> (usize, u16) {
         self.bit(0, executor)
     }
@@ -167,8 +168,8 @@ impl<'c, R: Rules> Tracked<'c, R> {
         (self.token + 1 + words + number / BITS, 1 << (number % BITS))
     }
 
-    /// The codel an executor is at, and the holder of the local variables that it sees: the place of an
-    /// activity, also of one whose request is handled, or the request itself.
+    /// Returns the present codel of an executor, and the holder of its local variables: the place of an
+    /// activity (also of one whose request is handled), or the request itself.
     fn codel(&self, s: &State, executor: usize) -> Option<(usize, usize)> {
         match self.rules.work(s, executor)? {
             Work::State { codel, slot, .. } => Some((codel, slot)),
@@ -181,7 +182,7 @@ impl<'c, R: Rules> Tracked<'c, R> {
         }
     }
 
-    /// The holder of the variables of the request that the control task of a component handles.
+    /// Returns the holder of the variables of the request that the control task of a component handles.
     fn request(&self, component: usize) -> usize {
         self.rules.places() + component
     }
@@ -190,7 +191,8 @@ impl<'c, R: Rules> Tracked<'c, R> {
         self.chain.reads[codel].contains(&DataPlace::Shared(self.chain.first))
     }
 
-    /// Follows what a step did to data. `before`: the state before, and the executor whose codel has ended.
+    /// Follows the effects of a step on data. `before`: the state before, and the executor whose codel has
+    /// ended.
     fn follow(&self, before: Option<(&State, Option<usize>)>, s: &mut State) {
         let ended = before.and_then(|(_, ended)| ended);
         if self.status(s) == status::OVER {
@@ -218,8 +220,8 @@ impl<'c, R: Rules> Tracked<'c, R> {
             let mut bits = reads.map(|&it| self.marked_place(it, holder));
             let marked = bits.any(|it| is_set(s, it)) && self.chain.carries[codel];
             set(s, self.marked_executor(executor), marked);
-            // What comes in just after somebody has looked waits longest for the next look; what is read was
-            // new just then.
+            // A datum that arrives just after a read waits longest for the next read; a datum that is read is
+            // assumed to have just arrived.
             offered |= self.chain.external && self.reads_first(codel);
         }
         self.forget_locals(s);
@@ -235,14 +237,14 @@ impl<'c, R: Rules> Tracked<'c, R> {
         self.chain.external && self.chain.kind == ChainKind::Reaction
     }
 
-    /// What a codel writes when it ends. Whether the first datum is among it.
+    /// Performs the writes of a codel that ends. Returns true if the first datum is written.
     fn write(&self, s: &mut State, executor: usize, codel: usize, holder: usize) -> bool {
         let chain = self.chain;
         let marked = is_set(s, self.marked_executor(executor));
         set(s, self.marked_executor(executor), false);
         for &place in &chain.writes[codel] {
             let bit = self.marked_place(place, holder);
-            // A new first datum is another one, whatever it was made of.
+            // A new first datum is another datum, whatever it is made of.
             let is_first = place == DataPlace::Shared(chain.first);
             match chain.kind {
                 ChainKind::Reaction if marked && place == DataPlace::Shared(chain.last) => {
@@ -256,8 +258,7 @@ impl<'c, R: Rules> Tracked<'c, R> {
         chain.writes[codel].contains(&DataPlace::Shared(chain.first))
     }
 
-    /// An activity that is given its place when its request is accepted begins with the variables of the
-    /// request.
+    /// Moves the variables of a request to the activity that gets its place when the request is accepted.
     fn hand_over(&self, before: &State, s: &mut State) {
         if self.chain.locals == 0 {
             return;
@@ -279,7 +280,7 @@ impl<'c, R: Rules> Tracked<'c, R> {
         }
     }
 
-    /// Local variables end with the activity, or with the request.
+    /// Clears local variables at the end of their activity or request.
     fn forget_locals(&self, s: &mut State) {
         if self.chain.locals == 0 || self.status(s) != status::ALIVE {
             return;
@@ -295,7 +296,7 @@ impl<'c, R: Rules> Tracked<'c, R> {
         }
     }
 
-    /// Opens what is measured, and ends what has come to its end.
+    /// Opens and ends the measurement.
     fn settle(&self, s: &mut State) {
         let marks = self.token + 1 + self.executors.div_ceil(BITS)..self.end();
         if self.status(s) == status::ALIVE && s.d[marks].iter().all(|&it| it == 0) {
@@ -326,7 +327,7 @@ impl<'c, R: Rules> Tracked<'c, R> {
         self.token + 1 + 2 * self.executors.div_ceil(BITS) + places.div_ceil(BITS)
     }
 
-    /// Whose reading of the first datum can be marked, where it is new whenever it is read.
+    /// Returns the executors whose read of the first datum can be marked, if the datum is new at every read.
     fn readers(&self, s: &State) -> Vec<usize> {
         let fresh = (0..self.executors).filter(|&it| is_set(s, self.fresh(it)));
         let reads = |it: &usize| {
@@ -336,7 +337,7 @@ impl<'c, R: Rules> Tracked<'c, R> {
         fresh.filter(reads).collect()
     }
 
-    /// Marks what was offered, or not (`None`).
+    /// Marks the offered datum, or not (`taken` is false).
     fn mark(&self, s: &mut State, executor: Option<usize>, taken: bool) {
         s.d[self.token] = if taken { status::ALIVE } else { status::IDLE };
         if taken {
@@ -348,7 +349,7 @@ impl<'c, R: Rules> Tracked<'c, R> {
                         self.marked_place(DataPlace::Shared(self.chain.first), 0),
                         true,
                     );
-                    // Whoever began by the same step sees what it wrote.
+                    // An executor that began by the same step sees the written datum.
                     let seen = if external {
                         Vec::new()
                     } else {
@@ -365,8 +366,8 @@ impl<'c, R: Rules> Tracked<'c, R> {
     }
 }
 
-/// Who has local variables of its own: every place of an activity, and the request that each control task
-/// handles.
+/// Returns the number of holders of local variables: the places of activities, and the request that each
+/// control task handles.
 fn holders<R: Rules>(rules: &R) -> usize {
     rules.places() + rules.system().components.len()
 }
@@ -421,7 +422,7 @@ impl<R: Rules> Rules for Tracked<'_, R> {
                     out.actions.push(mark(None, true));
                 }
             }
-            // Nothing more is of interest.
+            // No further event is of interest.
             status::OVER => {
                 out.actions.clear();
                 (out.urgent, out.committed, out.forced) = (false, false, false);
@@ -546,7 +547,7 @@ impl<R: Rules> Rules for Tracked<'_, R> {
     }
 }
 
-/// The value of a chain that was measured, where it is known exactly.
+/// Returns true if the measured value of a chain is exact.
 pub fn is_exact(system: &TimedSystem, chain: &Chain, bound: Bound) -> bool {
     match (chain.kind, bound) {
         (ChainKind::Age, Bound::Finite(value)) => value < greatest_age(system),

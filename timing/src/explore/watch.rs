@@ -1,28 +1,28 @@
-//! What is to be found out in an exploration.
+//! The questions of an exploration.
 
 use super::reductions::Kinds;
 use crate::cancel::Cancel;
 use crate::property::Predicate;
 use crate::system::Ticks;
 
-/// What is to be found out in one exploration.
+/// The questions of one exploration.
 #[derive(Debug, Clone, Default)]
 pub struct Watch {
     /// Tasks whose ticks must not come before their jobs have ended.
     pub schedulable: Vec<usize>,
-    /// Tasks that must not wait for a core as long as their period.
+    /// Tasks that must not wait for a core for their whole period.
     pub overdue: Vec<usize>,
-    /// Response times that are wanted.
+    /// Response times to measure.
     pub response: Vec<ResponseTime>,
-    /// Predicates to be reached.
+    /// Predicates to reach.
     pub reach: Vec<Predicate>,
-    /// Pairs of predicates whose least bound is wanted.
+    /// Predicates whose least bound must be found.
     pub within: Vec<Within>,
-    /// Look for states in which nothing will ever happen again.
+    /// Search for deadlocks.
     pub deadlock: bool,
-    /// Stop as soon as a tick came too early.
+    /// Stop at the first missed deadline.
     pub stop_at_first: bool,
-    /// Look at everything in order of time, as only what happens early is of interest.
+    /// Explore in order of time only, because only early events are of interest.
     pub in_order: bool,
 }
 
@@ -31,24 +31,24 @@ pub struct Watch {
 pub struct ResponseTime {
     /// The task.
     pub task: usize,
-    /// If the time exceeds this, the shortest run that does so is wanted.
+    /// Limit in base units. If the time exceeds the limit, the shortest such run is searched for.
     pub limit: Option<Ticks>,
-    /// No job takes longer, as is known from analysis: one that takes as long ends the search for this time.
+    /// Upper bound from analysis, in base units. A job that takes as long ends the search for this time.
     pub most: Option<Ticks>,
 }
 
-/// The time that passes until others follow one predicate.
+/// The time between a predicate and its responses.
 #[derive(Debug, Clone)]
 pub struct Within {
-    /// Whenever this becomes true,
+    /// Predicate that starts the measurement.
     pub trigger: Predicate,
-    /// these are awaited, one after the other; at least one.
+    /// Predicates that are awaited in order; at least one.
     pub responses: Vec<Predicate>,
-    /// If the time exceeds this, the shortest run that does so is wanted.
+    /// Limit in base units. If the time exceeds the limit, the shortest such run is searched for.
     pub limit: Option<Ticks>,
 }
 
-/// Bounds on the effort.
+/// Limits on the effort.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
     /// Greatest number of states kept.
@@ -57,10 +57,9 @@ pub struct Limits {
     pub bytes: usize,
     /// Greatest number of actions followed in one exploration.
     pub steps: u64,
-    /// Greatest number of explorations at the same time, where there are several. What is found does not
-    /// depend on it.
+    /// Greatest number of concurrent explorations, if there are several. The findings do not depend on it.
     pub threads: usize,
-    /// Reductions that are switched off, to see what they bring. What is found does not depend on it.
+    /// Reductions that are switched off, to measure their effect. The findings do not depend on it.
     pub without: Kinds,
 }
 
@@ -76,7 +75,7 @@ impl Default for Limits {
     }
 }
 
-/// Why an exploration did not finish.
+/// The reason for an incomplete exploration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Stop {
@@ -84,18 +83,18 @@ pub enum Stop {
     States,
     /// Too much memory.
     Memory,
-    /// Time is up.
+    /// The time limit is reached.
     Time,
-    /// Whoever waits has waited long enough.
+    /// The user has interrupted the verification.
     Interrupted,
-    /// Nobody wants to know any more.
+    /// The result is no longer needed.
     Cancelled,
-    /// Everything that was asked has been found, or with [`Watch::stop_at_first`] the first of it.
+    /// All questions are answered, or with [`Watch::stop_at_first`] the first one.
     Answered,
 }
 
 impl Stop {
-    /// What ends an exploration of this size, if anything.
+    /// Returns the limit that ends an exploration of this size, if one does.
     pub(super) fn reason(
         states: usize,
         bytes: usize,

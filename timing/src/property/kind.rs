@@ -2,21 +2,22 @@
 
 use serde::Serialize;
 
-/// What kind of property a check asks for (section 10 of the timed semantics).
+/// The kind of property that a check is about (section 10 of the timed semantics).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PropertyKind {
     /// No tick comes before the job of the previous one has ended.
     Schedulable,
-    /// A task never waits for a core as long as its period.
+    /// A task never waits for a core for its whole period.
     NoOverdue,
-    /// The longest time from the release of a job to its end.
+    /// The response time: the longest time from the release of a job to its end.
     Response,
     /// The longest time from one predicate to another.
     Within,
-    /// The longest time from a new first datum of a chain to the first last one that depends on it.
+    /// The reaction time: the longest time from a new first datum of a chain to the first last datum that
+    /// depends on it.
     Reaction,
-    /// The greatest age of the first datum of a chain in the last one.
+    /// The data age: the greatest age of the first datum of a chain in the last one.
     Age,
     /// One predicate follows another on every run.
     #[serde(rename = "leadsto")]
@@ -27,12 +28,12 @@ pub enum PropertyKind {
     Always,
     /// A predicate holds in some state.
     Reachable,
-    /// There is no state after which nothing happens.
+    /// There is no deadlock: some event always follows.
     Deadlock,
 }
 
 impl PropertyKind {
-    /// As scenarios and reports write it.
+    /// Returns the word for it in scenarios and reports.
     pub fn word(self) -> &'static str {
         match self {
             PropertyKind::Schedulable => "schedulable",
@@ -49,12 +50,12 @@ impl PropertyKind {
         }
     }
 
-    /// Whether it is about the deadline of a task.
+    /// Returns true if the property is about the deadline of a task.
     pub fn is_deadline(self) -> bool {
         matches!(self, PropertyKind::Schedulable | PropertyKind::NoOverdue)
     }
 
-    /// Whether its answer has a value, the longest time.
+    /// Returns true if the answer has a value, the longest time.
     pub fn is_time(self) -> bool {
         use PropertyKind::{Age, Reaction, Response, Within};
         matches!(self, Response | Within | Reaction | Age)

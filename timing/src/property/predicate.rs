@@ -3,7 +3,7 @@
 /// A Boolean combination of atoms.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Predicate {
-    /// Holds while the atom does.
+    /// Holds while the atom holds.
     Atom(Atom),
     /// Holds at the moment at which the atom stops holding.
     Leave(Atom),
@@ -21,7 +21,7 @@ pub enum Predicate {
 pub enum Atom {
     /// A task is in a state.
     Task(usize, TaskState),
-    /// One of the automata of a machine is in the middle of a codel state.
+    /// One of the automata of a machine is in a codel state.
     State {
         /// The machine.
         machine: usize,
@@ -30,7 +30,7 @@ pub enum Atom {
         /// Waiting for locks, executing, or either.
         phase: StatePhase,
     },
-    /// Some slot of an activity has a status (`Void`: all have).
+    /// Some slot of an activity has a status. For `Void`, all slots have it.
     Slot(usize, SlotStatus),
     /// The control task is handling a request for a service (functions, attributes, validation).
     Handling {
@@ -43,7 +43,7 @@ pub enum Atom {
     },
     /// The control task is handling some request, or its component is starting.
     ControlBusy(usize),
-    /// A client is at one of these steps ([`crate::system::Client::done`]: after the last).
+    /// A client is at one of these steps ([`crate::system::Client::done`] after the last step).
     Client(usize, Vec<usize>),
 }
 
@@ -60,7 +60,7 @@ pub enum TaskState {
     Active,
 }
 
-/// What a codel state is doing.
+/// The phase of a codel state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StatePhase {
     /// Waiting for its locks.
@@ -74,9 +74,9 @@ pub enum StatePhase {
 /// Status of a slot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SlotStatus {
-    /// Free, all of them.
+    /// All slots are free.
     Void,
-    /// Accepted and held back.
+    /// Accepted, and waiting to begin.
     Wait,
     /// Running.
     Run,
@@ -99,8 +99,8 @@ impl Predicate {
         }
     }
 
-    /// Whether it holds, as atoms that are `absent` never do: it says nothing about a run. That one atom never
-    /// holds, or each of several, is a claim of its own.
+    /// Returns true if the predicate holds only because the `absent` atoms never hold: then it says nothing
+    /// about a run. The exception is the claim that one atom, or each of several atoms, never holds.
     pub(crate) fn is_vacuous(&self, absent: &dyn Fn(&Atom) -> bool) -> bool {
         match self {
             Predicate::And(one, other) => one.is_vacuous(absent) && other.is_vacuous(absent),
@@ -116,14 +116,14 @@ impl Predicate {
         }
     }
 
-    /// Whether the atoms that are `absent` settle that it always has this value.
+    /// Returns true if the predicate always has this value because of the `absent` atoms.
     fn is_settled(&self, absent: &dyn Fn(&Atom) -> bool, value: bool) -> bool {
         match self {
             Predicate::Atom(it) | Predicate::Leave(it) => !value && absent(it),
             Predicate::Not(it) => it.is_settled(absent, !value),
             Predicate::And(one, other) | Predicate::Or(one, other) => {
                 let [one, other] = [one, other].map(|it| it.is_settled(absent, value));
-                // All parts have to make a conjunction true, one of them a disjunction.
+                // A conjunction is true if all operands are, a disjunction if one is.
                 match matches!(self, Predicate::And(..)) == value {
                     true => one && other,
                     false => one || other,
@@ -132,8 +132,8 @@ impl Predicate {
         }
     }
 
-    /// The value in a state that was entered from another. `atom` evaluates an atom in the state
-    /// now (`true`) or before (`false`).
+    /// Returns the value in a state that was entered from another one. `atom` evaluates an atom in the
+    /// present state (`true`) or in the previous one (`false`).
     pub(crate) fn eval(&self, atom: &impl Fn(&Atom, bool) -> bool) -> bool {
         match self {
             Predicate::Atom(it) => atom(it, true),
@@ -144,7 +144,7 @@ impl Predicate {
         }
     }
 
-    /// The value in a state that is not being entered: nothing is being left.
+    /// Returns the value in a state that is not being entered: no atom is being left.
     pub(crate) fn eval_still(&self, atom: &impl Fn(&Atom) -> bool) -> bool {
         self.eval(&|it, _| atom(it))
     }

@@ -1,4 +1,4 @@
-//! Predicates of scenarios, looked up in a built system.
+//! The resolution of predicates of scenarios in a built system.
 
 use dotgen_analysis::model::{CodelRef, Owner, ServiceKind};
 
@@ -8,7 +8,7 @@ use crate::scn::ast::{Path, Pred};
 use crate::scn::names::{Names, STATUSES, Target};
 use crate::system::built::Built;
 
-/// Components that a predicate is about, for dividing a system.
+/// Appends the components of a predicate, which must not be separated.
 pub(crate) fn components_of(names: &Names, built: &Built, pred: &Pred, out: &mut Vec<usize>) {
     match pred {
         Pred::Atom(path) | Pred::Leave(path) => {
@@ -42,13 +42,13 @@ pub(crate) fn components_of(names: &Names, built: &Built, pred: &Pred, out: &mut
     }
 }
 
-/// Looks a predicate up.
+/// Resolves a predicate.
 pub(crate) fn resolve(names: &Names, built: &Built, pred: &Pred) -> Result<Predicate, Diagnostic> {
     Ok(match pred {
         Pred::Atom(path) => atom(names, built, path)?,
         Pred::Leave(path) => match atom(names, built, path)? {
             Predicate::Atom(it) => Predicate::Leave(it),
-            // Negated atoms are left when the atom becomes true; only `void` is built so.
+            // A negated atom is left when the atom becomes true; only `void` is built like this.
             other => other,
         },
         Pred::Not(it) => Predicate::Not(Box::new(resolve(names, built, it)?)),
@@ -179,7 +179,7 @@ fn phase(word: &str) -> Option<StatePhase> {
     }
 }
 
-/// `client` (it has done everything) or `client.label`.
+/// Resolves `client` (all of its steps are done) or `client.label`.
 fn client(built: &Built, path: &Path) -> Result<Option<Atom>, Diagnostic> {
     let Some(first) = path.names.first() else {
         return Ok(None);
@@ -205,7 +205,7 @@ fn client(built: &Built, path: &Path) -> Result<Option<Atom>, Diagnostic> {
     Ok(Some(Atom::Client(k, steps)))
 }
 
-/// The task, for checks of tasks.
+/// Returns the task of a path, for checks of tasks.
 pub(crate) fn task(names: &Names, path: &Path) -> Result<(usize, u32), Diagnostic> {
     let message = match names.resolve(path)? {
         Target::Task(c, t) => return Ok((c, t)),

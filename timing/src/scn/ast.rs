@@ -1,4 +1,4 @@
-//! Scenarios as data. Every name keeps its range, for diagnostics and editor features.
+//! The syntax tree of scenarios. Every name keeps its range, for diagnostics and editor features.
 
 use std::ops::{Range, RangeInclusive};
 
@@ -6,44 +6,44 @@ use dotgen_analysis::model::Seconds;
 
 use super::semantics::{LockRule, PauseRule, PortRule, Preset, TickRule, TurnRule};
 
-/// How many slots an activity can be given. Each one more multiplies what has to be explored.
+/// The possible numbers of slots of an activity. Each additional slot multiplies the number of states.
 pub const SLOTS: RangeInclusive<u32> = 1..=32;
 
-/// Activities of a task at the same time in the servers, unless a scenario says otherwise.
+/// Greatest number of activities of a task at the same time in the servers, unless a scenario says otherwise.
 pub const DEFAULT_PLACES: u32 = 16;
 
 /// Slots of an activity in the published models unless a scenario says otherwise.
 pub const DEFAULT_SLOTS: u32 = 2;
 
-/// Something and its bytes in the text.
+/// A value and its range in the text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Spanned<T> {
-    /// What.
+    /// Value.
     pub value: T,
-    /// Where.
+    /// Range of bytes.
     pub range: Range<usize>,
 }
 
 /// A scenario.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Scenario {
-    /// Its name; empty if it is missing.
+    /// Name; empty if it is missing.
     pub name: String,
     /// Bytes of the name.
     pub name_range: Range<usize>,
-    /// Its items, in order.
+    /// Items, in order.
     pub items: Vec<Item>,
 }
 
 /// `a.b.c`
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Path {
-    /// Its names, in order.
+    /// Names, in order.
     pub names: Vec<Spanned<String>>,
 }
 
 impl Path {
-    /// From its first to its last name.
+    /// Returns the range from the first to the last name.
     pub fn range(&self) -> Range<usize> {
         match (self.names.first(), self.names.last()) {
             (Some(first), Some(last)) => first.range.start..last.range.end,
@@ -51,7 +51,7 @@ impl Path {
         }
     }
 
-    /// A path that stands in no text.
+    /// Returns a path that is not part of a text.
     pub fn of(text: &str) -> Path {
         let names = text.split('.').map(|it| Spanned {
             value: it.to_owned(),
@@ -62,7 +62,7 @@ impl Path {
         }
     }
 
-    /// As written, without blanks.
+    /// Returns the path as written, without blanks.
     pub fn text(&self) -> String {
         let names: Vec<&str> = self.names.iter().map(|it| it.value.as_str()).collect();
         names.join(".")
@@ -81,7 +81,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// In seconds.
+    /// Returns the unit in seconds.
     pub fn seconds(self) -> Seconds {
         Seconds::new(
             1,
@@ -93,7 +93,7 @@ impl Unit {
         )
     }
 
-    /// As written.
+    /// Returns the unit as scenarios write it.
     pub fn name(self) -> &'static str {
         match self {
             Unit::Seconds => "s",
@@ -108,19 +108,19 @@ impl Unit {
 pub struct Interval {
     /// Lower bound.
     pub lower: u64,
-    /// Upper bound; `None`: none.
+    /// Upper bound; `None` if there is none.
     pub upper: Option<u64>,
 }
 
 /// `durations`
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Durations {
-    /// From nothing to the worst case, both included.
+    /// From 0 to the worst case, both included.
     #[default]
     Interval,
     /// Always the worst case.
     Fixed,
-    /// More than nothing, up to the worst case.
+    /// More than 0, up to the worst case.
     Open,
 }
 
@@ -141,7 +141,7 @@ pub enum Policy {
 }
 
 impl Policy {
-    /// All of them, with their words.
+    /// All policies, with their words.
     pub const ALL: &[(&str, Policy)] = &[
         ("fifo", Policy::Fifo),
         ("edf", Policy::Edf),
@@ -150,7 +150,7 @@ impl Policy {
         ("fair", Policy::Fair),
     ];
 
-    /// As written.
+    /// Returns the policy as scenarios write it.
     pub fn name(self) -> &'static str {
         match self {
             Policy::Fifo => "fifo",
@@ -163,7 +163,7 @@ impl Policy {
 }
 
 impl Durations {
-    /// As written.
+    /// Returns the durations as scenarios write them.
     pub fn name(self) -> &'static str {
         match self {
             Durations::Interval => "interval",
@@ -188,7 +188,7 @@ pub enum Item {
     Durations(Durations),
     /// `duration PATH INTERVAL UNIT;`
     Duration(Path, Interval, Unit),
-    /// `loop once [PATH];`; `None`: `free`. And all of it.
+    /// `loop once [PATH];`; `None`: `free`. With the range of the item.
     Loop(Option<u32>, Option<Path>, Range<usize>),
     /// `idle keep [PATH];` (`true`) or `idle drop [PATH];`
     Idle(bool, Option<Path>),
@@ -227,9 +227,9 @@ pub enum Item {
 /// A client.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Client {
-    /// Its name.
+    /// Name.
     pub name: Spanned<String>,
-    /// What it does.
+    /// Steps.
     pub steps: Vec<Step>,
 }
 
@@ -238,24 +238,24 @@ pub struct Client {
 pub struct Step {
     /// `LABEL:`
     pub label: Option<Spanned<String>>,
-    /// What is done.
+    /// Action.
     pub kind: StepKind,
-    /// All of it.
+    /// Range of the step.
     pub range: Range<usize>,
 }
 
-/// How a request whose end is awaited has to end.
+/// The outcome of a request that a client awaits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Ending {
-    /// In any way.
+    /// Any outcome.
     Any,
-    /// It has succeeded.
+    /// The request has succeeded.
     Ok,
-    /// It has not: it was refused, ended by an exception, or was interrupted and has no `stop`.
+    /// The request has failed: it was refused, ended by an exception, or was interrupted and has no `stop`.
     Failed,
 }
 
-/// What a client does.
+/// The action of a step.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum StepKind {
     /// `send PATH;`
@@ -281,40 +281,40 @@ pub enum StepKind {
 /// `check [ID:] …;`
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Check {
-    /// Its name.
+    /// Name.
     pub name: Option<Spanned<String>>,
-    /// What is checked.
+    /// Kind of check.
     pub kind: CheckKind,
-    /// All of it.
+    /// Range of the check.
     pub range: Range<usize>,
 }
 
 /// A bound: `<= 50 ms`.
 pub type Bound = Option<(u64, Unit)>;
 
-/// What is asked of a chain.
+/// The delay of a cause-effect chain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ChainKind {
-    /// The longest time from a writing of the first datum until the last is first written by a codel whose
-    /// data depend on it.
+    /// Reaction time: the longest time from a write of the first datum until the last datum is first written
+    /// by a codel whose data depend on it.
     Reaction,
-    /// The longest time since the writing of the first datum that the last one, as it is visible, depends on.
+    /// Data age: the longest time since the write of the first datum on which the visible last datum depends.
     Age,
 }
 
-/// Between which ports a chain of data goes.
+/// The ports of a cause-effect chain.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ChainPath {
-    /// The port of the first datum.
+    /// Port of the first datum.
     pub from: Path,
-    /// The port of the last.
+    /// Port of the last datum.
     pub to: Path,
-    /// Codels, tasks, services and ports that it goes through; none: any.
+    /// Codels, tasks, services and ports on the chain; empty for any.
     pub via: Vec<Path>,
 }
 
 impl ChainPath {
-    /// Normalised text.
+    /// Returns normalised text.
     pub fn text(&self) -> String {
         let via: Vec<String> = self.via.iter().map(Path::text).collect();
         let via = match via.is_empty() {
@@ -324,13 +324,13 @@ impl ChainPath {
         format!("{} -> {}{via}", self.from.text(), self.to.text())
     }
 
-    /// All paths, as they are written.
+    /// Returns all paths, as they are written.
     pub fn paths(&self) -> impl Iterator<Item = &Path> {
         [&self.from, &self.to].into_iter().chain(&self.via)
     }
 }
 
-/// What is checked.
+/// The kind of a check, with its parts.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum CheckKind {
     /// `schedulable PATH`; `None`: all tasks.
@@ -339,7 +339,7 @@ pub enum CheckKind {
     NoOverdue(Option<Path>),
     /// `response PATH [<= BOUND]`
     Response(Option<Path>, Bound),
-    /// `within P => Q [then R …] [<= BOUND]`; what follows, one after the other.
+    /// `within P => Q [then R …] [<= BOUND]`; the responses are in order.
     Within(Pred, Vec<Pred>, Bound),
     /// `reaction PORT -> PORT [via PATH, …] [<= BOUND]`, or `age`
     Chain(ChainKind, ChainPath, Bound),
@@ -351,12 +351,12 @@ pub enum CheckKind {
     Always(Pred),
     /// `reachable P`
     Reachable(Pred),
-    /// `deadlock`: there is none.
+    /// `deadlock`: there is no deadlock.
     Deadlock,
 }
 
 impl CheckKind {
-    /// The task that it is about, if it names one.
+    /// Returns the task of the check, if the check names one.
     pub fn task(&self) -> Option<&Path> {
         match self {
             CheckKind::Schedulable(path)
@@ -366,7 +366,7 @@ impl CheckKind {
         }
     }
 
-    /// The predicates that it is about, as they are written.
+    /// Returns the predicates of the check, as they are written.
     pub fn predicates(&self) -> impl Iterator<Item = &Pred> {
         let (one, others) = match self {
             CheckKind::Within(p, list, _) => (Some(p), &**list),
@@ -387,7 +387,7 @@ impl CheckKind {
 /// A predicate.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Pred {
-    /// A path, its last name possibly a status.
+    /// A path. Its last name may be a status.
     Atom(Path),
     /// `leave ATOM`
     Leave(Path),
@@ -400,7 +400,7 @@ pub enum Pred {
 }
 
 impl Pred {
-    /// The atoms, and what is left of them.
+    /// Returns the atoms, and the atoms that are left.
     pub(crate) fn parts(&self) -> Box<dyn Iterator<Item = &Pred> + '_> {
         match self {
             Pred::Atom(_) | Pred::Leave(_) => Box::new(std::iter::once(self)),
@@ -411,7 +411,7 @@ impl Pred {
         }
     }
 
-    /// Normalised text.
+    /// Returns normalised text.
     pub fn text(&self) -> String {
         match self {
             Pred::Atom(path) => path.text(),

@@ -10,21 +10,21 @@ use crate::diagnostic::Severity;
 /// An entry of the table: one code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Code {
-    /// The code, as shown.
+    /// Code, as shown.
     pub id: &'static str,
-    /// The severity.
+    /// Severity.
     pub severity: Severity,
-    /// The meaning, in one sentence.
+    /// Meaning, in one sentence.
     pub meaning: &'static str,
-    /// The reason for the rule, or what goes wrong.
+    /// Reason for the rule, or the consequence.
     pub why: &'static str,
-    /// Advice on how to mend the scenario.
+    /// Advice on how to correct the scenario.
     pub fix: &'static str,
-    /// The specification of the example; empty if the example works with any that has its names.
+    /// Specification of the example; empty if the example works with any specification that has its names.
     pub specification: &'static str,
-    /// A scenario that triggers the code, or a comment if none is short enough.
+    /// Scenario that triggers the code, or a comment if none is short enough.
     pub example: &'static str,
-    /// The scenario or the specification as it should be; empty if no text can show that.
+    /// Corrected scenario or specification; empty if no text can show a correction.
     pub corrected: &'static str,
 }
 

@@ -1,5 +1,5 @@
-//! What may be written at a place of a scenario. It looks at the tokens before the cursor only, so that
-//! half-typed text is no obstacle.
+//! Completion in scenarios. It uses only the tokens before the cursor, so that incomplete text does not
+//! matter.
 
 use std::ops::Range;
 
@@ -12,18 +12,18 @@ use super::parser::{CHECKS, ITEMS, STEPS};
 use super::semantics::{LockRule, PauseRule, PortRule, Preset, TickRule, TurnRule};
 use super::words;
 
-/// Something that may be written.
+/// A proposal.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Completion {
-    /// What is written, and shown.
+    /// Text to insert and to show.
     pub label: String,
-    /// What it is.
+    /// Kind.
     pub kind: CompletionKind,
-    /// What it means.
+    /// Meaning.
     pub detail: String,
 }
 
-/// See [`Completion`].
+/// The kind of a [`Completion`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CompletionKind {
     /// A word of the language.
@@ -46,21 +46,21 @@ pub enum CompletionKind {
     Status,
 }
 
-/// What may be written at a place.
+/// The proposals at a place.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Completions {
     /// The name of a file: the string around the cursor, without quotes.
     File(Range<usize>),
-    /// One of these, instead of some bytes.
+    /// Words and names that replace some bytes.
     Of {
-        /// What is replaced.
+        /// Bytes to replace.
         replace: Range<usize>,
-        /// In order.
+        /// Proposals, in order.
         items: Vec<Completion>,
     },
 }
 
-/// Inside of what.
+/// The enclosing block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Block {
     File,
@@ -68,7 +68,7 @@ enum Block {
     Steps,
 }
 
-/// What paths are wanted.
+/// The kind of path that is expected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Wanted {
     Task,
@@ -82,7 +82,7 @@ enum Wanted {
     Port,
 }
 
-/// What may be written at an offset. Nothing inside comments.
+/// Returns the proposals at an offset. There are none inside comments.
 pub fn complete(text: &str, scenario: &Scenario, names: &Names, offset: usize) -> Completions {
     let tokens = lex(text);
     let at = tokens
@@ -106,7 +106,7 @@ pub fn complete(text: &str, scenario: &Scenario, names: &Names, offset: usize) -
         .iter()
         .filter(|it| !it.kind.is_trivia() && it.range.end <= offset)
         .collect();
-    // The name under the cursor is being replaced; the path before it says what may follow.
+    // The name under the cursor is replaced; the path before it determines the proposals.
     let under = at.filter(|it| it.kind == Kind::Name);
     let replace = under.map_or(offset..offset, |it| it.range.clone());
     let done = match under {
@@ -131,7 +131,7 @@ pub fn complete(text: &str, scenario: &Scenario, names: &Names, offset: usize) -
     }
 }
 
-/// The block that a place is in, and the tokens of the statement before it.
+/// Returns the block around a place, and the tokens of the statement before it.
 fn statement<'t, 's>(text: &str, tokens: &'s [&'t Token]) -> (Block, &'s [&'t Token]) {
     let mut blocks = vec![Block::File];
     let mut start = 0;
@@ -201,7 +201,7 @@ impl<'f> Finder<'f> {
         }
     }
 
-    /// Whether a block has just ended, so that a choice may go on.
+    /// Returns true if a block has just ended, after which a choice may continue.
     fn after_choice(&self) -> bool {
         let before = self.text[..self.replace.start].trim_end();
         before.ends_with('}')
@@ -290,7 +290,7 @@ impl<'f> Finder<'f> {
             }
             "reaction" | "age" => self.chain(rest),
             "deadlock" => {}
-            // All others are about predicates.
+            // All other checks are about predicates.
             check if CHECKS.contains(&check) => {
                 let _ = self.unit(rest) || self.predicate(rest, check == "within");
             }
@@ -332,7 +332,8 @@ impl<'f> Finder<'f> {
         }
     }
 
-    /// Labels of requests of the client around the cursor, as far as it is written: `NAME : send`.
+    /// Adds the labels of requests of the client around the cursor, as far as the client is written: `NAME :
+    /// send`.
     fn sent_labels(&mut self) {
         let tokens = lex(self.text);
         let before: Vec<&Token> = (tokens.iter())
@@ -381,7 +382,7 @@ impl<'f> Finder<'f> {
         });
     }
 
-    /// After a number or interval; whether this is such a place.
+    /// Adds units after a number or interval. Returns true if this is such a place.
     fn unit(&mut self, rest: &[&Token]) -> bool {
         let after = rest
             .last()
@@ -398,8 +399,8 @@ impl<'f> Finder<'f> {
         after
     }
 
-    /// The names of the path that ends at the cursor, and where it begins; none if the tokens before do
-    /// not end in one.
+    /// Returns the names of the path that ends at the cursor, and its beginning; `None` if the tokens before
+    /// do not end in a path.
     fn written(&self, rest: &[&Token]) -> Option<(usize, Path)> {
         let mut path = Path::default();
         let mut i = rest.len();
@@ -418,7 +419,7 @@ impl<'f> Finder<'f> {
         (!begun).then_some((i, path))
     }
 
-    /// Two ports, and what is between.
+    /// Adds proposals for a chain: its two ports, and the words between.
     fn chain(&mut self, rest: &[&Token]) {
         if self.unit(rest) {
             return;
@@ -439,7 +440,7 @@ impl<'f> Finder<'f> {
         }
     }
 
-    /// Whole paths of what is wanted; whether the place is one for a path.
+    /// Adds whole paths of the expected kind. Returns true if this is a place for a path.
     fn path(&mut self, wanted: Wanted, rest: &[&Token]) -> bool {
         let Some((0, path)) = self.written(rest) else {
             return false;
@@ -515,8 +516,8 @@ impl<'f> Finder<'f> {
         out
     }
 
-    /// One name of a predicate's path at a time, with statuses, clients and the words between. Every place
-    /// is one for it.
+    /// Adds one name of a predicate's path at a time, with statuses, clients and the words between. Every
+    /// place is one for a predicate, so it returns true.
     fn predicate(&mut self, rest: &[&Token], sequence: bool) -> bool {
         let after_operand = rest.last().is_some_and(|it| match it.kind {
             Kind::CloseParen => true,

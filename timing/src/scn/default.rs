@@ -1,4 +1,4 @@
-//! What is verified when no scenario is written, as a scenario.
+//! The default scenario, for a verification without a scenario.
 
 use std::fmt::Write;
 
@@ -7,24 +7,24 @@ use dotgen_analysis::model::{Component, ServiceKind};
 use super::ast::Policy;
 use super::semantics::Preset;
 
-/// The scenario that stands for none: permanent activities, and a client that may send any request
-/// at any time, one after the other.
+/// Returns the default scenario: permanent activities, and a client that may send any request at any time,
+/// one after the other.
 pub fn default_text(components: &[&Component], files: &[String]) -> String {
     default_text_on(components, files, Platform::default())
 }
 
-/// What the scenario that stands for none runs on.
+/// The platform of the default scenario.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Platform {
     /// Number of cores; `None`: as many as there are tasks.
     pub cores: Option<u32>,
-    /// Order in which tasks get one, where it is said.
+    /// Order in which cores are granted, if it is stated.
     pub policy: Option<Policy>,
-    /// What the model follows, where it is said.
+    /// Semantics of the model, if they are stated.
     pub semantics: Option<Preset>,
 }
 
-/// Likewise, on a platform.
+/// Returns the default scenario for a platform.
 pub fn default_text_on(components: &[&Component], files: &[String], platform: Platform) -> String {
     let name = match components {
         [it] => it.name.to_string(),

@@ -1,4 +1,4 @@
-//! What is at a place of a scenario, in words.
+//! Descriptions of names and words in a scenario, for hovers.
 
 use std::ops::Range;
 
@@ -11,18 +11,18 @@ use super::lexer::{Kind, lex};
 use super::names::{Names, Target};
 use super::words;
 
-/// What stands at a place.
+/// The description of a place.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Description {
-    /// The bytes it is about.
+    /// Range of bytes.
     pub range: Range<usize>,
-    /// How it is written, or declared.
+    /// Syntax, or declaration.
     pub form: String,
-    /// What it means.
+    /// Meaning.
     pub meaning: String,
 }
 
-/// What stands at an offset: a name of the specifications, or a word of the language.
+/// Describes the name of the specifications, or the word of the language, at an offset.
 pub fn describe(
     text: &str,
     scenario: &Scenario,
@@ -58,7 +58,7 @@ fn of_word(word: &str, range: Range<usize>) -> Option<Description> {
 }
 
 impl Names<'_> {
-    /// How something is declared, and what there is to say about it.
+    /// Returns the declaration and the description of a target.
     pub fn describe(&self, target: &Target) -> (String, String) {
         let component = |c: usize| self.components[c].component;
         match target {
@@ -136,7 +136,7 @@ impl Names<'_> {
         }
     }
 
-    /// Where something is declared: number of the specification, and the name.
+    /// Returns the place of a declaration: number of the specification, and name.
     pub fn declaration(&self, target: &Target) -> Option<(usize, Src)> {
         let member = |c: usize| (self.components[c].spec_index, self.components[c].component);
         let (c, src) = match target {

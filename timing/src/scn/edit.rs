@@ -1,4 +1,4 @@
-//! Small changes of the text of a scenario: what an item says, in place.
+//! Small edits of the text of a scenario: they change the value of an item in place.
 
 use std::ops::Range;
 
@@ -10,9 +10,9 @@ use super::ast::{Item, Unit};
 use super::lexer::{Kind, Token, lex};
 use super::parse;
 
-/// The edit with which a setting of the scenario (`cores`, `policy`) has another value: of the last item with
-/// this word, which is the one that counts, else a new item behind the last `use`. None where the text has no
-/// such place.
+/// Returns the edit that changes a setting of the scenario (`cores`, `policy`). It changes the last item with
+/// this word, which is the one that counts, or adds an item behind the last `use`. Returns `None` if the text
+/// has no such place.
 pub fn setting(text: &str, word: &str, value: &str) -> Option<(Range<usize>, String)> {
     let tokens: Vec<Token> = lex(text)
         .into_iter()
@@ -48,8 +48,9 @@ pub fn setting(text: &str, word: &str, value: &str) -> Option<(Range<usize>, Str
     }
 }
 
-/// The edit with which a codel takes at most so long, where the scenario states a `duration` for its path:
-/// the last one counts. None for a time that no scenario can state, a part of a microsecond.
+/// Returns the edit that sets the longest time of a codel, if the scenario states a `duration` for its path;
+/// the last one counts. Returns `None` for a time that no scenario can state, such as a part of a
+/// microsecond.
 pub fn longest(text: &str, codel: &str, at_most: Seconds) -> Option<(Range<usize>, String)> {
     let items = parse(text).scenario.items.into_iter();
     let (path, interval, unit) = items.rev().find_map(|it| match it {
@@ -96,7 +97,7 @@ mod tests {
             other.contains("use \"a.gen\";\n  policy fifo; // policy edf;"),
             "{other}"
         );
-        // What a client does is no setting.
+        // An action of a client is not a setting.
         let delay = made(text, setting(text, "delay", "9"));
         assert!(delay.contains("client k { delay 3 ms; }"), "{delay}");
         assert_eq!(setting("scenario s { }", "cores", "2"), None);

@@ -1,11 +1,12 @@
-//! Formatting: one item per line, two blanks per level; comments, blank lines and lines of a long check kept.
+//! Formatting: one item per line, two blanks per level. Comments, blank lines and lines of a long check are
+//! kept.
 
 use super::lexer::{Kind, lex};
 
-/// With these words a line may go on that its author has broken there.
+/// Words before which a line break of the author is kept.
 const CONTINUES: &[&str] = &["=>", "->", "then", "and", "or", "via"];
 
-/// The formatted text, or `None` if the text has errors.
+/// Returns the formatted text, or `None` if the text has errors.
 pub fn format(text: &str) -> Option<String> {
     if !super::parse(text).errors.is_empty() {
         return None;

@@ -74,7 +74,7 @@ pub enum Kind {
     #[doc = "`*`"]
     #[token("*")]
     Star,
-    /// Anything else.
+    /// Any other character.
     Unknown,
 }
 
@@ -85,14 +85,14 @@ fn unclosed(lex: &mut logos::Lexer<Kind>) {
 /// A token.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Token {
-    /// Its kind.
+    /// Kind.
     pub kind: Kind,
-    /// Its bytes.
+    /// Range of bytes.
     pub range: Range<usize>,
 }
 
 impl Kind {
-    /// Blanks and comments.
+    /// Returns true for blanks and comments.
     pub fn is_trivia(self) -> bool {
         matches!(
             self,

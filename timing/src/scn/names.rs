@@ -1,4 +1,4 @@
-//! What the paths of a scenario refer to.
+//! The resolution of paths of a scenario.
 
 use std::ops::Range;
 
@@ -8,25 +8,25 @@ use dotgen_syntax::near::nearest;
 use super::ast::{CheckKind, Item, Path, Pred, Scenario, Spanned, Step, StepKind};
 use crate::diagnostic::Diagnostic;
 
-/// The components that a scenario is about.
+/// The components of a scenario.
 #[derive(Debug, Clone)]
 pub struct Names<'a> {
-    /// In order of the specifications, then of declaration.
+    /// Components, in order of the specifications, then of declaration.
     pub components: Vec<Member<'a>>,
 }
 
-/// A component and where it comes from.
+/// A component and its specification.
 #[derive(Debug, Clone, Copy)]
 pub struct Member<'a> {
-    /// Number of its specification.
+    /// Number of the specification.
     pub spec_index: usize,
-    /// Its specification.
+    /// Specification.
     pub spec: &'a Spec,
-    /// The component.
+    /// Component.
     pub component: &'a Component,
 }
 
-/// What a name in a path refers to. Components are numbered as in [`Names::components`].
+/// The target of a name in a path. Components are numbered as in [`Names::components`].
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Target {
     /// A component.
@@ -45,16 +45,16 @@ pub enum Target {
     Client(String),
     /// A step of a client: client, label or name of the service.
     Step(String, String),
-    /// `waiting`, `exec`, … after something that has such a status.
+    /// `waiting`, `exec`, … after a target that has such a status.
     Status(String),
 }
 
-/// A name and what it refers to.
+/// A name and its target.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Reference {
-    /// Bytes of the name.
+    /// Range of the name.
     pub range: Range<usize>,
-    /// What it refers to.
+    /// Target.
     pub target: Target,
 }
 
@@ -64,7 +64,7 @@ pub const STATUSES: &[&str] = &[
 ];
 
 impl<'a> Names<'a> {
-    /// The components (not the interfaces) of some specifications.
+    /// Collects the components (not the interfaces) of some specifications.
     pub fn new(specs: &[&'a Spec]) -> Self {
         let components = specs
             .iter()
@@ -83,7 +83,7 @@ impl<'a> Names<'a> {
         Names { components }
     }
 
-    /// Follows a path as far as it leads: one target per name, and the number of names understood.
+    /// Follows a path as far as possible. Returns one target per name that was resolved.
     pub fn follow(&self, path: &Path) -> Vec<Target> {
         let mut out = Vec::new();
         let mut names = path.names.iter().map(|it| it.value.as_str());
@@ -106,7 +106,7 @@ impl<'a> Names<'a> {
         let task = component.tasks.iter().position(|it| it.name == second);
         let service = component.services.iter().position(|it| it.name == second);
         let port = component.ports.iter().position(|it| it.name == second);
-        // Tasks and services may share a name; the one with the state asked for is meant.
+        // Tasks and services may share a name; the one with the requested state is meant.
         let has = |owner: Owner| third.is_some_and(|it| self.state(c, owner, it).is_some());
         let owner = match (task.map(|t| t as u32), service.map(|s| s as u32)) {
             (Some(t), Some(s)) if has(Owner::Service(s)) && !has(Owner::Task(t)) => {
@@ -134,7 +134,7 @@ impl<'a> Names<'a> {
         out
     }
 
-    /// A state of a machine, or a codel of the control task by its name or as `validate`.
+    /// Returns a state of a machine, or a codel of the control task by its name or as `validate`.
     fn state(&self, c: usize, owner: Owner, name: &str) -> Option<Target> {
         let component = self.components[c].component;
         for (index, codel) in (0..).zip(component.codels_of(owner)) {
@@ -151,13 +151,17 @@ impl<'a> Names<'a> {
         None
     }
 
-    /// Whether a service of a component is an activity.
+    /// Returns true if a service of a component is an activity.
     pub(crate) fn is_activity(&self, c: usize, s: u32) -> bool {
         let services = &self.components[c].component.services;
         services[s as usize].kind == ServiceKind::Activity
     }
 
-    /// Looks a whole path up.
+    /// Resolves a whole path.
+    ///
+    /// # Errors
+    ///
+    /// Returns a diagnostic if the path leads nowhere.
     pub fn resolve(&self, path: &Path) -> Result<Target, Diagnostic> {
         let targets = self.follow(path);
         match targets.last() {
@@ -166,7 +170,7 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// What to say about the first name of a path that leads nowhere.
+    /// Returns the diagnostic for the first name of a path that leads nowhere.
     pub fn unknown(&self, path: &Path, followed: &[Target]) -> Diagnostic {
         let Some(name) = path.names.get(followed.len()) else {
             return Diagnostic::error("scn-path", path.range(), "incomplete path".to_owned());
@@ -195,7 +199,7 @@ impl<'a> Names<'a> {
         Diagnostic::error("scn-unknown-name", name.range.clone(), message)
     }
 
-    /// Names in paths that lead nowhere, clients and statuses apart.
+    /// Returns diagnostics for names in paths that lead nowhere, except clients and statuses.
     pub fn unknown_names(&self, scenario: &Scenario) -> Vec<Diagnostic> {
         let mut out = Vec::new();
         for_each_path(scenario, &mut |path| {
@@ -213,7 +217,7 @@ impl<'a> Names<'a> {
         out
     }
 
-    /// Names that may follow a target (`None`: at the beginning of a path), for completion.
+    /// Returns the names that may follow a target (`None`: at the beginning of a path), for completion.
     pub fn after(&self, target: Option<&Target>) -> Vec<(String, Target)> {
         let mut out = Vec::new();
         match target {
@@ -259,7 +263,7 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// Every name in the paths of a scenario that refers to something, in order.
+    /// Returns every name in the paths of a scenario that has a target, in order.
     pub fn references(&self, scenario: &Scenario) -> Vec<Reference> {
         let mut out = Vec::new();
         for_each_path(scenario, &mut |path| {
@@ -295,7 +299,7 @@ impl<'a> Names<'a> {
     }
 }
 
-/// Labels of steps that `abort` names.
+/// Appends the labels of steps that `abort` names.
 fn aborted_labels(client: &str, list: &[Step], out: &mut Vec<Reference>) {
     for step in list {
         match &step.kind {
@@ -392,7 +396,7 @@ fn pred<'s>(it: &'s Pred, each: &mut impl FnMut(&'s Path)) {
     }
 }
 
-/// Helps callers that have a name only.
+/// A conversion for callers that have only a name.
 impl From<Spanned<String>> for Path {
     fn from(name: Spanned<String>) -> Self {
         Path { names: vec![name] }

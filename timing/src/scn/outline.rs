@@ -7,19 +7,19 @@ use super::ast::{CheckKind, Item, Scenario, Step, StepKind};
 /// An entry of the outline.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Entry {
-    /// What it is called.
+    /// Name.
     pub name: String,
-    /// Its kind.
+    /// Kind.
     pub kind: EntryKind,
-    /// All of it.
+    /// Range of the entry.
     pub range: Range<usize>,
-    /// Its name.
+    /// Range of the name.
     pub selection: Range<usize>,
-    /// What it holds.
+    /// Nested entries.
     pub children: Vec<Entry>,
 }
 
-/// See [`Entry`].
+/// The kind of an [`Entry`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EntryKind {
     /// The scenario.
@@ -34,7 +34,7 @@ pub enum EntryKind {
     Check,
 }
 
-/// The outline: the scenario with its files, clients (and their labelled steps) and checks.
+/// Returns the outline: the scenario with its files, clients (and their labelled steps) and checks.
 pub fn outline(text: &str, scenario: &Scenario) -> Vec<Entry> {
     if scenario.name.is_empty() {
         return Vec::new();
@@ -107,7 +107,7 @@ fn labelled(steps: &[Step], out: &mut Vec<Entry>) {
     }
 }
 
-/// Whether a check is about all tasks.
+/// Returns true if a check is about all tasks.
 pub fn is_of_all(kind: &CheckKind) -> bool {
     matches!(
         kind,

@@ -1,5 +1,5 @@
-//! Recursive descent over the tokens of a scenario. An item that cannot be understood is skipped up to
-//! its `;` or `}` and reported once.
+//! Recursive-descent parser of scenarios. An item with a syntax error is skipped up to its `;` or `}` and
+//! reported once.
 
 mod checks;
 mod items;
@@ -18,9 +18,9 @@ pub(super) use steps::STEPS;
 /// A parsed scenario.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Parse {
-    /// What could be understood.
+    /// Syntax tree of the valid items.
     pub scenario: Scenario,
-    /// What could not.
+    /// Syntax errors.
     pub errors: Vec<Diagnostic>,
 }
 
@@ -34,7 +34,11 @@ pub fn parse(text: &str) -> Parse {
     }
 }
 
-/// Parses a check as it stands after `check`, without the `;`.
+/// Parses a check: the text after `check`, without the `;`.
+///
+/// # Errors
+///
+/// Returns the first syntax error.
 pub fn parse_check(text: &str) -> Result<Check, Diagnostic> {
     let mut parser = Parser::new(text);
     let check = parser.check_body(0);
@@ -52,7 +56,7 @@ pub fn parse_check(text: &str) -> Result<Check, Diagnostic> {
     }
 }
 
-/// Nesting deeper than this is refused instead of exhausting the stack.
+/// Greatest nesting depth. Deeper nesting is refused, because it could exhaust the stack.
 const DEPTH: u32 = 100;
 
 struct Parser<'t> {

@@ -1,7 +1,7 @@
-//! The words for what the model follows: the servers that run on robots, or the published formal models, as a
-//! whole or point by point (section 21 of the timed semantics).
+//! The semantics of the model: the servers that run on robots, or the published formal models, as a whole or
+//! point by point (section 21 of the timed semantics).
 
-/// Declares the rules of one point: what each is, and its word.
+/// Declares the rules of one point, each with its word.
 macro_rules! point {
     ($(#[$doc:meta])* $name:ident { $($(#[$of:meta])* $rule:ident = $word:literal,)* }) => {
         $(#[$doc])*
@@ -9,10 +9,10 @@ macro_rules! point {
         pub enum $name { $($(#[$of])* $rule,)* }
 
         impl $name {
-            /// All of them, with their words.
+            /// All rules, with their words.
             pub const ALL: &[(&str, $name)] = &[$(($word, $name::$rule),)*];
 
-            /// As written.
+            /// Returns the rule as scenarios write it.
             pub fn name(self) -> &'static str {
                 match self { $($name::$rule => $word,)* }
             }
@@ -23,7 +23,7 @@ macro_rules! point {
 point! {
     /// `semantics`
     Preset {
-        /// What the servers do that run on robots.
+        /// The servers that run on robots.
         Servers = "servers",
         /// The published formal models.
         Published = "published",
@@ -43,7 +43,7 @@ point! {
 point! {
     /// `turns`
     TurnRule {
-        /// One codel of each automaton, then of each again: passes.
+        /// Passes: one codel of each automaton, then one of each again.
         Codel = "codel",
         /// An automaton executes until it pauses or ends, then the next.
         Pause = "pause",
@@ -57,7 +57,7 @@ point! {
         Free = "free",
         /// In order of arrival, among codels that exclude each other.
         Fifo = "fifo",
-        /// One queue per component; who is behind the head waits, conflicting or not.
+        /// One queue per component: a codel behind the head waits, even without a conflict.
         Queue = "queue",
     }
 }
@@ -73,7 +73,7 @@ point! {
 }
 
 point! {
-    /// `pause`: what resumes an automaton of an aperiodic task that has paused.
+    /// `pause`: the event that resumes a paused automaton of an aperiodic task.
     PauseRule {
         /// An internal event.
         Events = "events",
@@ -82,20 +82,20 @@ point! {
     }
 }
 
-/// What a model follows, all points decided.
+/// The semantics of a model, with all points set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Semantics {
-    /// Decides every point without a word of its own.
+    /// Rule for every point that is not set separately.
     pub preset: Preset,
-    /// Where ticks come from, and with them how tasks are started.
+    /// Source of ticks, and start of tasks.
     pub ticks: TickRule,
-    /// How automata of a task take turns.
+    /// Order of turns of the automata of a task.
     pub turns: TurnRule,
-    /// Who gets a lock.
+    /// Order of locks.
     pub locks: LockRule,
-    /// What ports lock.
+    /// Locks of ports.
     pub ports: PortRule,
-    /// What resumes paused automata of aperiodic tasks.
+    /// Event that resumes paused automata of aperiodic tasks.
     pub pause: PauseRule,
 }
 
@@ -120,7 +120,7 @@ impl Semantics {
         pause: PauseRule::Turns,
     };
 
-    /// All points as a preset has them.
+    /// Returns all points of a preset.
     pub fn of(preset: Preset) -> Semantics {
         match preset {
             Preset::Servers => Semantics::SERVERS,
@@ -128,8 +128,8 @@ impl Semantics {
         }
     }
 
-    /// Whether all points are those of the published models, which have rules of their own, for either order
-    /// of locks that these know.
+    /// Returns true if all points are those of the published models, which have their own rules, with either
+    /// of the two orders of locks that these rules support.
     pub fn is_published(self) -> bool {
         let locks = self.locks;
         locks != LockRule::Queue
@@ -140,7 +140,7 @@ impl Semantics {
                 }
     }
 
-    /// In words: the preset, then the points that differ from it, as they are written in scenarios.
+    /// Returns the preset, then the points that differ from it, as scenarios write them.
     pub fn text(self) -> String {
         let preset = Semantics::of(self.preset);
         let points = [
@@ -161,7 +161,7 @@ impl Semantics {
     }
 }
 
-/// What a scenario says of single points.
+/// Single points that a scenario sets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Points {
     /// `ticks`
@@ -177,7 +177,7 @@ pub struct Points {
 }
 
 impl Points {
-    /// The preset, with these points instead of its own.
+    /// Returns the semantics of a preset, with these points instead of its own.
     pub fn over(&self, preset: Preset) -> Semantics {
         let of = Semantics::of(preset);
         Semantics {

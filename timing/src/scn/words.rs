@@ -1,10 +1,10 @@
-//! The words of the language and their meanings, for hovers and completion. `docs/verification.md` says
-//! the same at length.
+//! The words of the language and their meanings, for hovers and completion. `docs/verification.md` explains
+//! them in detail.
 
 /// A word and its meaning.
 pub(super) struct Word {
     pub(super) word: &'static str,
-    /// The form in which the word is written.
+    /// Syntax of the word.
     pub(super) form: &'static str,
     pub(super) meaning: &'static str,
 }
@@ -17,7 +17,7 @@ const fn word(word: &'static str, form: &'static str, meaning: &'static str) -> 
     }
 }
 
-/// The meaning of a word in the place of an item, check or step.
+/// Returns the meaning of a word as an item, a check or a step.
 pub(super) fn find(name: &str) -> Option<&'static Word> {
     WORDS.iter().find(|it| it.word == name)
 }

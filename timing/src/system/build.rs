@@ -1,4 +1,4 @@
-//! From components and a scenario to a [`TimedSystem`].
+//! Construction of a [`TimedSystem`] from components and a scenario.
 
 mod assumptions;
 mod blocking;
@@ -24,7 +24,8 @@ use crate::scn::ast;
 use crate::scn::names::Names;
 use crate::scn::semantics::LockRule;
 
-/// Builds the system of those components for which `include` holds, with the clients that address them.
+/// Builds the system of the components for which `include` returns true, with the clients that address these
+/// components.
 pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool) -> Built {
     let mut builder = Builder {
         names,
@@ -95,7 +96,7 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
         others.iter().for_each(|it| out.system.separate(one, it));
     }
     let preempts = matches!(settings.policy(), ast::Policy::Priority | ast::Policy::Fair);
-    // Where an operating system gives them, control tasks need cores as well.
+    // If an operating system grants cores, control tasks need cores as well.
     let control_tasks = if preempts {
         out.system.components.len()
     } else {
@@ -105,11 +106,11 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
         + (0..out.system.tasks.len())
             .filter(|&it| out.system.needs_core(it))
             .count();
-    // Tasks that are tied to the same core wait for each other, however many others there are.
+    // Tasks bound to the same core wait for each other, however many other cores there are.
     let tied = out.system.tasks.iter().any(|it| it.affinity.is_some());
     let cores = out.system.platform.cores.filter(|_| !tied);
     if cores.is_some_and(|cores| cores as usize >= needing) {
-        // With as many cores as tasks all policies are the same (section 9).
+        // With at least as many cores as tasks, all policies are equivalent (section 9).
         out.system.platform.cores = None;
     }
     builder.loops();
@@ -123,13 +124,13 @@ struct Builder<'b> {
     settings: &'b Settings,
     /// Overridden durations by component, owner, index of the codel and state.
     durations: HashMap<(usize, Owner, u32, String), usize>,
-    /// Where the loop limits of machines are written.
+    /// Places of the loop limits of machines, in the scenario.
     loop_rules: HashMap<usize, Range<usize>>,
-    /// Numbers of slots of activities that the scenario gives.
+    /// Numbers of slots of activities, if the scenario states them.
     slots: HashMap<(usize, u32), u32>,
-    /// Numbers of activities of tasks that it gives.
+    /// Numbers of activities of tasks, if the scenario states them.
     places: HashMap<(usize, u32), u32>,
-    /// Cores of tasks that it gives, from 1.
+    /// Cores of tasks, counted from 1, if the scenario states them.
     affinity: HashMap<(usize, u32), u32>,
     /// Services that some client requests.
     requested: Vec<(usize, u32)>,

@@ -1,4 +1,4 @@
-//! What is built: a [`TimedSystem`], where it comes from, and what was assumed.
+//! The result of a build: a [`TimedSystem`], its connection to the specifications, and its assumptions.
 
 use std::collections::HashMap;
 
@@ -8,42 +8,43 @@ use super::TimedSystem;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::scn::ast::Path;
 
-/// A system, and how to find things in it.
+/// A system, with tables that find its parts.
 #[derive(Debug, Clone)]
 pub struct Built {
     /// The system.
     pub system: TimedSystem,
     /// Tasks by component (as in [`Names::components`](crate::scn::names::Names::components)) and index.
     pub tasks: HashMap<(usize, u32), usize>,
-    /// Services likewise.
+    /// Services, by component and index.
     pub services: HashMap<(usize, u32), usize>,
     /// Machines of tasks and activities.
     pub machines: HashMap<(usize, Owner), usize>,
-    /// Components.
+    /// Components, by index in the scenario.
     pub components: HashMap<usize, usize>,
-    /// Problems that do not prevent verification, or (with errors) do.
+    /// Problems found. Without errors, verification goes on.
     pub diagnostics: Vec<Diagnostic>,
-    /// What the result depends on, in words.
+    /// Assumptions on which the result depends, in words.
     pub assumptions: Vec<String>,
-    /// Codels whose times are no multiples of the unit of the scenario, and were rounded.
+    /// Codels whose times were rounded, because they are not multiples of the unit of the scenario.
     pub rounded: Vec<Rounded>,
-    /// The coarsest unit in which nothing would have to be rounded, in seconds; none without a unit.
+    /// The coarsest unit in which no time has to be rounded, in seconds; `None` if the scenario states no
+    /// unit.
     pub exact_unit: Option<Seconds>,
 }
 
-/// A time of a codel that was rounded, in seconds.
+/// The rounded time of a codel, in seconds.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Rounded {
     /// Path of the codel.
     pub codel: String,
-    /// What is stated.
+    /// Stated time.
     pub exact: Seconds,
-    /// What was verified instead.
+    /// Time used for verification.
     pub taken: Seconds,
 }
 
 impl Built {
-    /// Whether something prevents verification.
+    /// Returns true if an error prevents verification.
     pub fn has_errors(&self) -> bool {
         self.diagnostics
             .iter()
@@ -51,7 +52,7 @@ impl Built {
     }
 }
 
-/// What a path leads to is not what is wanted there.
+/// Returns the error for a path that leads to something other than `what`.
 pub(crate) fn not_a(what: &str, path: &Path) -> Diagnostic {
     let message = format!("`{}` is no {what}", path.text());
     Diagnostic::error("scn-wrong-kind", path.range(), message)

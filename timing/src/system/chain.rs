@@ -1,35 +1,35 @@
-//! Chains of data: what each codel reads and writes, by number.
+//! Cause-effect chains: the data that each codel reads and writes, by number.
 
 pub use crate::scn::ast::ChainKind;
 
-/// Where a datum is kept.
+/// A place that holds a datum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum DataPlace {
-    /// One of those that everybody shares: ports, data of a component.
+    /// A place shared by the whole system: a port, or data of a component.
     Shared(usize),
-    /// A local variable of the instance of an activity, or of the request, for which the codel is executed.
+    /// A local variable of the activity instance, or of the request, for which the codel runs.
     Local(usize),
 }
 
-/// A chain of data through a system.
+/// A cause-effect chain through a system.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Chain {
-    /// What is asked.
+    /// The delay to measure.
     pub kind: ChainKind,
     /// Number of shared places.
     pub shared: usize,
     /// Number of local places of an instance or a request.
     pub locals: usize,
-    /// What each codel reads.
+    /// Places that each codel reads.
     pub reads: Vec<Vec<DataPlace>>,
-    /// What each codel writes.
+    /// Places that each codel writes.
     pub writes: Vec<Vec<DataPlace>>,
-    /// Codels whose data depend on what they read. What others write depends on nothing.
+    /// Codels whose outputs depend on their inputs. The outputs of other codels depend on nothing.
     pub carries: Vec<bool>,
     /// The first datum, a shared place.
     pub first: usize,
     /// The last datum, a shared place.
     pub last: usize,
-    /// Nobody in the system writes the first datum: it is new at any moment.
+    /// No codel of the system writes the first datum: it can be new at any moment.
     pub external: bool,
 }

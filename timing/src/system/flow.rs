@@ -1,8 +1,8 @@
-//! How data flow from codel to codel: through ports, data of a component, and variables of a service (section
-//! 19).
+//! The flow of data from codel to codel: through ports, data of a component, and variables of a service
+//! (section 19).
 //!
-//! A path into a value is a place of its own where some codel names it: who accesses a value accesses all of
-//! its parts that are named. Everything that a codel writes may depend on everything that it reads.
+//! A path into a value is a place of its own if some codel names it. An access to a value is an access to all
+//! of its named parts. All outputs of a codel may depend on all of its inputs.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -18,24 +18,24 @@ use crate::diagnostic::Diagnostic;
 use crate::scn::ast::Path;
 use crate::scn::names::{Names, Target};
 
-/// Ways that are told apart; of more it is only said that there are more.
+/// Number of paths of the data that are listed. Further paths are only mentioned.
 const WAYS: usize = 6;
 
-/// Codels looked at for them.
+/// Upper limit on the partial paths that the search extends.
 const STEPS: usize = 20_000;
 
-/// A chain, and how it was found.
+/// A chain, and the codels on it.
 pub(crate) struct FoundChain {
     pub(crate) chain: Chain,
-    /// Components that it leads through, numbered as in [`Names`].
+    /// Components on the chain, numbered as in [`Names`].
     pub(crate) components: Vec<usize>,
-    /// Each way: the codels that carry the data, in order.
+    /// Paths of the data: each lists the codels that carry the data, in order.
     pub(crate) ways: Vec<Vec<usize>>,
-    /// There are more ways than those.
+    /// There are further paths.
     pub(crate) more: bool,
 }
 
-/// What the paths of a place start from.
+/// The variable or port from which the paths of a place start.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 enum Root {
     Port(usize, u32),
@@ -46,7 +46,7 @@ enum Root {
 
 type Key = (Root, Vec<String>);
 
-/// What is asked: from a port to a port, by these codels and ports.
+/// A question: from a port to a port, through these codels and ports.
 pub(crate) struct ChainQuery<'a> {
     pub(crate) kind: ChainKind,
     pub(crate) from: &'a Path,
@@ -156,7 +156,7 @@ fn no_way(asked: &ChainQuery) -> Diagnostic {
     )
 }
 
-/// What a codel does with data, by its number in the system.
+/// The data accesses of a codel, by its number in the system.
 #[derive(Debug, Default)]
 struct Use {
     component: usize,
@@ -172,7 +172,7 @@ struct Flow<'a> {
 }
 
 impl Flow<'_> {
-    /// The port that has the data of one that is named: itself, or the output that it is connected to.
+    /// Returns the port that holds the data of a named port: the port itself, or the output that feeds it.
     fn source(&self, path: &Path) -> Result<(usize, u32), Diagnostic> {
         let Target::Port(c, p) = self.names.resolve(path)? else {
             return Err(not_a("port", path));
@@ -205,7 +205,7 @@ impl Flow<'_> {
         (Root::Port(c, p), Vec::new())
     }
 
-    /// What each codel reads and writes: every named part of what it names.
+    /// Returns the places that each codel reads and writes: every named part of its parameters.
     fn uses(&self) -> Vec<Use> {
         let live = live_codels(self.built);
         let named = |id: usize| -> Vec<(ParamDir, Key)> {
@@ -236,7 +236,7 @@ impl Flow<'_> {
                 ..Use::default()
             };
             for (dir, key) in list {
-                // A part of a port that is written is a writing of the port.
+                // Writing a part of a port writes the port.
                 let all = match &key.0 {
                     Root::Port(..) => parts(&(key.0.clone(), Vec::new())),
                     _ => parts(key),
@@ -259,8 +259,8 @@ impl Flow<'_> {
         all.find(|it| *it.1 == number).map_or(0, |it| *it.0)
     }
 
-    /// What a codel names. An attribute without codel copies the values of a request,
-    /// as its validation may have changed them.
+    /// Returns the places that a codel names. An attribute without a codel copies the values of a request,
+    /// which its validation may have changed.
     fn named(&self, id: usize) -> Vec<(ParamDir, Key)> {
         let c = self.component_of(id);
         let component = self.names.components[c].component;
@@ -314,8 +314,8 @@ impl Flow<'_> {
         out
     }
 
-    /// `via`: of a component of which codels are named only these carry data, and of one of which ports are
-    /// named only these are written.
+    /// Applies `via`. If codels of a component are named, only these codels carry data there. If ports of a
+    /// component are named, only these ports are written there.
     fn restrict(&self, via: &[Path], uses: &mut [Use]) -> Result<(), Diagnostic> {
         let mut codels: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
         let mut ports: BTreeMap<usize, BTreeSet<u32>> = BTreeMap::new();
@@ -349,7 +349,7 @@ impl Flow<'_> {
         Ok(())
     }
 
-    /// Whether a codel is, or belongs to, what a path names.
+    /// Returns true if a codel is, or belongs to, the target of a path.
     fn is_part(&self, id: usize, target: &Target) -> bool {
         let codel = &self.built.system.codels[id];
         let Some((c, site)) = codel.site else {
@@ -375,7 +375,7 @@ impl Flow<'_> {
     }
 }
 
-/// Places that the first datum can come to and from which the last can be reached.
+/// Returns the places that the first datum can reach, and from which the last one can be reached.
 fn relevant(uses: &[Use], (first, last): &(Key, Key)) -> BTreeSet<Key> {
     let spread = |from: &Key, forward: bool| {
         let mut out = BTreeSet::from([from.clone()]);
@@ -400,7 +400,7 @@ fn relevant(uses: &[Use], (first, last): &(Key, Key)) -> BTreeSet<Key> {
     there.intersection(&back).cloned().collect()
 }
 
-/// Ways of the data from codel to codel, none twice.
+/// Returns paths of the data from codel to codel, without repetition, and whether there are more.
 fn ways(uses: &[Use], (first, last): &(Key, Key)) -> (Vec<Vec<usize>>, bool) {
     let mut out: Vec<Vec<usize>> = Vec::new();
     let mut steps = 0;

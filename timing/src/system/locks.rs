@@ -1,4 +1,4 @@
-//! Which codels exclude each other (section 6): by data of one component, and by ports.
+//! Mutual exclusion of codels (section 6): by data of a component, and by ports.
 
 use dotgen_analysis::model::mutex::{self, Excluded};
 use dotgen_analysis::model::{CodelKind, CodelRef, Component, Owner, ParamSource, PortDir};
@@ -58,14 +58,14 @@ pub(crate) fn exclude_codels(
                 out.system.exclude(one, other);
             }
         }
-        // Two instances meet only when a separate thread executes one of them.
+        // Two instances of an activity run at the same time only if a separate thread executes one of them.
         if out.system.platform.async_free {
             out.system.exclude(one, one);
         }
     }
 }
 
-/// The ports that a codel names, each with the locks it takes.
+/// Returns the ports that a codel names, each with the locks that its use takes.
 fn port_locks(
     names: &Names,
     connections: &Connections,
@@ -81,14 +81,14 @@ fn port_locks(
     out
 }
 
-/// Says through which connections codels exclude each other.
+/// The connections through which codels exclude each other.
 pub struct SharedPorts<'n> {
     names: &'n Names<'n>,
     connections: Connections,
 }
 
 impl<'n> SharedPorts<'n> {
-    /// For the connections of a scenario.
+    /// Looks up the connections of a scenario.
     pub fn new(names: &'n Names<'n>, settings: &Settings) -> Self {
         SharedPorts {
             names,
@@ -96,8 +96,8 @@ impl<'n> SharedPorts<'n> {
         }
     }
 
-    /// The connections that both codels (component, codel) use, as `sensor.scan → control.scan`: the output,
-    /// then the inputs by which they use it. None for an output that both name themselves.
+    /// Returns the connections that both codels (component, codel) use, as `sensor.scan → control.scan`: the
+    /// output, then the inputs. An output that both codels name themselves has no inputs.
     pub fn of(&self, one: (usize, CodelRef), other: (usize, CodelRef)) -> Vec<String> {
         let path = |(c, p): Port| {
             let component = self.names.components[c].component;
@@ -123,7 +123,7 @@ impl<'n> SharedPorts<'n> {
 }
 
 impl SharedPorts<'_> {
-    /// What two codels of the system both use, in words.
+    /// Returns the data and ports that two codels of the system both use, in words.
     pub fn through(&self, one: &Codel, other: &Codel) -> Vec<String> {
         let (Some((c, a)), Some((d, b))) = (one.site, other.site) else {
             return vec!["an attribute".to_owned()];
@@ -145,8 +145,8 @@ impl SharedPorts<'_> {
     }
 }
 
-/// Codels that can be executed at all: of machines with an automaton, and of the control task for
-/// services that are requested.
+/// Returns, by codel, whether it can run: as part of a machine with an automaton, or in the control task for
+/// a requested service.
 pub(super) fn live_codels(out: &Built) -> Vec<bool> {
     let mut live = vec![false; out.system.codels.len()];
     for automaton in &out.system.automata {
@@ -167,8 +167,8 @@ pub(super) fn live_codels(out: &Built) -> Vec<bool> {
     live
 }
 
-/// One permanent activity executes one codel at a time. (Slots of one service do too, unless
-/// a separate thread executes some: those are handled with ports.)
+/// Returns true if both codels belong to one permanent activity, which executes one codel at a time. (The
+/// slots of one service do too, unless a separate thread executes some codels: ports deal with that.)
 fn same_automaton(out: &Built, one: usize, other: usize) -> bool {
     let (Some((c, a)), Some((d, b))) = (out.system.codels[one].site, out.system.codels[other].site)
     else {
@@ -204,7 +204,7 @@ fn exclude_data(names: &Names, c: usize, live: &[bool], out: &mut Built) {
             }
         }
     }
-    // Attributes: the control task accesses the data itself.
+    // An attribute: the control task accesses the data itself.
     for s in 0..component.services.len() as u32 {
         let Some(&service) = out.services.get(&(c, s)) else {
             continue;
@@ -222,9 +222,8 @@ fn exclude_data(names: &Names, c: usize, live: &[bool], out: &mut Built) {
     }
 }
 
-/// What each codel of a component waits for in the servers: the `mutex` lists of the front end, which are not
-/// symmetric, compared with the function that a task executes, wherever else the same task uses that
-/// function.
+/// Fills in the conflicts of each codel of a component in the servers. They come from the `mutex` lists of
+/// the front end, which are not symmetric. A list applies to every use of its function by the same task.
 fn tickets(names: &Names, c: usize, out: &mut Built) {
     let member = names.components[c];
     let component = member.component;
@@ -232,7 +231,7 @@ fn tickets(names: &Names, c: usize, out: &mut Built) {
     let own: Vec<usize> = (0..out.system.codels.len())
         .filter(|&id| out.system.codels[id].component == number)
         .collect();
-    // Who executes a codel (`None`: the control task), and the function it is.
+    // The thread that executes a codel (`None`: the control task), and its function.
     let function = |id: usize, out: &Built| {
         let (_, it) = out.system.codels[id].site?;
         Some((component.task_of(it), &component.codel(it).name))
@@ -274,8 +273,8 @@ fn tickets(names: &Names, c: usize, out: &mut Built) {
     }
 }
 
-/// Pairs that never exclude each other although they share data: a codel of an activity and those of
-/// an activity that interrupts it; two codels of one task; two of the control task.
+/// Returns true for pairs that never exclude each other, although they share data: a codel of an activity and
+/// one of an activity that interrupts it; two codels of one task; two codels of the control task.
 fn exempt(component: &Component, one: CodelRef, other: CodelRef) -> bool {
     if component.task_of(one) == component.task_of(other) {
         return true;
@@ -293,7 +292,7 @@ fn exempt(component: &Component, one: CodelRef, other: CodelRef) -> bool {
     }
 }
 
-/// What scenarios say about input ports.
+/// The connections of input ports in a scenario.
 pub(super) type Connections = Vec<(Port, Option<Port>)>;
 
 pub(super) fn connections(
@@ -344,15 +343,15 @@ pub(super) fn connections(
     out
 }
 
-/// The output ports that feed an input port: component (as in [`Names::components`]) and index. The same rule
-/// tells which locks using it takes.
+/// Returns the output ports that feed an input port: component (as in [`Names::components`]) and index. The
+/// locks of an input port are those of these outputs.
 pub fn sources(names: &Names, settings: &Settings, port: (usize, u32)) -> Vec<(usize, u32)> {
     let connections = connections(names, settings, &mut Vec::new());
     locks_of(names, &connections, port)
 }
 
-/// The locks that using a port takes: the port itself if it is an output, else the outputs it is
-/// connected to, by the scenario or by equal name.
+/// Returns the locks that the use of a port takes: an output port itself, or the outputs that feed an input
+/// port, by the scenario or by equal name.
 pub(super) fn locks_of(names: &Names, connections: &Connections, (c, p): Port) -> Vec<Port> {
     let port = &names.components[c].component.ports[p as usize];
     if port.dir == PortDir::Out {
@@ -373,7 +372,7 @@ pub(super) fn locks_of(names: &Names, connections: &Connections, (c, p): Port) -
             }
         }
     }
-    // A simple port has one source: the first.
+    // A simple port has a single source: the first.
     if !port.multiple {
         found.truncate(1);
     }

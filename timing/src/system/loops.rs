@@ -1,16 +1,15 @@
-//! Cycles of codel states without pause, and the loop limit (sections 5 and 14).
+//! Cycles of codel states without a pause, and the loop limit (sections 5 and 14).
 //!
-//! With a limit of *n*, one turn enters no state more than *n* times. A permanent activity from
-//! which neither a pause nor `ether` can be reached has turns that never end; there the limit counts
-//! *rounds*: when every yield of a state is used up, a new round begins with any of them but the
-//! state itself.
+//! With a limit of *n*, one turn enters each state at most *n* times. A permanent activity that can reach
+//! neither a pause nor `ether` has turns that never end. There the limit counts *rounds*: when a state has
+//! used up all of its yields, a new round begins with any of the yields, except the state itself.
 
 use rustc_hash::FxHashSet;
 
 use super::{Machine, Yield};
 
-/// Cycles of states without a pause, one per strongly connected set of states, each beginning and ending with
-/// the same state. They let a job take arbitrarily long.
+/// Returns cycles of states without a pause, one per strongly connected set of states. Each begins and ends
+/// with the same state. Such a cycle lets a job take arbitrarily long.
 pub fn pauseless_cycles(machine: &Machine) -> Vec<Vec<usize>> {
     let n = machine.states.len();
     let mut found = Vec::new();
@@ -19,7 +18,7 @@ pub fn pauseless_cycles(machine: &Machine) -> Vec<Vec<usize>> {
         if covered[start] {
             continue;
         }
-        // Shortest way back, breadth first.
+        // Breadth-first search for the shortest way back.
         let mut from = vec![usize::MAX; n];
         let mut queue = std::collections::VecDeque::from([start]);
         'search: while let Some(at) = queue.pop_front() {
@@ -50,7 +49,7 @@ pub fn pauseless_cycles(machine: &Machine) -> Vec<Vec<usize>> {
     found
 }
 
-/// Whether a turn that begins in `state` can ever end.
+/// Returns true if a turn that begins in `state` can end.
 pub(crate) fn can_pause(machine: &Machine, state: usize) -> bool {
     let mut seen = vec![false; machine.states.len()];
     let mut stack = vec![state];
@@ -68,8 +67,8 @@ pub(crate) fn can_pause(machine: &Machine, state: usize) -> bool {
     false
 }
 
-/// The states that a machine can come to without being interrupted, if it can neither pause nor end in any of
-/// them.
+/// Returns the states that a machine can reach without an interruption, if it can neither pause nor end in
+/// any of them.
 pub(crate) fn runs_for_ever(machine: &Machine) -> Option<Vec<usize>> {
     let mut found = vec![machine.start];
     let mut at = 0;
@@ -86,24 +85,24 @@ pub(crate) fn runs_for_ever(machine: &Machine) -> Option<Vec<usize>> {
     Some(found)
 }
 
-/// More combinations of state and visits than this are not looked at.
+/// Upper limit on the combinations of state and visits that are examined.
 const COMBINATIONS: usize = 20_000;
 
-/// States in which a turn cannot go on under the loop limit of the machine. Where there are very many
-/// combinations of states and visits, perhaps not all.
+/// Returns the states in which a turn cannot go on under the loop limit of the machine. The list may be
+/// incomplete for machines with very many combinations of states and visits.
 pub fn loop_contradictions(machine: &Machine) -> Vec<usize> {
     let limit = machine.loop_limit;
     limit.map_or(Vec::new(), |limit| stuck_states(machine, limit).0)
 }
 
-/// Whether `loop once` makes sense for the machine. If it does not, no limit does: the way on which a state
-/// used up its yields enters no state twice, so the part of it that begins with the first of these can be
-/// repeated as often as a limit allows.
+/// Returns true if `loop once` is possible for the machine. If it is not, no limit is. The path on which a
+/// state used up its yields enters no state twice. So the part of the path from the first of these yields can
+/// be repeated as often as a limit allows.
 pub(crate) fn can_be_limited(machine: &Machine) -> bool {
     stuck_states(machine, 1).0.is_empty()
 }
 
-/// States in which a turn cannot go on under a limit, and whether all combinations were looked at.
+/// Returns the states in which a turn cannot go on under a limit, and whether all combinations were examined.
 fn stuck_states(machine: &Machine, limit: u16) -> (Vec<usize>, bool) {
     let mut begins: Vec<usize> = vec![machine.start];
     begins.extend(machine.stop);
@@ -144,10 +143,10 @@ fn stuck_states(machine: &Machine, limit: u16) -> (Vec<usize>, bool) {
     (found, all)
 }
 
-/// A state of a machine, and how often the turn has entered each state; nothing where there is no limit.
+/// A state of a machine, and how often the turn has entered each state; empty without a limit.
 pub(crate) type Visited = (usize, Vec<u16>);
 
-/// The beginning of a turn, or a round, in a state.
+/// Returns the beginning of a turn, or of a round, in a state.
 pub(crate) fn beginning(machine: &Machine, limit: Option<u16>, state: usize) -> Visited {
     let mut visits = Vec::new();
     if limit.is_some() {
@@ -157,7 +156,7 @@ pub(crate) fn beginning(machine: &Machine, limit: Option<u16>, state: usize) -> 
     (state, visits)
 }
 
-/// What a limit lets the turn go on with from a state.
+/// Returns the successors of a state in the same turn that the limit allows.
 fn within(machine: &Machine, limit: Option<u16>, at: usize, visits: &[u16]) -> Vec<Visited> {
     let yields = machine.states[at].yields.iter();
     let next = yields.filter_map(|it| match *it {
@@ -175,7 +174,7 @@ fn within(machine: &Machine, limit: Option<u16>, at: usize, visits: &[u16]) -> V
         .collect()
 }
 
-/// Where a new round begins, if there are rounds and this one is over.
+/// Returns the beginnings of the next round, if the limit counts rounds and this round is over.
 fn begins_round(machine: &Machine, at: usize, within: &[Visited]) -> Vec<Visited> {
     let yields = &machine.states[at].yields;
     if !machine.rounds || !within.is_empty() {
@@ -189,7 +188,7 @@ fn begins_round(machine: &Machine, at: usize, within: &[Visited]) -> Vec<Visited
         .collect()
 }
 
-/// What can follow a state in the same turn.
+/// Returns the successors of a state in the same turn.
 pub(crate) fn followers(machine: &Machine, (at, visits): &Visited) -> Vec<Visited> {
     let mut out = within(machine, machine.loop_limit, *at, visits);
     out.extend(begins_round(machine, *at, &out));

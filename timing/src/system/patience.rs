@@ -1,19 +1,20 @@
-//! Clients that wait for ever sooner or later.
+//! Systems whose clients stop: at a delay without an upper bound, they wait for ever.
 //!
-//! A client that lets any time pass may let pass all of it. So a system whose clients do that at their *k*-th
-//! delay without upper bound has only runs that the system has as well: few requests, soon explored, and easy
-//! to read.
+//! A client may stay for ever at a delay without an upper bound. If all clients do so at their *k*-th such
+//! delay, the system has a subset of the runs of the full system. These runs have few requests, are soon
+//! explored and easy to read.
 
 use super::{Client, ClientAction, ClientStep, FOREVER, TimedSystem};
 
 impl Client {
-    /// Whether a step lets any time pass.
+    /// Returns true if a step is a delay without an upper bound.
     fn may_stay(&self, step: usize) -> bool {
         let step = self.steps.get(step);
         step.is_some_and(|it| matches!(it.action, ClientAction::Delay(_, FOREVER)))
     }
 
-    /// The client that stays for ever at a delay without upper bound when it has passed `most` others.
+    /// Returns the client that stays for ever at a delay without an upper bound, after it has passed `most`
+    /// of them.
     fn staying_after(&self, most: usize) -> Client {
         let n = self.steps.len();
         let done = n * (most + 1);
@@ -37,7 +38,7 @@ impl Client {
         .reached()
     }
 
-    /// The client without the steps it never comes to.
+    /// Returns the client without its unreachable steps.
     fn reached(&self) -> Client {
         let mut reached = vec![false; self.steps.len()];
         let mut stack = self.first.clone();
@@ -63,8 +64,8 @@ impl Client {
 }
 
 impl TimedSystem {
-    /// The system whose clients stay for ever at a delay without upper bound when they have passed `most`
-    /// others. `None` if no client has such a delay.
+    /// Returns the system whose clients stay for ever at a delay without an upper bound, after they have
+    /// passed `most` of them. `None` if no client has such a delay.
     pub(crate) fn staying_after(&self, most: usize) -> Option<TimedSystem> {
         let stays = |it: &Client| (0..it.steps.len()).any(|step| it.may_stay(step));
         self.clients.iter().any(stays).then(|| TimedSystem {
@@ -80,7 +81,7 @@ impl TimedSystem {
 mod tests {
     use super::*;
 
-    /// Lets any time pass, then sends one of two requests, again and again.
+    /// Returns a client that lets any time pass, then sends one of two requests, again and again.
     fn any() -> Client {
         let send = |service| ClientStep {
             action: ClientAction::Send {

@@ -4,35 +4,36 @@ use super::{Builtin, Client, ClientAction, ClientStep, FOREVER, Ticks};
 use crate::diagnostic::Diagnostic;
 use crate::scn::ast::{self, Ending, Interval, Path, Step, StepKind, Unit};
 
-/// More steps than this are refused.
+/// Upper limit on the number of steps.
 const STEPS: usize = 20_000;
 
-/// Looks things up.
+/// Resolution of paths.
 pub(crate) trait Resolve {
-    /// The service of a path.
+    /// Returns the service of a path.
     fn service(&self, path: &Path) -> Result<usize, Diagnostic>;
 
-    /// The activity of a path.
+    /// Returns the activity of a path.
     fn activity(&self, path: &Path) -> Result<usize, Diagnostic>;
 
-    /// A request that the component of a path understands: its first name says which component.
+    /// Returns the service of a request that every component accepts. The first name of the path is the
+    /// component.
     fn builtin(&self, path: &Path, which: Builtin) -> Result<usize, Diagnostic>;
 }
 
-/// What a tracker follows.
+/// The request that a tracker follows.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Followed {
     /// The last request.
     Last,
     /// The last request for a service.
     Service(usize),
-    /// The last one for an activity that was accepted.
+    /// The last accepted request for an activity.
     Accepted(usize),
-    /// The last accepted one of those sent at the steps with a label.
+    /// The last accepted request of the steps with a label.
     Labelled(String),
 }
 
-/// Compiles a client. `ticks` converts its times.
+/// Compiles a client. `ticks` converts its times to base units.
 pub(crate) fn compile(
     client: &ast::Client,
     resolve: &dyn Resolve,
@@ -82,10 +83,10 @@ fn finish_list(next: &mut Vec<usize>, done: usize) {
     next.dedup();
 }
 
-/// Stands for the position after the last step until that is known.
+/// Placeholder for the position after the last step, until it is known.
 const DONE: usize = usize::MAX;
 
-/// Labels of requests, each with what is requested.
+/// Appends the labels of requests, each with the requested path.
 pub(crate) fn labelled<'s>(steps: &'s [Step], out: &mut Vec<(&'s str, &'s Path)>) {
     for step in steps {
         match (&step.label, &step.kind) {
@@ -100,16 +101,16 @@ pub(crate) fn labelled<'s>(steps: &'s [Step], out: &mut Vec<(&'s str, &'s Path)>
 struct Program<'p> {
     steps: Vec<ClientStep>,
     trackers: Vec<Followed>,
-    /// Labels of requests, each with what is requested.
+    /// Labels of requests, each with the requested path.
     labels: Vec<(&'p str, &'p Path)>,
     resolve: &'p dyn Resolve,
     ticks: &'p dyn Fn(u64, Unit) -> Ticks,
-    /// Loops whose beginning has been stood for by a number below [`DONE`].
+    /// Number of loops so far. Each has a number below [`DONE`] as a placeholder for its beginning.
     loops: usize,
 }
 
 impl Program<'_> {
-    /// Finds everything that is followed: requests whose end is awaited, instances that are aborted.
+    /// Collects all requests to follow: requests whose end is awaited, instances that are aborted.
     fn followed(&mut self, steps: &[Step]) -> Result<(), Diagnostic> {
         for step in steps {
             let it = match &step.kind {
@@ -141,7 +142,7 @@ impl Program<'_> {
         })
     }
 
-    /// What `abort` names: an activity, or the label of a request for one.
+    /// Returns the request that `abort` names: one for an activity, or one with a label.
     fn aborted(&self, path: &Path) -> Result<Followed, Diagnostic> {
         if let [name] = path.names.as_slice() {
             let mut requests = self
@@ -169,7 +170,7 @@ impl Program<'_> {
         self.trackers.iter().position(|it| it == of).unwrap_or(0)
     }
 
-    /// A request, of whatever kind.
+    /// Returns the action of a request of any kind.
     fn request(&self, service: usize, label: Option<&str>, aborts: Option<usize>) -> ClientAction {
         let trackers = |follows: &dyn Fn(&Followed) -> bool| {
             let all = self.trackers.iter().enumerate();
@@ -191,7 +192,7 @@ impl Program<'_> {
         }
     }
 
-    /// Adds steps that go on at `next`; returns where they begin. From last to first.
+    /// Adds steps that continue at `next`, from last to first, and returns their beginnings.
     fn sequence(&mut self, steps: &[Step], next: Vec<usize>) -> Result<Vec<usize>, Diagnostic> {
         let mut next = next;
         for step in steps.iter().rev() {
@@ -279,7 +280,7 @@ impl Program<'_> {
         Ok(vec![self.push(action, next, label)])
     }
 
-    /// Beginnings of branches, those that wait for an outcome as one: the first that comes is taken.
+    /// Merges the branches that wait for an outcome: the first outcome to come is taken.
     fn any_outcome(&mut self, first: Vec<usize>) -> Vec<usize> {
         let waits = |&it: &usize| {
             let step = self.steps.get(it);
@@ -297,7 +298,7 @@ impl Program<'_> {
         out
     }
 
-    /// What follows the body is its own beginning, known only afterwards.
+    /// Adds a loop. The body is followed by its own beginning, which is known only afterwards.
     fn forever(&mut self, body: &[Step], step: &Step) -> Result<Vec<usize>, Diagnostic> {
         self.loops += 1;
         let beginning = DONE - self.loops;

@@ -1,4 +1,4 @@
-//! A scenario without its order: the last word on every setting.
+//! The settings of a scenario, independent of the order of its statements.
 
 use std::ops::Range;
 
@@ -7,34 +7,34 @@ use dotgen_analysis::model::Seconds;
 use crate::scn::ast::{Check, Client, Durations, Interval, Item, Path, Policy, Scenario, Unit};
 use crate::scn::semantics::{Points, Preset, Semantics};
 
-/// What a scenario, and options that override it, say.
+/// The settings of a scenario, with the options that override it.
 #[derive(Debug, Clone)]
 pub struct Settings {
     /// Name of the scenario.
     pub name: String,
-    /// Unit of values in the result; durations are rounded to it.
+    /// Unit of values in the result. Durations are rounded to it.
     pub unit: Option<(u64, Unit)>,
     /// Number of cores; `None`: no limit.
     pub cores: Option<u32>,
-    /// What the model follows, as a whole.
+    /// Preset of the semantics.
     pub preset: Preset,
-    /// Single points of it.
+    /// Single points of the semantics that differ from the preset.
     pub points: Points,
-    /// Order in which cores are granted, where it is said.
+    /// Order in which cores are granted, if stated.
     pub stated_policy: Option<Policy>,
-    /// Cores that tasks are tied to, from 1.
+    /// Cores that tasks are bound to, counted from 1.
     pub affinity: Vec<(Path, u32)>,
-    /// Whether codels throw, the most general first.
+    /// Permission of codels to throw, the most general rule first.
     pub exceptions: Vec<(bool, Option<Path>)>,
-    /// Whether `before` and `after` count, where it is said.
+    /// Effect of `before` and `after`, if stated.
     pub stated_order: Option<bool>,
-    /// How long codels take.
+    /// Interpretation of execution times.
     pub durations: Durations,
     /// Durations of single codels.
     pub duration: Vec<(Path, Interval, Unit)>,
-    /// Loop limits, the most general first, and where they are written.
+    /// Loop limits with their place in the scenario, the most general first.
     pub loops: Vec<(Option<u32>, Option<Path>, Range<usize>)>,
-    /// Rules for idle ticks, likewise.
+    /// Rules for idle ticks, the most general first.
     pub idle: Vec<(bool, Option<Path>)>,
     /// Asynchronous codels need no core.
     pub async_free: bool,
@@ -48,18 +48,18 @@ pub struct Settings {
     pub clients: Vec<Client>,
     /// Checks.
     pub checks: Vec<Check>,
-    /// An upper bound for one codel instead of its own, for derived questions.
+    /// An upper bound that replaces the execution time of one codel, for derived questions.
     pub upper_bound: Option<(Path, Seconds)>,
-    /// A period for one task instead of its own, likewise.
+    /// A period that replaces that of one task, for derived questions.
     pub period: Option<(Path, Seconds)>,
-    /// A delay for one task instead of its own, likewise.
+    /// A delay that replaces that of one task, for derived questions.
     pub delay: Option<(Path, Seconds)>,
-    /// A codel (`component.owner.state`) and those that it excludes no more, likewise.
+    /// A codel (`component.owner.state`) and the codels that it no longer excludes, for derived questions.
     pub apart: Option<(String, Vec<String>)>,
 }
 
 impl Settings {
-    /// The settings of a scenario.
+    /// Collects the settings of a scenario.
     pub fn new(scenario: &Scenario) -> Self {
         let mut out = Settings {
             name: scenario.name.clone(),
@@ -113,25 +113,25 @@ impl Settings {
                 Item::Check(check) => out.checks.push(check),
             }
         }
-        // What is said about one thing wins over what is said about all, whatever the order.
+        // A specific rule overrides a general one, whatever their order in the scenario.
         out.loops.sort_by_key(|(_, path, _)| path.is_some());
         out.idle.sort_by_key(|(_, path)| path.is_some());
         out.exceptions.sort_by_key(|(_, path)| path.is_some());
         out
     }
 
-    /// What the model follows, all points decided.
+    /// Returns the semantics of the model, with all points set.
     pub fn semantics(&self) -> Semantics {
         self.points.over(self.preset)
     }
 
-    /// Whether `before` and `after` count.
+    /// Returns true if `before` and `after` apply.
     pub fn order(&self) -> bool {
         self.stated_order
             .unwrap_or(!self.semantics().is_published())
     }
 
-    /// Order in which cores are granted.
+    /// Returns the order in which cores are granted.
     pub fn policy(&self) -> Policy {
         let usual = match self.semantics().is_published() {
             true => Policy::Fifo,

@@ -1,4 +1,4 @@
-//! From exact times to integers (section 2).
+//! Conversion of exact times to integers (section 2).
 
 use dotgen_analysis::model::Seconds;
 
@@ -6,7 +6,8 @@ use super::{FOREVER, Ticks};
 use crate::scn::ast::Unit;
 use num_rational::Ratio;
 
-/// The greatest unit of which all times are multiples; one millisecond if all are zero.
+/// Returns the greatest unit of which all times are multiples, in seconds; one millisecond if all times are
+/// zero.
 pub(crate) fn base_unit(times: impl IntoIterator<Item = Seconds>) -> Seconds {
     let mut unit: Option<Seconds> = None;
     for time in times {
@@ -32,16 +33,16 @@ fn gcd(one: Seconds, other: Seconds) -> Seconds {
     Ratio::new(x, b * d)
 }
 
-/// A time in base units; `None` if that number is too large.
+/// Returns a time in base units; `None` if the number is too large.
 pub(crate) fn ticks(time: Seconds, unit: Seconds) -> Option<Ticks> {
     let count = time / unit;
-    // Leave room for sums.
+    // The limit leaves room for sums.
     let count = u32::try_from(count.to_integer()).ok()?;
     (count < FOREVER / 4).then_some(count)
 }
 
-/// A time as scenarios write it: a whole number of the greatest unit they have; none if it is finer than
-/// those.
+/// Returns a time as scenarios write it: a whole number of the greatest possible unit. `None` if no unit is
+/// fine enough.
 pub(crate) fn as_written(time: Seconds) -> Option<String> {
     [Unit::Seconds, Unit::Milliseconds, Unit::Microseconds]
         .into_iter()
@@ -53,12 +54,12 @@ pub(crate) fn as_written(time: Seconds) -> Option<String> {
         })
 }
 
-/// Rounded up to a multiple of `unit`.
+/// Rounds up to a multiple of `unit`.
 pub(crate) fn round_up(time: Seconds, unit: Seconds) -> Seconds {
     (time / unit).ceil() * unit
 }
 
-/// Rounded down to a multiple of `unit`.
+/// Rounds down to a multiple of `unit`.
 pub(crate) fn round_down(time: Seconds, unit: Seconds) -> Seconds {
     (time / unit).floor() * unit
 }

@@ -1,7 +1,7 @@
-//! What bounds on response times can answer: those of response-time analysis, and of the middle tier.
+//! Answers from bounds on response times: those of response-time analysis, and of the middle tier.
 //!
-//! They are never below the exact values, so a task with a bound below its period meets its deadlines. That
-//! needs no exploration, and stands when one has to be given up.
+//! The bounds are never below the exact values, so a task with a bound below its period meets its deadlines.
+//! Such an answer needs no exploration, and remains valid if an exploration is given up.
 
 use std::cell::OnceCell;
 
@@ -19,11 +19,11 @@ use crate::system::built::Built;
 pub(super) struct Analysed<'b> {
     built: &'b Built,
     bounds: Vec<Option<Ticks>>,
-    /// By task, where its bound is from.
+    /// The analysis that found the bound, by task.
     layers: Vec<Layer>,
-    /// Whether the middle tier has treated the system.
+    /// The middle tier has treated the system.
     abstracted: bool,
-    /// By task, whether a run is known that has a job of it.
+    /// Tasks of which a run with a job is known, by task.
     released: OnceCell<Vec<bool>>,
 }
 
@@ -38,7 +38,7 @@ impl<'b> Analysed<'b> {
         }
     }
 
-    /// Looks for lower bounds with the middle tier.
+    /// Improves the bounds with the middle tier.
     pub(super) fn abstracted(&mut self, bytes: usize, cancel: &Cancel) -> Result<(), Refusal> {
         let budget = Budget {
             bytes,
@@ -58,21 +58,21 @@ impl<'b> Analysed<'b> {
         Ok(())
     }
 
-    /// What the bound is from that a check of a task is answered with.
+    /// Returns the analysis that found the bound for a check of a task.
     fn layer(&self, check: &Single) -> Layer {
         let task = check.what.task().map(|it| self.built.tasks[&it]);
         task.map_or(Layer::ResponseTimeAnalysis, |it| self.layers[it])
     }
 
-    /// Whether a bound that is no quick one answers a check of a response time, though not with the least
-    /// one.
+    /// Returns true if a bound of schedule abstraction answers a check of a response time, though possibly
+    /// not with the least bound.
     pub(super) fn settles(&self, check: &Single, limit: Option<Ticks>) -> bool {
         let within = |bound: Ticks| limit.is_none_or(|limit| bound <= limit);
         self.abstracted && self.response(check).is_some_and(within)
     }
 
-    /// The bound that proves that a check of deadlines holds: on a response time, or on the time a job waits
-    /// for a core.
+    /// Returns the bound that proves a check of deadlines: on the response time, or on the time for which a
+    /// job waits for a core.
     fn deadline_bound(&self, check: &Single) -> Option<Ticks> {
         let system = &self.built.system;
         match check.what {
@@ -93,21 +93,21 @@ impl<'b> Analysed<'b> {
         }
     }
 
-    /// Likewise, of a task that has jobs for certain: else only an exploration tells whether there is anything
-    /// to prove.
+    /// Returns the bound that proves a check of deadlines, if the task certainly has jobs. Otherwise only an
+    /// exploration can tell whether the check is vacuous.
     pub(super) fn deadline(&self, check: &Single) -> Option<Ticks> {
         let bound = self.deadline_bound(check)?;
         let task = self.built.tasks[&check.what.task()?];
         self.is_released(task).then_some(bound)
     }
 
-    /// Whether a task has jobs for certain.
+    /// Returns true if the task certainly has jobs.
     fn is_released(&self, task: usize) -> bool {
         self.released
             .get_or_init(|| seen_released(&self.built.system))[task]
     }
 
-    /// A bound on the response time of the task whose deadline or response time a check asks for.
+    /// Returns a bound on the response time of the task, for a check of a deadline or a response time.
     pub(super) fn of_task(&self, check: &Single) -> Option<Ticks> {
         match check.what {
             What::Schedulable(it) | What::Response(it, _) => self.bounds[self.built.tasks[&it]],
@@ -115,7 +115,7 @@ impl<'b> Analysed<'b> {
         }
     }
 
-    /// A bound on the response time that a check asks for.
+    /// Returns a bound on the response time of the task, for a check of a response time.
     pub(super) fn response(&self, check: &Single) -> Option<Ticks> {
         match check.what {
             What::Response(it, _) => self.bounds[self.built.tasks[&it]],
@@ -123,14 +123,14 @@ impl<'b> Analysed<'b> {
         }
     }
 
-    /// Whether a response time is zero, of jobs that exist.
+    /// Returns true if the response time of the task is zero, and the task has jobs.
     pub(super) fn is_zero(&self, check: &Single) -> bool {
         let What::Response(it, _) = check.what else {
             return false;
         };
         let task = self.built.tasks[&it];
         let system = &self.built.system.tasks[task];
-        // A task that the middle tier has no time for may have no job at all.
+        // A task for which the middle tier found no time may have no job at all.
         let exists = self.layers[task] == Layer::ResponseTimeAnalysis;
         exists
             && self.bounds[task] == Some(0)
@@ -172,8 +172,8 @@ impl Group<'_> {
         }
     }
 
-    /// Where the exploration looked at whole units of time only, though others make a difference, analysis
-    /// may know a bound on a response time for any time.
+    /// Uses a bound of analysis for a check whose exploration covered only whole units of time, if ends at
+    /// other times make a difference.
     pub(super) fn bound_between_units(
         &self,
         check: &Single,
@@ -214,7 +214,7 @@ impl Group<'_> {
         }
     }
 
-    /// Where the exploration was given up, a bound from analysis may still be an answer.
+    /// Uses a bound of analysis for a check whose exploration was given up.
     pub(super) fn bound_unknown(&self, check: &Single, analysed: &Analysed, out: &mut CheckReport) {
         if out.verdict == Verdict::Unknown
             && let Some(bound) = analysed.deadline_bound(check)
@@ -239,8 +239,8 @@ impl Group<'_> {
         }
     }
 
-    /// What was not settled has a bound by analysis, which is an answer if it is within the limit. `by`: by
-    /// which analysis, and what it says, before "at most".
+    /// Adds a bound of analysis to an open check. The bound is an answer if it is within the limit. `by`
+    /// names the analysis, and `what` is the text before "at most".
     pub(super) fn bounded_by(
         &self,
         (by, what): (&str, &str),
@@ -257,7 +257,7 @@ impl Group<'_> {
         }
         out.verdict = Verdict::Proved;
         if out.value == Some(self.time(bound)) {
-            // Reached, and never exceeded.
+            // A run reaches the bound, so that the bound is exact.
             (out.note, out.gave_up) = (None, None);
             return;
         }
@@ -277,7 +277,7 @@ impl Group<'_> {
     }
 }
 
-/// What an answer of analysis is worth, which does not depend on when codels end.
+/// Returns the soundness of an answer of analysis, which holds for any times at which codels end.
 fn for_any_time(it: Soundness) -> Soundness {
     match it {
         Soundness::WholeUnits => Soundness::Exact,

@@ -1,4 +1,4 @@
-//! From findings to the answer to one check.
+//! Answers to single checks, from the findings of an exploration.
 
 use num_rational::Ratio;
 
@@ -13,7 +13,7 @@ use crate::report::{
 use crate::scn::ast::{Durations, Pred};
 use crate::system::loops::{can_be_limited, pauseless_cycles};
 
-/// Of what is to follow a predicate.
+/// The note for a `within` check whose first predicate is never true.
 const NEVER_TRUE: &str = "the first predicate never becomes true";
 
 impl Group<'_> {
@@ -60,13 +60,12 @@ impl Group<'_> {
             bound: stated.map(|it| Value::Time(it.time())),
             verdict: Verdict::Unknown,
             soundness: match (self.settings.durations, live) {
-                // What is left of a codel when its core is taken away need not be a whole number of units.
+                // If a codel is preempted, its remaining time need not be a whole number of units.
                 (Durations::Interval | Durations::Open, _) if preempts && rounded => {
                     Soundness::Neither
                 }
                 (Durations::Interval | Durations::Open, _) if preempts => Soundness::WholeUnits,
-                // Rounding up adds runs where durations are intervals, and changes those where they are
-                // fixed.
+                // Rounding up adds runs if durations are intervals, and changes runs if durations are fixed.
                 (Durations::Interval, _) if rounded => Soundness::Safe,
                 (Durations::Fixed, _) if rounded => Soundness::Neither,
                 (Durations::Interval, _) => Soundness::Exact,
@@ -89,7 +88,7 @@ impl Group<'_> {
         }
     }
 
-    /// What is asked, without an answer.
+    /// Returns the report of a check without an answer.
     pub(super) fn open(&self, check: &Single) -> CheckReport {
         CheckReport {
             verdict: Verdict::Open,
@@ -158,7 +157,7 @@ impl Group<'_> {
             What::Chain(_) | What::LeadsTo(..) | What::Eventually(_) => {}
         }
         self.mark_vacuous(self.never(check, found), &mut out);
-        // A run that was found exists, whatever others there may be.
+        // A run that was found exists, whatever the verdict.
         let has_run = match out.verdict {
             Verdict::Refuted => !out.counterexample.is_empty(),
             Verdict::Proved => matches!(check.what, What::Reachable(_)),
@@ -170,7 +169,7 @@ impl Group<'_> {
         out
     }
 
-    /// The loop without pause because of which jobs of a task have no bound, and what to do about it.
+    /// Returns the loop without a pause that makes the jobs of a task unbounded, and a remedy.
     fn loop_of(&self, task: (usize, u32)) -> Option<String> {
         let system = &self.built.system;
         let it = &system.tasks[self.built.tasks[&task]];
@@ -279,7 +278,7 @@ impl Group<'_> {
         out
     }
 
-    /// What is proved because something never happens is marked, with the reason.
+    /// Marks an answer that is proved only because something never happens, with the reason.
     fn mark_vacuous(&self, never: Option<String>, out: &mut CheckReport) {
         if out.verdict == Verdict::Proved
             && let Some(never) = never
@@ -289,7 +288,7 @@ impl Group<'_> {
         }
     }
 
-    /// What never happens, although a check is about it.
+    /// Returns the event that never happens, although the check is about it.
     fn never(&self, check: &Single, found: &Findings) -> Option<String> {
         match check.what {
             What::Schedulable(task) | What::NoOverdue(task) => self.never_released(task, found),
@@ -298,7 +297,7 @@ impl Group<'_> {
         }
     }
 
-    /// Why no job of a task is ever released, if none was seen.
+    /// Returns the reason why no job of a task is ever released, if no job was seen.
     fn never_released(&self, task: TaskId, found: &Findings) -> Option<String> {
         let (system, task) = (&self.built.system, self.built.tasks[&task]);
         let start_up = found.absent.job(task)?.start_up;
@@ -313,7 +312,7 @@ impl Group<'_> {
         ))
     }
 
-    /// Which part of a predicate was never seen to be true, if the predicate always holds because of that.
+    /// Returns the part of a predicate that was never true, if the predicate always holds for that reason.
     fn never_true(&self, pred: &Pred, found: &Findings) -> Option<String> {
         let predicate = |pred: &Pred| resolve::resolve(self.names, self.built, pred).ok();
         let absent = |it: &Atom| found.absent.has(it);
@@ -358,13 +357,13 @@ impl Group<'_> {
     }
 }
 
-/// What follows, one after the other, as it is written.
+/// Returns a sequence of predicates as the scenario writes it.
 fn sequence(list: &[Pred]) -> String {
     let list: Vec<String> = list.iter().map(Pred::text).collect();
     list.join(" then ")
 }
 
-/// When a limit is exceeded, in base units, by a run that is known.
+/// Returns the time, in base units, at which a known run exceeds the limit.
 pub(super) fn exceeded(it: &Option<Measured>) -> Option<u64> {
     let run = &it.as_ref()?.excess.as_ref()?.run;
     (!run.left_out).then_some(run.end)

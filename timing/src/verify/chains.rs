@@ -1,4 +1,4 @@
-//! Checks of chains: how late the last datum reacts to the first, and how old it is (section 19).
+//! Checks of cause-effect chains: reaction time and data age (section 19).
 
 use super::Group;
 use super::answers::exceeded;
@@ -11,7 +11,7 @@ use crate::system::chain::ChainKind;
 use crate::system::flow::{self, FoundChain};
 
 impl Group<'_> {
-    /// Answers a check of a chain, by exploring it with one token.
+    /// Answers a check of a chain by exploring the chain with one token.
     pub(super) fn chain(&self, check: &Single, of: ChainOf, report: &mut Report) -> CheckReport {
         let mut out = self.blank(check);
         let Ok(it) = flow::chain(self.names, self.settings, self.built, &of.asked()) else {
@@ -41,7 +41,7 @@ impl Group<'_> {
             self.shown_by(&mut out).push(event);
         }
         if measured.is_some_and(|value| !is_exact(system, &it.chain, value.bound)) {
-            // So old that it was not counted any further: the value is a lower bound.
+            // The age reached the counting limit: the value is a lower bound.
             if out.verdict == Verdict::Proved {
                 out.verdict = Verdict::Unknown;
             }
@@ -60,14 +60,14 @@ impl Group<'_> {
             Some(note) => format!("{note}; {ways}"),
             None => ways,
         });
-        // What is left of a codel when its core is taken away need not be a whole number of units.
+        // If a codel is preempted, its remaining time need not be a whole number of units.
         if out.verdict == Verdict::Refuted && out.soundness == Soundness::WholeUnits {
             out.soundness = Soundness::Exact;
         }
         out
     }
 
-    /// The ways of the data, in words.
+    /// Returns the paths of the data, in words.
     fn ways(&self, found: &FoundChain) -> String {
         let codels = &self.built.system.codels;
         let one = |way: &Vec<usize>| {

@@ -1,4 +1,4 @@
-//! The checks of a scenario, each about one thing.
+//! The checks of a scenario, each about a single subject.
 
 use crate::diagnostic::Diagnostic;
 use crate::property::{PropertyKind, resolve};
@@ -9,25 +9,25 @@ use crate::system::built::Built;
 use crate::system::flow;
 use crate::system::settings::Settings;
 
-/// A check of one thing.
+/// A check of a single subject.
 pub(super) struct Single<'c> {
     pub(super) check: &'c Check,
-    /// Its number among the checks asked.
+    /// Index among the checks of the scenario.
     pub(super) written: usize,
     pub(super) what: What<'c>,
-    /// Components it is about; none: all of them.
+    /// Components that the check is about; empty for all of them.
     pub(super) components: Vec<usize>,
 }
 
 impl Single<'_> {
-    /// Whether it is about a task, rather than about predicates or the whole system.
+    /// Returns true if the check is about a task, rather than about predicates or the whole system.
     pub(super) fn is_of_task(&self) -> bool {
         self.what.task().is_some()
     }
 }
 
 impl What<'_> {
-    /// Of what kind it is.
+    /// Returns the kind of property.
     pub(super) fn kind(&self) -> PropertyKind {
         match self {
             What::Schedulable(_) => PropertyKind::Schedulable,
@@ -46,7 +46,7 @@ impl What<'_> {
         }
     }
 
-    /// The task it is about.
+    /// Returns the task of the check.
     pub(super) fn task(&self) -> Option<TaskId> {
         match *self {
             What::Schedulable(it) | What::NoOverdue(it) | What::Response(it, _) => Some(it),
@@ -55,7 +55,7 @@ impl What<'_> {
     }
 }
 
-/// What is checked, with everything (`*`) expanded.
+/// The subject of a check, with `*` expanded.
 pub(super) enum What<'c> {
     Schedulable((usize, u32)),
     NoOverdue((usize, u32)),
@@ -69,7 +69,7 @@ pub(super) enum What<'c> {
     Deadlock,
 }
 
-/// A chain of data.
+/// A cause-effect chain.
 #[derive(Clone, Copy)]
 pub(super) struct ChainOf<'c> {
     pub(super) kind: ChainKind,
@@ -88,7 +88,7 @@ impl<'c> ChainOf<'c> {
     }
 }
 
-/// Checks of everything (`*`) become one per task.
+/// Expands checks of `*` to one per task.
 pub(super) fn expand<'c>(
     names: &Names,
     whole: &Built,

@@ -1,4 +1,4 @@
-//! Runs as the events of a report.
+//! Conversion of runs to the events of a report.
 
 use dotgen_analysis::model::Seconds;
 use num_rational::Ratio;
@@ -11,7 +11,7 @@ use crate::scn::names::Names;
 use crate::system::TimedSystem;
 
 impl Group<'_> {
-    /// A check fails, as a run shows.
+    /// Sets the run that shows the failure of a check.
     pub(super) fn refute(&self, run: &Run, out: &mut CheckReport) {
         out.verdict = Verdict::Refuted;
         out.reason = self.reason(run, out.id.task);
@@ -26,7 +26,8 @@ impl Group<'_> {
         });
     }
 
-    /// Where the run goes that refutes a check: with rounded durations it need not be one of the system.
+    /// Returns the field for a run that refutes a check. With rounded durations, the run need not exist in
+    /// the system.
     pub(super) fn shown_by<'r>(&self, out: &'r mut CheckReport) -> &'r mut Vec<Event> {
         match out.rounded {
             true => &mut out.possible_run,
@@ -34,18 +35,18 @@ impl Group<'_> {
         }
     }
 
-    /// A run shows what is told of a check.
+    /// Sets the run that shows the value of a check.
     pub(super) fn witness(&self, run: &Run, out: &mut CheckReport) {
         out.witness = self.events(run);
         out.left_out = run.left_out;
     }
 
-    /// A run in words and in the unit of the report.
+    /// Returns a run in words, in the unit of the report.
     pub(super) fn events(&self, run: &Run) -> Vec<Event> {
         told(self.names, &self.built.system, self.unit, run)
     }
 
-    /// The end of a run that exceeds a limit.
+    /// Returns the final event of a run that exceeds a limit.
     pub(super) fn excess_event(&self, end: u64, component: String, what: String) -> Event {
         let factor = self.built.system.unit / self.unit;
         let time = to_f64(factor * Ratio::from_integer(i128::from(end)));
@@ -53,7 +54,7 @@ impl Group<'_> {
     }
 }
 
-/// A run of a system in words, with times in `unit`.
+/// Returns a run of a system in words, with times in `unit`.
 pub(super) fn told(names: &Names, system: &TimedSystem, unit: Seconds, run: &Run) -> Vec<Event> {
     let factor = system.unit / unit;
     let spec_of = |c: usize| names.components[c].spec_index;

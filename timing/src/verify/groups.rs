@@ -1,12 +1,12 @@
-//! Components that have nothing to do with each other are verified apart.
+//! Independent groups of components, which are verified separately.
 
 use super::checks::{Single, What};
 use crate::scn::names::Names;
 use crate::system::ClientAction;
 use crate::system::built::Built;
 
-/// Divides the components into groups that share no lock, core, client or check. What one group does
-/// is independent of the others (section 11).
+/// Divides the components into groups that share no lock, core, client or check. Such groups do not influence
+/// each other (section 11).
 pub(super) fn groups(names: &Names, whole: &Built, checks: &[Single]) -> Vec<Vec<usize>> {
     let n = names.components.len();
     let mut group: Vec<usize> = (0..n).collect();

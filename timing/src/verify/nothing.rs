@@ -1,5 +1,5 @@
-//! Where there is nothing to verify: what holds of a system without times, or of a task of which no job is
-//! ever measured, says nothing about the robot.
+//! Checks without a subject. A result for a system without execution times, or for a task whose jobs are
+//! never measured, says nothing about the robot.
 
 use dotgen_analysis::model::{CodelKind, CodelRef, Owner};
 
@@ -8,18 +8,19 @@ use super::checks::Single;
 use crate::report::{CheckReport, Verdict};
 use crate::system::{Builtin, loops};
 
-/// More codels than this are counted only.
+/// Number of codels named in a note; further codels are only counted.
 const NAMED: usize = 3;
 
 impl Group<'_> {
-    /// The answer to a check of a task that has nothing to verify: that nothing was verified, what is missing
-    /// and how to get it.
+    /// Returns the answer to a check of a task that has nothing to verify: the missing information, and how
+    /// to provide it.
     pub(super) fn nothing(&self, check: &Single) -> Option<CheckReport> {
         self.without_times(check)
             .or_else(|| self.without_jobs(check))
     }
 
-    /// For a task whose permanent activity never pauses: its first cycle, which is not measured, never ends.
+    /// Handles a task whose permanent activity never pauses: its first cycle, which is not measured, never
+    /// ends.
     fn without_jobs(&self, check: &Single) -> Option<CheckReport> {
         let of = check.what.task()?;
         let system = &self.built.system;
@@ -28,8 +29,8 @@ impl Group<'_> {
         let machine = system.machine_of(task.permanent?);
         let states = loops::runs_for_ever(machine)?;
         let throws = |&it: &usize| system.codels[machine.states[it].codel].throws;
-        // Who kills a component leads it to `stop`. In the published models a task executes its activities
-        // all the same.
+        // A client that kills a component leads its activities to `stop`. In the published models a task
+        // executes its activities all the same.
         let ends = states.iter().any(throws) || system.has_builtin(|it| it == Builtin::Kill);
         let published = system.platform.semantics.is_published();
         let measured = published && (task.period.is_none() || !task.slots.is_empty());
@@ -55,7 +56,7 @@ impl Group<'_> {
         })
     }
 
-    /// For a component that has no execution time at all.
+    /// Handles a component that has no execution times at all.
     fn without_times(&self, check: &Single) -> Option<CheckReport> {
         let (c, _) = check.what.task()?;
         let number = *self.built.components.get(&c)?;
@@ -65,8 +66,8 @@ impl Group<'_> {
             let all = system.codels.iter();
             all.filter(|it| it.component == number && it.site.is_some())
         };
-        // Services that nobody requests execute nothing, but where only they have times, the others lack
-        // theirs.
+        // Services without requests execute nothing. But if only these services have execution times, the
+        // times of the other codels are missing.
         let has_time = |it: CodelRef| component.codel(it).wcet.is_some();
         let timed = codels().any(|it| it.upper > 0 || it.site.is_some_and(|it| has_time(it.1)));
         if timed {
@@ -81,7 +82,7 @@ impl Group<'_> {
             .map(|it| it.path.as_str())
             .collect();
         if executed.is_empty() {
-            // No time is missing: its jobs take none.
+            // No time is missing: the jobs take no time.
             return None;
         }
         let mut names = executed[..executed.len().min(NAMED)].join(", ");

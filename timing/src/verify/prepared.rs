@@ -1,4 +1,4 @@
-//! A system as it is verified, for whoever runs it instead.
+//! Systems prepared for a run, with the questions of their checks.
 
 use num_rational::Ratio;
 
@@ -16,53 +16,53 @@ use crate::system::build::build;
 use crate::system::built::Built;
 use dotgen_analysis::model::Seconds;
 
-/// All of a system, and what is asked of it.
+/// A system, and the questions of its checks.
 #[derive(Debug, Clone)]
 pub struct Prepared {
     /// The system.
     pub built: Built,
-    /// One per check, in order of the scenario; `*` gives one per task.
+    /// Checks, in order of the scenario; `*` gives one per task.
     pub checks: Vec<Asked>,
     /// Unit of the report, in seconds.
     pub unit: Seconds,
-    /// The report of a verification that has answered nothing yet: names, assumptions, diagnostics. With an
-    /// error among those the system is not to be run.
+    /// The report before any answer: names, assumptions, diagnostics. If one of the diagnostics is an error,
+    /// the system must not be run.
     pub report: Report,
 }
 
-/// A check, looked up in the system.
+/// A check, resolved in the system.
 #[derive(Debug, Clone)]
 pub struct Asked {
-    /// The report of the check, without an answer.
+    /// Report of the check, without an answer.
     pub report: CheckReport,
-    /// What is asked.
+    /// Question.
     pub question: Question,
 }
 
-/// What a check asks of every moment of a run. Tasks are numbered as in the system.
+/// The question of a check, for every moment of a run. Tasks are numbered as in the system.
 #[derive(Debug, Clone)]
 pub enum Question {
-    /// No tick comes before the job of the one before has ended.
+    /// No tick comes before the previous job has ended.
     Schedulable(usize),
-    /// No job waits for a core for as long as its period.
+    /// No job waits for a core for its whole period.
     NoOverdue(usize),
-    /// No job lasts longer than the limit, if there is one.
+    /// No job lasts longer than the limit, in base units, if there is one.
     Response(usize, Option<Ticks>),
-    /// The others follow the first predicate, one after the other, within the limit, if there is one.
+    /// The other predicates follow the first one, in order, within the limit (in base units) if there is one.
     Within(Predicate, Vec<Predicate>, Option<Ticks>),
-    /// The second follows the first.
+    /// The second predicate follows the first.
     LeadsTo(Predicate, Predicate),
-    /// It becomes true.
+    /// The predicate becomes true.
     Eventually(Predicate),
-    /// It is always true.
+    /// The predicate is always true.
     Always(Predicate),
-    /// It can become true.
+    /// The predicate can become true.
     Reachable(Predicate),
-    /// Something will always happen.
+    /// Some event always follows.
     Deadlock,
 }
 
-/// Builds a system and looks up what is asked of it.
+/// Builds a system and resolves its checks.
 pub fn prepare(input: &SystemInput, scenario: &Scenario, options: &Options) -> Prepared {
     let names = Names::new(&input.specs);
     let settings = settings(scenario, options);
@@ -113,7 +113,7 @@ pub fn prepare(input: &SystemInput, scenario: &Scenario, options: &Options) -> P
     }
 }
 
-/// Which checks are of chains: data are not followed along a run.
+/// Returns the note about checks of chains, which cannot be checked along a run.
 fn not_followed(group: &Group, checks: &[Single]) -> Option<String> {
     let chains = checks.iter().filter(|it| matches!(it.what, What::Chain(_)));
     let shown = |it: &Single| {
@@ -128,7 +128,8 @@ fn not_followed(group: &Group, checks: &[Single]) -> Option<String> {
 }
 
 impl Group<'_> {
-    /// `None` where it talks about something that does not exist, which was reported.
+    /// Returns the question of a check; `None` if the check names something that does not exist, which was
+    /// reported.
     fn question(&self, check: &Single) -> Option<Question> {
         let task = |it: &(usize, u32)| self.built.tasks.get(it).copied();
         let predicate = |it: &Pred| resolve::resolve(self.names, self.built, it).ok();
@@ -140,7 +141,7 @@ impl Group<'_> {
                 let list: Option<Vec<Predicate>> = list.iter().map(predicate).collect();
                 Question::Within(predicate(p)?, list?, self.ticks(*bound))
             }
-            // Data are not followed along a run.
+            // Chains are not checked along a run.
             What::Chain(_) => return None,
             What::LeadsTo(p, q) => Question::LeadsTo(predicate(p)?, predicate(q)?),
             What::Eventually(p) => Question::Eventually(predicate(p)?),
@@ -152,30 +153,31 @@ impl Group<'_> {
 }
 
 impl Prepared {
-    /// A run of the system in words, as counterexamples are told. `input` is what the system was made of.
+    /// Returns a run of the system in words, like a counterexample. `input` holds the specifications of the
+    /// system.
     pub fn told(&self, input: &SystemInput, run: &Run) -> Vec<Event> {
         let names = Names::new(&input.specs);
         events::told(&names, &self.built.system, self.unit, run)
     }
 
-    /// A time of the system in the unit of the report.
+    /// Converts a time from base units to the unit of the report.
     pub fn time(&self, ticks: u64) -> f64 {
         to_f64(self.built.system.unit * Ratio::from_integer(i128::from(ticks)) / self.unit)
     }
 
-    /// A time of the system in seconds.
+    /// Converts a time from base units to seconds.
     pub fn seconds(&self, ticks: u64) -> f64 {
         to_f64(self.built.system.unit * Ratio::from_integer(i128::from(ticks)))
     }
 
-    /// Seconds, which are not negative, as a time of the system, rounded down.
+    /// Converts seconds, which must not be negative, to base units, rounded down.
     pub fn ticks(&self, seconds: Seconds) -> u64 {
         let ticks = (seconds / self.built.system.unit).to_integer();
         u64::try_from(ticks).unwrap_or(u64::MAX)
     }
 
-    /// What has to be looked at along a run for the checks, and for each check its place there, if it has
-    /// one: in [`Watched::reach`] or in [`Watched::within`].
+    /// Returns the predicates to watch along a run, and for each check its index in [`Watched::reach`] or
+    /// [`Watched::within`], if it has one.
     pub fn watched(&self) -> (Watched, Vec<Option<usize>>) {
         let mut out = Watched::default();
         let mut places = Vec::new();

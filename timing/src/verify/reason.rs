@@ -1,4 +1,4 @@
-//! Why a job is late: what it waited for, since when, and who had it meanwhile.
+//! The causes of a late job: the resources it waited for, since when, and their holders.
 
 use num_rational::Ratio;
 
@@ -8,13 +8,13 @@ use crate::explore::{Moment, MomentKind, Run};
 use crate::report::{Awaited, Delay, Holder, TaskId};
 use crate::system::TimedSystem;
 
-/// Somebody waits: for the locks of a codel, or for a core.
+/// A wait for the locks of a codel, or for a core.
 struct Wait {
     codel: Option<usize>,
     from: u64,
 }
 
-/// Somebody has a core, or executes a codel and so has its locks.
+/// The possession of a core, or of the locks of a codel.
 struct Possession {
     codel: Option<usize>,
     by: String,
@@ -23,7 +23,7 @@ struct Possession {
 }
 
 impl Group<'_> {
-    /// The waits of the last job of a task in a run, each with those who kept it waiting.
+    /// Returns the waits of the last job of a task in a run, each with the holders of the resource.
     pub(super) fn reason(&self, run: &Run, task: Option<TaskId>) -> Vec<Delay> {
         let Some(task) = task.and_then(|it| self.built.tasks.get(&it)) else {
             return Vec::new();
@@ -39,7 +39,8 @@ impl Group<'_> {
                 (None, None) => true,
                 _ => false,
             };
-            // Who had it when the wait began counts, and whoever took it after that, also for no time.
+            // Counts the holder at the beginning of the wait, and each later holder, even if it held the
+            // resource for no time.
             let meanwhile = |it: &&Possession| it.from < *until && it.until > wait.from;
             let held = followed.possessions.iter().filter(has).filter(meanwhile);
             let held = held.map(|it| Holder {
@@ -63,11 +64,11 @@ impl Group<'_> {
     }
 }
 
-/// What a run says about waiting and having.
+/// The waits and possessions of a run.
 struct Followed {
-    /// Of the last job of the task, those that took time, with their ends.
+    /// Waits of the last job of the task that took time, each with its end.
     waits: Vec<(Wait, u64)>,
-    /// Of everybody.
+    /// Possessions of all threads.
     possessions: Vec<Possession>,
 }
 
@@ -80,7 +81,7 @@ impl Followed {
         let mut waiting: Option<Wait> = None;
         for it in moments {
             let own = it.task == Some(task);
-            // Who executes: a task, or the control task of a component.
+            // The thread: a task, or the control task of a component.
             let by = match it.task {
                 Some(task) => system.task_path(task),
                 None => it.component.clone(),
@@ -93,7 +94,7 @@ impl Followed {
                         from: it.time,
                     });
                 }
-                // Once for each who was faster.
+                // The event occurs once for each holder; only the first one counts.
                 MomentKind::Wait
                     if own && waiting.as_ref().is_some_and(|wait| wait.codel == it.codel) => {}
                 MomentKind::Wait if own => {

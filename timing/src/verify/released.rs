@@ -1,12 +1,12 @@
-//! Tasks that have jobs for certain: a run shows it.
+//! Tasks that certainly have jobs, because a run shows one.
 
 use crate::explore::{Possible, Stepper, Watched};
 use crate::system::TimedSystem;
 
-/// Steps of the run.
+/// Upper limit on the steps of the run.
 const STEPS: usize = 10_000;
 
-/// By task, whether one run of the system, which does now this and now that of what is possible, has a job of it.
+/// Returns, by task, whether one pseudo-random run of the system has a job of the task.
 pub(super) fn seen_released(system: &TimedSystem) -> Vec<bool> {
     let mut released = vec![false; system.tasks.len()];
     let mut stepper = Stepper::new(system, &Watched::default());
@@ -35,7 +35,7 @@ pub(super) fn seen_released(system: &TimedSystem) -> Vec<bool> {
     released
 }
 
-/// A number without a pattern, the same for the same step.
+/// Returns a pseudo-random number that depends only on the step.
 fn mixed(step: usize) -> usize {
     (step.wrapping_mul(0x9e37_79b9) >> 12) & 0xffff
 }

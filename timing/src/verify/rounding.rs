@@ -1,13 +1,14 @@
-//! What rounding to the unit of a scenario does to an answer (section 20 of the timed semantics).
+//! The effect of rounding to the unit of a scenario (section 20 of the timed semantics).
 
 use crate::system::built::Built;
 use crate::system::units;
 use dotgen_analysis::quantity;
 
-/// More codels than this are counted only.
+/// Number of codels named in the note; further codels are only counted.
 const NAMED: usize = 4;
 
-/// Which codels were rounded, what that means, and how to avoid it; none where none was.
+/// Returns a note about the rounded codels: their effect on the answers, and how to avoid them. `None` if no
+/// codel was rounded.
 pub(super) fn note(built: &Built) -> Option<String> {
     let rounded = &built.rounded;
     if rounded.is_empty() {

@@ -1,4 +1,4 @@
-//! Between base units, the unit of the report, and words.
+//! Conversion between base units, the unit of the report, and words.
 
 use dotgen_analysis::model::Seconds;
 use dotgen_analysis::quantity;
@@ -26,7 +26,8 @@ impl Group<'_> {
         }
     }
 
-    /// A limit in base units, rounded down: times are whole. Without one if it is beyond all that is counted.
+    /// Returns a limit in base units, rounded down, as times are whole. `None` if the limit is beyond the
+    /// range of [`Ticks`].
     pub(super) fn ticks(&self, limit: Bound) -> Option<Ticks> {
         let ticks = (seconds(limit?) / self.built.system.unit).to_integer();
         Ticks::try_from(ticks).ok().filter(|&it| it < Ticks::MAX)

@@ -1,4 +1,4 @@
-//! From checks to what the explorer watches.
+//! The watch list of the explorer, from the checks.
 
 use super::Group;
 use super::analysed::Analysed;
@@ -8,7 +8,8 @@ use crate::property::{Predicate, resolve};
 use crate::scn::ast::Pred;
 
 impl Group<'_> {
-    /// Whether a check is about what happens from ticks on, so that steps between them can be put off.
+    /// Returns true if a check is only about events from ticks on, so that steps between ticks can be
+    /// postponed.
     pub(super) fn is_about_ticks(&self, check: &Single) -> bool {
         match check.what {
             What::Schedulable(_) | What::NoOverdue(_) => true,
@@ -20,7 +21,7 @@ impl Group<'_> {
         }
     }
 
-    /// What is to be watched for these checks, and where the answer to each will be found.
+    /// Returns the watch list for these checks, and the place of each answer.
     pub(super) fn watch(
         &self,
         checks: &[Single],
@@ -80,7 +81,7 @@ impl Group<'_> {
                     watch.deadlock = true;
                     0
                 }
-                // What must follow on every run is looked for after the search, not on its way.
+                // Liveness is checked after the search.
                 _ => 0,
             };
             places.push((i, place));

@@ -1,4 +1,4 @@
-//! The verifier agrees with the interpreter of the servers on random specifications and scenarios.
+//! Agreement of the verifier with the interpreter of the servers, on random specifications and scenarios.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -26,7 +26,7 @@ use crate::servers::random::{
 use crate::servers::{CAP, Interpreter};
 use crate::{all_agree, first, systems};
 
-/// What is compared of an answer.
+/// Returns the parts of an answer that are compared.
 fn answer(it: &CheckReport) -> Json {
     let value = match it.value {
         Some(Value::Time(time)) if time >= f64::from(CAP) => json!("unbounded"),
@@ -34,7 +34,7 @@ fn answer(it: &CheckReport) -> Json {
         Some(Value::Unbounded) => json!("unbounded"),
         None => Json::Null,
     };
-    // Of response times the value counts.
+    // For response times the value is compared.
     let verdict = match it.verdict {
         Verdict::Proved => "proved",
         Verdict::Refuted => "refuted",
@@ -60,7 +60,7 @@ fn compare_without(name: &str, texts: &Texts, without: Kinds) -> Option<Result<(
     let units: Result<Vec<UnitResult>, String> = specifications.iter().map(|it| unit(it)).collect();
     let units = match units {
         Ok(it) => it,
-        // Machines are drawn at random: not every one of them is a legal specification.
+        // Machines are random, so that some specifications are invalid.
         Err(_) => return None,
     };
     let specs: Vec<_> = units.iter().map(|it| &*it.spec).collect();
@@ -117,8 +117,8 @@ fn compare_without(name: &str, texts: &Texts, without: Kinds) -> Option<Result<(
             wrong.push(format!("{check} is not answered"));
             continue;
         };
-        // Without execution times there is nothing to say; what was given up says nothing. Bounds were
-        // compared above.
+        // Without execution times, or after an incomplete exploration, there is nothing to compare. Bounds
+        // were compared above.
         let says_nothing = matches!(found.verdict, Verdict::Nothing | Verdict::Unknown);
         if says_nothing || found.soundness == Soundness::UpperBound {
             continue;
@@ -138,8 +138,7 @@ fn compare_without(name: &str, texts: &Texts, without: Kinds) -> Option<Result<(
     })
 }
 
-/// Says so where the middle tier has a bound that some run exceeds, or where a deadline is missed though it
-/// has bounds.
+/// Reports bounds of the middle tier that some run exceeds, and bounds although a deadline is missed.
 fn beyond_abstraction(system: &TimedSystem, expected: &[(String, Json)]) -> Vec<String> {
     let mut wrong = beyond_bounds(system, Budget::default(), expected);
     // With busy windows from the start.
@@ -200,20 +199,20 @@ fn to_integer(it: Ratio<i128>) -> i64 {
     i64::try_from(it.to_integer()).unwrap_or(-1)
 }
 
-/// Systems for which the middle tier has bounds.
+/// Number of systems for which the middle tier has bounds.
 static ABSTRACTED: AtomicUsize = AtomicUsize::new(0);
 
-/// Those in which something comes at any time: requests, or codels of tasks without period.
+/// Number of systems with events at any time: requests, or codels of tasks without a period.
 static AT_ANY_TIME: AtomicUsize = AtomicUsize::new(0);
 
-/// Bounds that are the exact values.
+/// Number of bounds that are the exact values.
 static REACHED: AtomicUsize = AtomicUsize::new(0);
 
 #[test]
 fn the_middle_tier_is_never_below_the_interpreter_of_the_servers() {
     all_agree(first(), cases(), 3, |seed| {
         let texts = periodic(&mut systems::Dice::new(seed));
-        // What it answers is compared as well, and what is answered without it.
+        // Answers with and without the middle tier are compared.
         match seed.is_multiple_of(2) {
             true => compare(&format!("seed {seed}"), &texts),
             false => compare_without(&format!("seed {seed}"), &texts, Kinds::NONE),
@@ -238,7 +237,7 @@ fn the_middle_tier_is_never_below_the_interpreter_on_what_comes_at_any_time() {
     assert!(bounded as u64 >= cases() / 5, "bounds are compared");
 }
 
-/// Number of systems, more on demand.
+/// Returns the number of systems, which the environment can raise.
 fn cases() -> u64 {
     let given = std::env::var("DOTGEN_TIMING_CASES").ok();
     given.and_then(|it| it.parse().ok()).unwrap_or(500)
@@ -280,10 +279,10 @@ fn the_verifier_agrees_with_the_interpreter_of_the_servers_on_cores_given_in_ord
     });
 }
 
-/// Reaction and age of chains. Nothing where no data flow.
+/// Compares reaction time and age of chains. Returns `None` if no data flow.
 fn compare_chains(seed: u64) -> Option<Result<(), String>> {
     let mut dice = systems::Dice::new(seed);
-    // Many have errors, or no way for data.
+    // Many have errors, or no path for the data.
     let steadily = seed.is_multiple_of(2);
     (0..3).find_map(|_| {
         let texts = match steadily {
@@ -328,7 +327,7 @@ fn compare_chain(seed: u64, texts: &Texts) -> Option<Result<(), String>> {
     if report.has_errors() || !parsed.errors.is_empty() {
         return Some(Err(format!("{:?}: {}", report.diagnostics, shown())));
     }
-    // What analysis alone knows.
+    // Bounds of analysis alone.
     let none = Options {
         limits: Limits {
             states: 1,
@@ -394,7 +393,7 @@ fn compare_chain(seed: u64, texts: &Texts) -> Option<Result<(), String>> {
     Some(Ok(()))
 }
 
-/// Says so when a bound that was found without exploring is below the value.
+/// Reports a bound of analysis below the exact value.
 fn below(quick: &Report, check: &CheckReport, expected: Option<u32>) -> Option<String> {
     let bound = quick.checks.iter().find(|it| it.id == check.id)?;
     let Some(Value::Time(time)) = bound
@@ -408,7 +407,7 @@ fn below(quick: &Report, check: &CheckReport, expected: Option<u32>) -> Option<S
     (time < expected).then(|| format!("{} {}: {time} is below {expected}", check.kind, check.of))
 }
 
-/// Bounds on chains that were compared.
+/// Number of bounds on chains that were compared.
 static BOUNDS: AtomicUsize = AtomicUsize::new(0);
 
 #[test]
@@ -433,8 +432,8 @@ fn agree_on(specification: &str, scenario: &str) {
     }
 }
 
-/// Nothing is inserted into a queue when a task has nothing to execute: a request may be handled before its
-/// wake-up is consumed, and so be served in the same cycle.
+/// A task without work inserts nothing into a queue: a request may be handled before its wake-up is consumed,
+/// and so be served in the same cycle.
 #[test]
 fn a_request_may_come_before_a_wake_up_is_consumed() {
     agree_on(
@@ -451,8 +450,8 @@ fn a_request_may_come_before_a_wake_up_is_consumed() {
     );
 }
 
-/// A core is held until its thread has made the wake-ups that follow the last pass: `w`, which `a` wakes as it
-/// ends, asks for the core before it is free, and may be given it before `x`, which has waited for longer.
+/// A core is held until its thread has made the wake-ups that follow the last pass. `a` wakes `w` as `a`
+/// ends. So `w` asks for the core before it is free, and may get it before `x`, which has waited for longer.
 #[test]
 fn a_task_that_is_woken_asks_for_a_core_before_it_is_free() {
     let specification = "component c {
@@ -496,8 +495,7 @@ fn a_request_may_come_before_the_end_of_the_permanent_activity_is_handled() {
     );
 }
 
-/// Ticks that come while a task that is ready has no core are deadlines missed, although its cycle has not
-/// begun.
+/// Ticks that come while a ready task has no core are missed deadlines, although its cycle has not begun.
 #[test]
 fn a_tick_while_a_task_waits_for_its_first_core_is_a_miss() {
     agree_on(
@@ -511,7 +509,7 @@ fn a_tick_while_a_task_waits_for_its_first_core_is_a_miss() {
     );
 }
 
-/// Tasks that are tied to one core share it, however many there are.
+/// Tasks bound to one core share it, however many cores there are.
 #[test]
 fn tasks_tied_to_one_core_wait_for_each_other_whatever_the_number_of_cores() {
     agree_on(
@@ -525,8 +523,7 @@ fn tasks_tied_to_one_core_wait_for_each_other_whatever_the_number_of_cores() {
     );
 }
 
-/// A component whose permanent activity throws in its first pass takes no requests, also not after later
-/// ticks.
+/// A component whose permanent activity throws in its first pass takes no requests, even after later ticks.
 #[test]
 fn a_component_does_not_start_when_a_permanent_activity_throws_in_its_first_pass() {
     agree_on(

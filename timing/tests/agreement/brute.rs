@@ -1,6 +1,6 @@
-//! An independent interpreter of timed systems, written from the semantics by the obvious method:
-//! states are plain structures with a clock per executing codel, time passes unit by unit, every
-//! order of simultaneous actions is followed, and nothing is merged.
+//! An independent interpreter of timed systems, written from the semantics by the obvious method: states are
+//! plain structures with a clock per executing codel, time passes unit by unit, every order of simultaneous
+//! actions is followed, and no states are merged.
 
 pub(crate) mod chains;
 mod control_task;
@@ -18,7 +18,7 @@ use dotgen_timing::system::TimedSystem;
 
 use state::{State, Status};
 
-/// Ages above this are taken for unbounded.
+/// Age above which a time counts as unbounded.
 pub(crate) const CAP: u32 = 150;
 
 pub(crate) struct Brute<'s> {
@@ -35,7 +35,7 @@ pub(crate) struct Results {
     pub(crate) response: Vec<Option<u32>>,
     pub(crate) within: Vec<Option<u32>>,
     pub(crate) reached: Vec<bool>,
-    /// The earliest moment at which each response time, and each obligation, has reached each age.
+    /// Earliest time at which each response time, and each obligation, has reached each age.
     pub(crate) response_at: Vec<Vec<u64>>,
     pub(crate) within_at: Vec<Vec<u64>>,
     pub(crate) deadlock: bool,
@@ -71,7 +71,7 @@ impl Brute<'_> {
         for (it, reached) in self.reach.iter().zip(&mut out.reached) {
             *reached |= self.predicate(before, now, it);
         }
-        // What is answered in the moment in which it is asked takes no time, which is a time.
+        // An obligation that is met at once takes no time, which is a measured time.
         for (i, it) in self.within.iter().enumerate() {
             let was =
                 before.is_some_and(|it_was| self.predicate(Some(it_was), it_was, &it.trigger));
@@ -100,12 +100,12 @@ impl Brute<'_> {
         }
     }
 
-    /// Everything there is to know, or `None` above `limit` states.
+    /// Returns all results, or `None` above `limit` states.
     pub(crate) fn explore(&self, limit: usize) -> Option<Results> {
         let mut out = self.blank();
         let initial = self.initial();
         self.reach(None, &initial, 0, &mut out);
-        // Moment by moment, so that a state is seen at the earliest moment at which it can be reached.
+        // Moment by moment, so that a state is seen at the earliest possible moment.
         let mut seen: HashSet<State> = HashSet::new();
         let mut later = vec![initial];
         let mut now = 0;
@@ -136,7 +136,7 @@ impl Brute<'_> {
         Some(out)
     }
 
-    /// Plays a run; fails at an action that is not possible. Returns what was seen in its last state.
+    /// Plays a run, and returns the observations in its last state. Fails at an action that is not possible.
     pub(crate) fn replay(&self, steps: &[(u64, Action)], end: u64) -> Result<Results, String> {
         let mut out = self.blank();
         let mut last = (None, self.initial());
@@ -153,7 +153,8 @@ impl Brute<'_> {
         Ok(out)
     }
 
-    /// Plays a run likewise. Returns what was seen in any of its states.
+    /// Plays a run, and returns the observations in any of its states. Fails at an action that is not
+    /// possible.
     pub(crate) fn along(&self, steps: &[(u64, Action)], end: u64) -> Result<Results, String> {
         let mut out = self.blank();
         let mut refused = self.blank();
@@ -170,7 +171,8 @@ impl Brute<'_> {
         Ok(out)
     }
 
-    /// Shows every state of a run but the first: the one before if an action led to it, itself, and when.
+    /// Visits every state of a run except the first: with the previous state if an action led to it, and with
+    /// its time.
     fn play(
         &self,
         steps: &[(u64, Action)],

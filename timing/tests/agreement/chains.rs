@@ -9,7 +9,7 @@ use crate::brute::{Brute, CAP};
 use crate::systems::{self, Dice};
 use crate::{all_agree, cases, first, limits};
 
-/// Data that flow by chance: the first place is the first datum, the second the last, others are between.
+/// Returns random data flow: the first place is the first datum, the second the last, others are between.
 fn chain(system: &TimedSystem, dice: &mut Dice) -> Chain {
     let shared = 2 + dice.below(3) as usize;
     let locals = dice.below(2) as usize;

@@ -1,5 +1,5 @@
 //! The interpreter of the servers gives the answers that an explorer independent of this project computed for
-//! small systems, each about one point of the semantics. Skipped when they are not there.
+//! small systems, each about one point of the semantics. Skipped without these answers.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -42,7 +42,8 @@ fn load(folder: &Path, case: &str) -> (Scenario, Vec<UnitResult>) {
     (parsed.scenario, units)
 }
 
-/// What a scenario asks, with the answers of the interpreter: verdicts and values as in `expected.json`.
+/// Returns the answers of the interpreter to the checks of a scenario: verdicts and values as in
+/// `expected.json`.
 pub(crate) fn answers(
     system: &System,
     scenario: &Scenario,

@@ -1,4 +1,4 @@
-//! The explorer agrees with an independent brute-force interpreter on random small systems.
+//! Agreement of the explorer with an independent brute-force interpreter, on random small systems.
 
 mod against;
 mod brute;
@@ -22,8 +22,8 @@ use dotgen_timing::property::Predicate;
 use dotgen_timing::system::TimedSystem;
 use dotgen_timing::verify::Cancel;
 
-/// Bounds on explorations. Of every four systems one is explored with everything there is; of the others,
-/// random reductions are switched off.
+/// Returns limits for an exploration. One of every four systems is explored with all reductions; for the
+/// others, random reductions are switched off.
 fn limits(seed: u64) -> Limits {
     let mut dice = systems::Dice::new(seed ^ 0x5eed);
     let off = |_: &Kind| !seed.is_multiple_of(4) && dice.in_ten(3);
@@ -36,7 +36,7 @@ fn limits(seed: u64) -> Limits {
     }
 }
 
-/// Compares everything on the system of one seed; `None` if it was too large for brute force.
+/// Compares all results for the system of one seed; `None` if the system is too large for brute force.
 fn compare(seed: u64) -> Option<Result<(), String>> {
     let (system, within) = systems::random(&mut systems::Dice::new(seed));
     let all: Vec<usize> = (0..system.tasks.len()).collect();
@@ -52,8 +52,8 @@ fn withins(pairs: Vec<(Predicate, Predicate)>) -> Vec<Within> {
     pairs.into_iter().map(within).collect()
 }
 
-/// The same for a given system; only the response times of `measured` tasks are asked for. Limits differ from
-/// one to the next, unless `vary` is 0.
+/// Compares all results for a system, with only the response times of `measured` tasks. Limits differ from
+/// task to task, unless `vary` is 0.
 fn compare_system(
     seed: u64,
     system: &TimedSystem,
@@ -68,7 +68,7 @@ fn compare_system(
     };
     let expected = brute.explore(30_000)?;
     let all: Vec<usize> = (0..system.tasks.len()).collect();
-    // Limits that are never exceeded, sometimes, and soon.
+    // Limits that are never, sometimes, or soon exceeded.
     let limit = |i: usize, longest: Option<u32>| match (seed as usize + i * vary) % 4 {
         0 => None,
         1 => longest,
@@ -95,7 +95,7 @@ fn compare_system(
         ..Watch::default()
     };
     let found = explore(system, &watch, limits(seed), &Cancel::default());
-    // Once everything asked was seen nobody looks any further.
+    // After all questions are answered, the exploration stops.
     let answered = found.stopped == Some(Stop::Answered);
     if found.stopped.is_some() && !answered {
         return Some(Err(format!(
@@ -198,7 +198,7 @@ fn compare_system(
     Some(check().map_err(|why| format!("seed {seed}: {why}\n{system:#?}\n{within:#?}")))
 }
 
-/// Where the middle tier has bounds, no run exceeds them, and no deadline is missed.
+/// Checks that no run exceeds a bound of the middle tier, and that no deadline is missed.
 fn abstracted(system: &TimedSystem, budget: Budget, expected: &Results) -> Result<(), String> {
     let Ok(bounds) = abstract_bounds(system, budget, &Cancel::default()) else {
         return Ok(());
@@ -222,10 +222,10 @@ fn abstracted(system: &TimedSystem, budget: Budget, expected: &Results) -> Resul
     Ok(())
 }
 
-/// Systems for which the middle tier has bounds.
+/// Number of systems for which the middle tier has bounds.
 static ABSTRACTED: AtomicUsize = AtomicUsize::new(0);
 
-/// Bounds that are the exact values.
+/// Number of bounds that are the exact values.
 static REACHED: AtomicUsize = AtomicUsize::new(0);
 
 fn compare_periodic(seed: u64) -> Option<Result<(), String>> {
@@ -244,7 +244,7 @@ fn the_middle_tier_is_never_below_brute_force() {
     assert!(abstracted as u64 >= cases() / 5, "bounds are compared");
 }
 
-/// Who knows how long jobs take at most ends as soon as one has taken as long, with the same results.
+/// Checks that an exploration with known bounds ends as soon as a job takes as long, with equal results.
 fn knowing_bounds(
     seed: u64,
     system: &TimedSystem,
@@ -279,7 +279,7 @@ fn knowing_bounds(
     Ok(())
 }
 
-/// Searches depth first, of all kinds and to the end, catch what there is to be caught.
+/// Checks that depth-first searches in all orders, if they are complete, find everything.
 fn chased(seed: u64, brute: &Brute, expected: &Results) -> Result<(), String> {
     let all: Vec<usize> = (0..brute.system.tasks.len()).collect();
     let watch = Watch {
@@ -313,7 +313,7 @@ fn chased(seed: u64, brute: &Brute, expected: &Results) -> Result<(), String> {
         ];
         for (found_in, pick) in lists {
             for (task, it) in found_in.iter().enumerate() {
-                // Not everything is looked at when codels take as long as they can.
+                // A search with longest times is not complete.
                 let complete = number % 3 != 2;
                 let wrong = match it {
                     Some(it) => !shows(it, pick, task)?,
@@ -356,8 +356,8 @@ fn bound(
     }
 }
 
-/// A run that exceeds a limit does so when it ends, and none does so earlier (`first`: when each time is
-/// reached first). There is one if and only if the limit can be exceeded.
+/// Checks that a run that exceeds a limit does so at its end, and no run does so earlier (`first`: earliest
+/// time of each age). There must be such a run if and only if the limit can be exceeded.
 fn excess(
     what: &str,
     i: usize,
@@ -369,7 +369,7 @@ fn excess(
     let expected = limit.and_then(|limit| first.get(limit as usize + 1));
     let run = found.as_ref().and_then(|it| it.excess.as_ref());
     let (Some(limit), Some(it)) = (limit, run) else {
-        // Beyond the cap brute force knows nothing.
+        // Brute force knows nothing beyond the cap.
         let unknown = limit == Some(CAP) && expected.is_none();
         return match expected.is_some() == run.is_some() || unknown {
             true => Ok(()),
@@ -394,7 +394,7 @@ fn excess(
     Ok(())
 }
 
-/// Number of systems, more on demand.
+/// Returns the number of systems, which the environment can raise.
 fn cases() -> u64 {
     std::env::var("DOTGEN_TIMING_CASES")
         .ok()
@@ -402,13 +402,13 @@ fn cases() -> u64 {
         .unwrap_or(500)
 }
 
-/// The first seed, to look at one system again.
+/// Returns the first seed, which the environment can set to repeat a system.
 fn first() -> u64 {
     let given = std::env::var("DOTGEN_TIMING_SEED").ok();
     given.and_then(|it| it.parse().ok()).unwrap_or(0)
 }
 
-/// Compares systems from `first` seed on; at least one in `share` has to be small enough for brute force.
+/// Compares systems from seed `first` on; at least one in `share` must be small enough for brute force.
 fn all_agree(
     first: u64,
     cases: u64,
@@ -429,8 +429,8 @@ fn all_agree(
     );
 }
 
-/// Sometimes all tasks, sometimes only periodic ones: some reductions need that nobody asks how long an
-/// aperiodic job is.
+/// Returns all tasks, or only periodic ones: some reductions apply only if no response time of an aperiodic
+/// task is measured.
 fn measured(seed: u64, system: &TimedSystem) -> Vec<usize> {
     (0..system.tasks.len())
         .filter(|&t| seed.is_multiple_of(2) || system.tasks[t].period.is_some())
@@ -468,7 +468,7 @@ fn a_tick_that_waits_for_the_start_up_of_its_task_keeps_others_waiting() {
 fn explorer_agrees_on_polling_loops() {
     all_agree(0, cases() / 20, 4, |seed| {
         let system = systems::polling(&mut systems::Dice::new(seed));
-        // The job of the polling task has no end; asking for its length would forbid to reduce it.
+        // The job of the polling task has no end, and measuring its response time would rule out reductions.
         let periodic: Vec<usize> = (1..system.tasks.len()).collect();
         compare_system(seed, &system, &[], &periodic, 1)
     });
@@ -478,7 +478,7 @@ fn explorer_agrees_on_polling_loops() {
 fn explorer_agrees_when_parts_are_alike() {
     all_agree(first(), cases(), 3, |seed| {
         let (system, asked) = systems::alike::alike(&mut systems::Dice::new(seed));
-        // One of them is sometimes asked more than the others.
+        // Sometimes one of them is measured more than the others.
         let measured: Vec<usize> =
             (usize::from(seed.is_multiple_of(5))..system.tasks.len()).collect();
         let vary = usize::from(seed.is_multiple_of(7));
@@ -494,7 +494,7 @@ fn explorer_agrees_on_any_requests() {
     });
 }
 
-/// Predicates, deadlocks and refused requests: in zones, and by everything there is together.
+/// Compares predicates, deadlocks and refused requests: with zones, and with all strategies together.
 fn compare_reachable(seed: u64) -> Option<Result<(), String>> {
     let dice = &mut systems::Dice::new(seed);
     let (system, goals) = systems::aperiodic(dice);
@@ -529,7 +529,7 @@ fn compare_reachable(seed: u64) -> Option<Result<(), String>> {
         let all = InZones {
             reached: found.reached.iter().map(Option::is_some).collect(),
             deadlock: found.deadlock.is_some(),
-            // Once everything asked was seen nobody looks any further.
+            // After all questions are answered, the exploration stops.
             refused: match answered {
                 true => expected.refused.clone(),
                 false => found.refused,

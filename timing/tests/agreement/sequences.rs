@@ -1,5 +1,5 @@
-//! Several responses, one after the other: the explorer agrees with brute force, which follows every
-//! obligation by itself.
+//! Sequences of responses: agreement of the explorer with brute force, which follows every obligation
+//! separately.
 
 use dotgen_timing::explore::{Watched, Within};
 use dotgen_timing::property::Predicate;

@@ -1,7 +1,7 @@
-//! An independent interpreter of what the servers do (timed semantics, sections 8, 17, 18, 21 and 22),
-//! written from that description by the obvious method: states are plain structures, time passes unit by
-//! unit, every order of simultaneous atomic steps is followed, and nothing is merged. It shares neither the
-//! system tables nor the rules of the verifier: it reads specifications and scenarios by itself.
+//! An independent interpreter of the servers (timed semantics, sections 8, 17, 18, 21 and 22), written from
+//! that description by the obvious method: states are plain structures, time passes unit by unit, every order
+//! of simultaneous atomic steps is followed, and no states are merged. It shares neither the system tables
+//! nor the rules of the verifier, and reads specifications and scenarios itself.
 
 pub(crate) mod chains;
 mod control;
@@ -24,18 +24,18 @@ use dotgen_timing::scn::semantics::TickRule;
 use self::model::System;
 use self::state::{Phase, State};
 
-/// Whenever the first becomes true, the others follow, one after the other.
+/// A trigger, and the responses that must follow in order.
 pub(crate) type Sequence = (Predicate, Vec<Predicate>);
 
 pub(crate) struct Interpreter<'s> {
     system: &'s System,
     within: &'s [Sequence],
     reach: &'s [Predicate],
-    /// None: as many as there are tasks that need one.
+    /// Number of cores. `None`: as many as there are tasks that need one.
     cores: Option<usize>,
 }
 
-/// Everything asked, tasks by component and task.
+/// All results, tasks by component and task.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(crate) struct Results {
     pub(crate) missed: Vec<Vec<bool>>,
@@ -45,7 +45,7 @@ pub(crate) struct Results {
     pub(crate) within: Vec<Option<u32>>,
     pub(crate) reached: Vec<bool>,
     pub(crate) deadlock: bool,
-    /// Services of which a request found no slot.
+    /// Services with a request that found no slot.
     pub(crate) refused: Vec<Vec<bool>>,
     pub(crate) states: usize,
 }
@@ -62,8 +62,8 @@ impl<'s> Interpreter<'s> {
         let tasks = system.components.iter().enumerate();
         let tasks = tasks.flat_map(|(c, it)| (0..it.tasks.len()).map(move |t| (c, t)));
         let needing = tasks.filter(|&(c, t)| system.needs_core(c, t)).count();
-        // Cores that are given and taken away are never "enough": with a task tied to one of them others do
-        // not help.
+        // Under preemption there are never "enough" cores: if a task is bound to one of them, others do not
+        // help.
         let limits = |cores: &usize| system.preempts() || *cores < needing;
         Interpreter {
             system,
@@ -77,8 +77,8 @@ impl<'s> Interpreter<'s> {
         self.cores.is_some() && self.system.needs_core(c, t)
     }
 
-    /// Whether a task waits for a core before its cycles. With a timer of its own it needs none for the
-    /// first.
+    /// Returns true if a task waits for a core before its cycles. A task with a timer of its own needs none
+    /// for the first cycle.
     fn asks_for_core(&self, s: &State, c: usize, t: usize) -> bool {
         let first = s.components[c].tasks[t].first != state::First::Over;
         let start_up = first && self.system.semantics.ticks == TickRule::Task;
@@ -105,7 +105,7 @@ impl<'s> Interpreter<'s> {
     fn inspect(&self, s: &State, out: &mut Results) {
         for (c, component) in s.components.iter().enumerate() {
             for (t, task) in component.tasks.iter().enumerate() {
-                // An idle task with a tick has begun its job, and waits where it has no core.
+                // An idle task with a tick has begun its job, and waits if it has no core.
                 let idle = task.phase == Phase::Idle;
                 let waiting = task.flag.filter(|_| idle);
                 let (Some(job), true) = (task.job.or(waiting), task.first.is_over()) else {
@@ -127,7 +127,7 @@ impl<'s> Interpreter<'s> {
         for (it, reached) in self.reach.iter().zip(&mut out.reached) {
             *reached = *reached || self.holds(before, now, it);
         }
-        // What is answered in the moment in which it is asked takes no time, which is a time.
+        // An obligation that is met at once takes no time, which is a measured time.
         for ((trigger, _), longest) in self.within.iter().zip(&mut out.within) {
             let was = before.is_some_and(|it| self.holds(Some(it), it, trigger));
             if !was && self.holds(before, now, trigger) {
@@ -136,7 +136,7 @@ impl<'s> Interpreter<'s> {
         }
     }
 
-    /// Everything there is to know, or `None` above `limit` states.
+    /// Returns all results, or `None` above `limit` states.
     pub(crate) fn explore(&self, limit: usize) -> Option<Results> {
         let mut out = self.blank();
         let mut initial = State::initial(self.system, self.within.len());

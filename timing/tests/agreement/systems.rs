@@ -13,7 +13,7 @@ use dotgen_timing::system::{
 use proptest::prelude::Rng;
 use proptest::test_runner::{RngAlgorithm, TestRng};
 
-/// Choices made from a seed.
+/// Pseudo-random choices from a seed.
 pub(crate) struct Dice(TestRng);
 
 impl Dice {
@@ -36,7 +36,8 @@ impl Dice {
     }
 }
 
-/// A system of one or two components with one to three tasks altogether, and questions about it.
+/// Returns a system of one or two components with one to three tasks altogether, and pairs of predicates for
+/// it.
 pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate)>) {
     let mut system = TimedSystem {
         unit: dotgen_analysis::model::Seconds::new(1, 1000),
@@ -114,8 +115,8 @@ pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate
             system.clients.push(client);
         }
     }
-    // Often as specifications give durations: from nothing to the worst case. That is where ends can
-    // wait, when nothing else is observed.
+    // Often as in specifications: from 0 to the worst case. Then ends can be postponed, if nothing else is
+    // observed.
     let from_zero = dice.in_ten(5);
     if from_zero {
         system.codels.iter_mut().for_each(|it| it.lower = 0);
@@ -133,8 +134,8 @@ pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate
     (system, within)
 }
 
-/// A system of any of the other kinds without periodic tasks, where things sometimes last longer, and
-/// predicates that may be reached in it.
+/// Returns a system of any of the other kinds without periodic tasks, with some long times, and predicates
+/// that may be reached in it.
 pub(crate) fn aperiodic(dice: &mut Dice) -> (TimedSystem, Vec<Predicate>) {
     let mut system = match dice.below(4) {
         0 => random(dice).0,
@@ -151,7 +152,7 @@ pub(crate) fn aperiodic(dice: &mut Dice) -> (TimedSystem, Vec<Predicate>) {
             codel.upper = codel.upper.saturating_add(dice.below(9));
         }
     }
-    // An exact time, often, as that is what keeps others apart.
+    // Often a fixed time, because that separates others.
     for codel in &mut system.codels {
         if dice.in_ten(3) && codel.upper != FOREVER {
             codel.lower = codel.upper;
@@ -169,8 +170,8 @@ pub(crate) fn aperiodic(dice: &mut Dice) -> (TimedSystem, Vec<Predicate>) {
     (system, goals)
 }
 
-/// A system of two to four tasks that compete for locks and cores, without services and mostly without
-/// anything that would hinder reductions. There is one tick after the other, as periods are few.
+/// Returns a system of two to four tasks that compete for locks and cores, without services and mostly
+/// without obstacles to reductions. Ticks follow each other, because there are few different periods.
 pub(crate) fn competing(dice: &mut Dice) -> TimedSystem {
     let mut system = empty(dice);
     system.platform.policy = dice.pick(&[Policy::Fifo, Policy::Fifo, Policy::Edf, Policy::Any]);
@@ -213,8 +214,8 @@ pub(crate) fn competing(dice: &mut Dice) -> TimedSystem {
     system
 }
 
-/// A system with a task that polls for ever, periodic tasks that share locks with it and each other, and
-/// durations from 0 on: what the reductions are made for.
+/// Returns a system with a task that polls for ever, periodic tasks that share locks with it and each other,
+/// and least times of 0: suitable for all reductions.
 pub(crate) fn polling(dice: &mut Dice) -> TimedSystem {
     let mut system = empty(dice);
     system.platform.policy = dice.pick(&[Policy::Fifo, Policy::Fifo, Policy::Edf]);
@@ -287,7 +288,8 @@ pub(crate) fn polling(dice: &mut Dice) -> TimedSystem {
     system
 }
 
-/// The component of the next task: the last one or a new one, as tasks of a component are consecutive.
+/// Returns the component of the next task: the last one or a new one, as tasks of a component are
+/// consecutive.
 fn placed(system: &mut TimedSystem, dice: &mut Dice, task: usize) -> usize {
     if task == 0 || dice.in_ten(6) {
         system.components.push(Component {

@@ -1,4 +1,4 @@
-//! Whatever a stepper does is a run of the system, and what it sees is what is to be seen along that run.
+//! All actions of a stepper are runs of the system, and its events are those of the run.
 
 use dotgen_timing::explore::{Action, Possible, Seen, Stepper, Watched, Within, Work};
 use dotgen_timing::system::TimedSystem;
@@ -10,18 +10,18 @@ use crate::{all_agree, cases, first, systems};
 /// Runs end before ages are cut off.
 const END: u64 = CAP as u64 - 10;
 
-/// A walk: what was done, and what was seen.
+/// A walk: actions and events.
 struct Walk {
     steps: Vec<(u64, Action)>,
     end: u64,
     seen: Vec<Seen>,
-    /// Ages of jobs and obligations that have not ended.
+    /// Ages of unfinished jobs and obligations.
     open: (Vec<Option<u32>>, Vec<Option<u32>>),
     refused: Vec<bool>,
 }
 
-/// A walk by chance: any possible action, durations within their intervals. At one moment at most a
-/// thousand actions.
+/// Returns a random walk: any possible action, durations within their intervals. There are at most a thousand
+/// actions at one moment.
 fn walk(system: &TimedSystem, watched: &Watched, dice: &mut Dice) -> Walk {
     let mut stepper = Stepper::new(system, watched);
     let (mut all, mut fresh) = (Vec::new(), Vec::new());
@@ -93,7 +93,7 @@ fn compare(seed: u64) -> Option<Result<(), String>> {
     Some(agrees(seed, &system, &watched, &mut dice))
 }
 
-/// Walks, and compares what was seen.
+/// Compares the events of walks with the interpreter.
 pub(crate) fn agrees(
     seed: u64,
     system: &TimedSystem,
@@ -157,7 +157,7 @@ pub(crate) fn agrees(
     agree().map_err(|why| format!("seed {seed}: {why}\n{:?}\n{system:#?}", done.steps))
 }
 
-/// What was told, as the interpreter puts it.
+/// Returns the events in the form of the interpreter's results.
 fn told(like: &Results, done: &Walk) -> Results {
     let mut out = Results {
         missed: vec![false; like.missed.len()],
@@ -185,7 +185,7 @@ fn told(like: &Results, done: &Walk) -> Results {
     out
 }
 
-/// Every executor asks, begins and ends in this order, with the same work.
+/// Checks that every executor asks, begins and ends in this order, with the same work.
 fn runs_are_whole(seen: &[Seen]) -> Result<(), String> {
     let mut now: Vec<(u8, Option<Work>)> = Vec::new();
     for it in seen {

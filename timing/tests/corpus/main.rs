@@ -1,4 +1,4 @@
-//! Published and computed results on the shared corpus. Skipped when it is not there.
+//! Published and computed results on the shared corpus. Skipped without the corpus.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use dotgen_timing::scn::semantics::Preset;
 use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 use serde_json::Value as Json;
 
-/// What these tests say is about the published models.
+/// The options of these tests: the published models.
 fn published() -> Options {
     Options {
         semantics: Some(Preset::Published),
@@ -59,7 +59,7 @@ fn load(path: &Path) -> (Scenario, UnitResult) {
     (parsed.scenario, unit)
 }
 
-/// For failures.
+/// Describes a report, for failures.
 fn in_words(report: &Report) -> String {
     let checks = report.checks.iter().map(|it| {
         let value = it.value.map(|it| it.to_string()).unwrap_or_default();
@@ -137,7 +137,7 @@ fn ground_truth() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// The scenarios of the examples hold in what runs on robots and in the published models.
+/// The scenarios of the examples hold for the servers and for the published models.
 #[test]
 fn the_scenarios_of_the_examples_hold_under_both_semantics() {
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples");
@@ -169,7 +169,7 @@ fn the_scenarios_of_the_examples_hold_under_both_semantics() {
     assert!(checks >= 24, "only {checks} checks");
 }
 
-/// Not a test of results: prints what is found for a scenario given by the environment.
+/// Not a test: prints the results for a scenario given by the environment.
 #[test]
 #[ignore = "for looking at one scenario: SCN=path CORES=n DURATIONS=fixed"]
 fn look() {

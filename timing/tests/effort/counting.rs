@@ -1,4 +1,4 @@
-//! An allocator that counts, for each thread.
+//! An allocator that counts allocations by thread.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -13,7 +13,7 @@ thread_local! {
 }
 
 fn change(by: isize) {
-    // A thread that ends has no counters any more.
+    // A thread that ends no longer has counters.
     let _ = LIVE.try_with(|live| {
         live.set(live.get() + by);
         let _ = PEAK.try_with(|peak| peak.set(peak.get().max(live.get())));
@@ -24,7 +24,7 @@ fn count() {
     let _ = COUNT.try_with(|it| it.set(it.get() + 1));
 }
 
-// SAFETY: everything is done by the allocator of the system.
+// SAFETY: the system allocator does all the work.
 #[allow(unsafe_code, reason = "an allocator cannot be written without")]
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
@@ -39,7 +39,7 @@ unsafe impl GlobalAlloc for Counting {
     }
 
     unsafe fn realloc(&self, at: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        // Both are there while one is copied to the other.
+        // Both blocks exist while one is copied to the other.
         change(size as isize);
         change(-(layout.size() as isize));
         count();
@@ -47,7 +47,7 @@ unsafe impl GlobalAlloc for Counting {
     }
 }
 
-/// The greatest number of bytes that this thread has had at one time while it did something.
+/// Returns the greatest number of bytes that this thread has allocated at one time during a call.
 pub(crate) fn peak<T>(what: impl FnOnce() -> T) -> (T, usize) {
     let before = LIVE.get();
     PEAK.set(before);
@@ -55,12 +55,12 @@ pub(crate) fn peak<T>(what: impl FnOnce() -> T) -> (T, usize) {
     (out, (PEAK.get() - before) as usize)
 }
 
-/// Counts allocations from here.
+/// Sets the mark: allocations count from here.
 pub(crate) fn mark() {
     MARK.set(COUNT.get());
 }
 
-/// Allocations since the mark.
+/// Returns the number of allocations since the mark.
 pub(crate) fn since_mark() -> u64 {
     COUNT.get() - MARK.get()
 }

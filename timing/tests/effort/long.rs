@@ -1,4 +1,4 @@
-//! Long times: what is proved in zones takes as much whether something lasts milliseconds or minutes.
+//! Long times: proofs with zones take the same effort for milliseconds and for minutes.
 
 use super::published;
 use dotgen_timing::explore::Limits;
@@ -8,8 +8,8 @@ use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 
 use crate::{counting, load};
 
-/// Tenants who keep out of each other's way by time alone: each looks whether the room is let, moves in at
-/// most `within` later, and uses it `wait` after that if nobody else has moved in meanwhile.
+/// Tenants that exclude each other by time alone: each checks whether the room is let, moves in at most
+/// `within` later, and uses the room `wait` after that if no other tenant has moved in meanwhile.
 fn asked(within: u32, wait: u32) -> (String, String) {
     let (mut genom, mut scenario) = (String::new(), String::new());
     let lease = wait + 20 * wait / 10;
@@ -52,7 +52,7 @@ fn answer(within: u32, wait: u32) -> (Report, usize) {
     answer_all(within, wait, "", &published())
 }
 
-/// The same with more checks.
+/// Verifies the same system with more checks.
 fn answer_all(within: u32, wait: u32, checks: &str, options: &Options) -> (Report, usize) {
     let (genom, scenario) = asked(within, wait);
     let unit = load(&genom);

@@ -1,4 +1,4 @@
-//! How much is done: what a search costs in memory, and how soon it ends when it has to.
+//! The effort of verifications: memory of searches, and time until a cancelled search ends.
 
 mod counting;
 mod long;
@@ -20,7 +20,7 @@ use dotgen_timing::scn::semantics::Preset;
 use dotgen_timing::system::build::build;
 use dotgen_timing::verify::{Cancel, Options, SystemInput, settings, verify};
 
-/// What these tests say is about the published models.
+/// The options of these tests: the published models.
 fn published() -> Options {
     Options {
         semantics: Some(Preset::Published),
@@ -69,7 +69,7 @@ component control {
 };
 "#;
 
-/// Everything that is explored in one go.
+/// The checks that one exploration answers.
 const CHECKS: &str = "scenario robot {
   cores 2;
   client user { delay [0,9] ms; send sensor.record; delay 3 ms; send sensor.record; send sensor.reset; }
@@ -88,7 +88,7 @@ fn scenario(more: &str) -> Scenario {
     parsed.scenario
 }
 
-/// What needs clocks of its own and is unbounded, and what is decided by looking for cycles.
+/// Checks with clocks of their own and without a bound, and checks that search for cycles.
 const MORE: &str = "check within sensor.record.run => sensor.record.void <= 5 ms;
   check leadsto sensor.record.run => sensor.record.void;";
 
@@ -112,10 +112,10 @@ fn limited(bytes: usize) -> Options {
 
 // ---- Ending -----------------------------------------------------------------------------------
 
-/// Counts looks, and raises the flag at one of them.
+/// Counts polls of the flag, and raises it at one of them.
 struct Looks {
     seen: Arc<AtomicU64>,
-    /// Allocations between two looks at most, since `counting::mark`.
+    /// Greatest number of allocations between two polls, since `counting::mark`.
     gap: Arc<AtomicU64>,
 }
 
@@ -139,7 +139,7 @@ impl Looks {
         self.seen.load(Ordering::Relaxed)
     }
 
-    /// The greatest number of allocations between two looks, before the first and after the last.
+    /// Returns the greatest number of allocations between two polls, before the first and after the last.
     fn gap(&self) -> u64 {
         self.gap.load(Ordering::Relaxed).max(counting::since_mark())
     }
@@ -168,11 +168,11 @@ fn a_search_looks_every_few_steps_and_ends_when_cancelled() {
     });
 }
 
-/// Allocations between two looks: a measure of work that no part of the program had to be told about. Ten
-/// thousand take about a millisecond.
+/// Upper limit on allocations between two polls: a measure of work that needs no cooperation of the program.
+/// Ten thousand take about a millisecond.
 const WORK: u64 = 10_000;
 
-/// Asks without end, then with the flag raised early, in the middle and late.
+/// Verifies without a cancellation, then with the flag raised early, in the middle and late.
 fn cancelled_anywhere(more: &str, ask: impl Fn(&SystemInput, &Scenario, &Cancel)) {
     with(more, |input, scenario| {
         let run = |look| {
@@ -244,7 +244,7 @@ fn a_machine_with_very_many_turns_is_built_quickly() {
 
 // ---- Memory -----------------------------------------------------------------------------------
 
-/// The model, the report, the names: what is not counted as it does not grow with the number of states.
+/// Bytes for the model, the report and the names, which do not grow with the number of states.
 const FIXED: usize = 200_000;
 
 #[test]
@@ -277,7 +277,8 @@ fn a_search_without_memory_gives_up_honestly() {
                 verify(input, scenario, &limited(bytes), &Cancel::default())
             })
         });
-        // The specification is read within as well; what holds states doubles when it is full.
+        // The specification is parsed within the measurement as well; lists of states double when they are
+        // full.
         assert!(
             peak < 2 * bytes + 5 * FIXED,
             "{peak} bytes used with a limit of {bytes}"
@@ -285,7 +286,7 @@ fn a_search_without_memory_gives_up_honestly() {
         assert!(report.unknown());
         for (it, known) in report.checks.iter().zip(&whole.checks) {
             let text = format!("{bytes}: {} {}, {:?}", it.kind, it.of, it.value);
-            // Never a proof, never a refutation of what holds, and times are lower bounds.
+            // Never a proof, never a refutation of a valid check, and times are lower bounds.
             assert!(
                 it.verdict == Verdict::Unknown || it.verdict == known.verdict,
                 "{text}"
@@ -311,8 +312,8 @@ fn a_search_without_memory_gives_up_honestly() {
     }
 }
 
-/// Ten independent tasks on one core, one codel of which takes longer than the shortest period: the states
-/// that they can be in are too many.
+/// Ten independent tasks on one core, one codel of which takes longer than the shortest period: the system
+/// has too many states.
 #[test]
 fn a_large_search_stays_within_its_memory() {
     let periods = [5, 10, 20, 25, 40, 50, 80, 100, 125, 200];
@@ -352,7 +353,7 @@ fn a_large_search_stays_within_its_memory() {
     assert!(report.memory > bytes / 2, "{} bytes counted", report.memory);
 }
 
-/// What is answered with so many threads, and how many of them looked whether to go on.
+/// Returns the answers with this number of threads, and the number of threads that polled for a cancellation.
 fn by_threads<T>(threads: usize, ask: impl Fn(&Options, &Cancel) -> T) -> (T, usize) {
     let seen = Arc::new(Mutex::new(HashSet::new()));
     let own = seen.clone();
@@ -394,7 +395,7 @@ fn the_number_of_threads_changes_no_derived_answer() {
         assert!(told.is_sorted_by_key(|it| it.done));
         serde_json::to_value(found).unwrap()
     };
-    // The second with less memory for each search than some of them need.
+    // The second run has less memory for each search than some of them need.
     for bytes in [Limits::default().bytes, 400_000] {
         assert_eq!(ask(1, bytes), ask(4, bytes));
     }

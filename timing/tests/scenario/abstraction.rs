@@ -1,4 +1,4 @@
-//! The middle tier: what it answers, and what it refuses.
+//! The answers and refusals of the middle tier.
 
 use std::fmt::Write;
 
@@ -69,7 +69,7 @@ fn answers(scenario: &str, options: &Options) -> Report {
 
 #[test]
 fn tasks_that_share_locks_and_cores_have_bounds_of_what_can_come_together() {
-    // In base units of 0.1 ms. `servo` waits for one codel of `plan`, and nobody for a core.
+    // In base units of 0.1 ms. `servo` waits for one codel of `plan`, and never for a core.
     insta::assert_snapshot!(bounds(ARM, "cores 2; policy edf;").unwrap(), @r"
     joint.servo 15
     joint.plan 65
@@ -92,7 +92,7 @@ fn deadlines_are_proved_by_the_middle_tier_where_analysis_knows_nothing() {
         assert_eq!(it.verdict, Verdict::Proved, "{it:?}");
         assert_eq!(it.by, Some(Layer::ScheduleAbstraction), "{it:?}");
     }
-    // Nothing had to be explored.
+    // No exploration was needed.
     assert_eq!(report.states, 0);
     let lines = report.reductions.lines();
     assert_eq!(lines, [("schedule-abstraction", "used".to_owned())]);
@@ -119,7 +119,7 @@ fn what_is_not_treated_is_refused_with_its_reason() {
     assert_eq!(preempted, Some(Refusal::Preemption));
     let points = refused(ARM, "cores 2; policy edf; turns pause;");
     assert_eq!(points, Some(Refusal::Semantics));
-    // A task that is started after one without period.
+    // A task that is started after an aperiodic task.
     let aperiodic = ARM.replace("period 4 ms;", "");
     let aperiodic = refused(&aperiodic, "cores free;");
     assert_eq!(aperiodic, Some(Refusal::Aperiodic));
@@ -159,7 +159,7 @@ fn what_comes_at_any_time_is_counted_wherever_it_can_come() {
     joint.plan 65
     eye.look 27
     ");
-    // A task without period may hold one of the cores for ever.
+    // An aperiodic task may hold one of the cores for ever.
     let aperiodic = ARM.replace("period 10 ms;", "");
     insta::assert_snapshot!(bounds(&aperiodic, "cores 3; policy fifo;").unwrap(), @r"
     joint.servo 15
@@ -167,7 +167,7 @@ fn what_comes_at_any_time_is_counted_wherever_it_can_come() {
     ");
 }
 
-/// With everything released at the same moment there are too many sets of jobs that can be done first.
+/// All jobs are released at the same moment, so that there are too many sets of jobs that can be done first.
 #[test]
 fn fifty_periodic_tasks_on_one_core_keep_their_deadlines() {
     let mut specification = String::new();

@@ -1,4 +1,4 @@
-//! What to change: every change is made in the text and verified again, and the next smaller one does not do.
+//! Advice: every change is made in the text and verified again, and the next smaller change is not enough.
 
 use std::sync::Mutex;
 use std::time::Duration;
@@ -47,7 +47,7 @@ fn report(specification: &str, scenario: &str) -> Report {
     })
 }
 
-/// The repairs, and in which order they were told.
+/// Returns the repairs, and the order in which they were reported.
 fn found(specification: &str, scenario: &str) -> (Repairs, Vec<Change>) {
     let report = report(specification, scenario);
     with(specification, scenario, |input, scenario| {
@@ -66,7 +66,8 @@ fn holds(specification: &str, scenario: &str) -> bool {
     report.checks.iter().all(|it| it.verdict == Verdict::Proved)
 }
 
-/// The specification and the scenario with a change made in their texts; a copy instead of what is shared.
+/// Returns the specification and the scenario with a change made in their texts. A copy replaces the shared
+/// data.
 fn made(change: &Change, specification: &str, scenario: &str, by: f64) -> (String, String) {
     let (mut specification, mut scenario) = (specification.to_owned(), scenario.to_owned());
     let ms = |it: f64| format!("{} us", ((it + by) * 1000.0).round());
@@ -118,7 +119,7 @@ fn made(change: &Change, specification: &str, scenario: &str, by: f64) -> (Strin
 
 #[test]
 fn what_repairs_is_found_verified_and_no_larger_than_needed() {
-    // A lock in the way; a core in the way; an order in the way.
+    // The obstacle is a lock; a core; an order.
     let apart = LIFT.replace("(in level)", "()");
     let systems = [
         (LIFT, "cores 2; policy fifo;", "lock"),
@@ -187,7 +188,7 @@ fn what_holds_needs_no_repair_and_without_patience_nothing_is_tried() {
     });
 }
 
-/// A change has to repair everything that fails, not only what is nearest.
+/// A change must repair all failures, not only the nearest one.
 #[test]
 fn a_change_that_repairs_one_of_two_tasks_is_none() {
     let two = LIFT.replace(

@@ -1,11 +1,11 @@
-//! What is found beside an exploration in order of time: failures, and times without a bound.
+//! Results of strategies other than breadth-first search: failures, and times without a bound.
 
 use dotgen_timing::property::PropertyKind;
 
 use super::*;
 
 /// Processes that exclude each other by time alone, after Fischer's protocol, with a wait that is too short:
-/// who claims interrupts the claims of the others, but one that may still be made is not interrupted.
+/// a claim interrupts the claims of the others, but a claim that may still be made is not interrupted.
 pub(crate) fn too_short_a_wait(processes: usize) -> (UnitResult, String) {
     let all = || 1..=processes;
     let of = |i: usize| {
@@ -56,7 +56,7 @@ fn what_fails_at_a_crowded_moment_is_found_soon_and_in_few_steps() {
         assert_eq!(parsed.errors, []);
         let report = verify(&input, &parsed.scenario, &options, &Cancel::default());
         assert_eq!(report.checks[0].verdict, Verdict::Refuted, "{processes}");
-        // It takes time to write and to wait once, with two processes; others need not do anything.
+        // The failure needs one write and one wait of two processes; the others need not act.
         let run = &report.checks[0].counterexample;
         let inside = run.iter().filter(|it| it.what.contains(".cs begins"));
         assert_eq!(inside.count(), 2, "{processes}");
@@ -85,7 +85,7 @@ fn a_number_of_cores_is_refuted_at_a_crowded_moment() {
     assert_eq!(found.tried[0], (1, Verdict::Refuted), "{found:?}");
 }
 
-/// Tasks that cannot all have the core, with nobody to say who is next.
+/// Tasks that cannot all have the core, with no defined order.
 fn overload(tasks: usize) -> (UnitResult, String) {
     let of = |i: usize| {
         format!(

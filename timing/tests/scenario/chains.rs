@@ -1,4 +1,4 @@
-//! Checks of chains, and of responses one after the other, against values that were worked out by hand.
+//! Checks of chains, and of sequences of responses, against values that were worked out by hand.
 
 use dotgen_timing::property::PropertyKind;
 use dotgen_timing::report::{Report, Value, Verdict};
@@ -8,7 +8,8 @@ use dotgen_timing::verify::{Cancel, Options, SystemInput, prepare, verify};
 
 use super::load;
 
-/// A sensor every 10 ms, and a filter every 20 ms that goes two ways about it: at once, or by its data.
+/// A sensor every 10 ms, and a filter every 20 ms with two paths of the data: at once, or through its own
+/// data.
 const TWO: &str = r#"
 typedef long number;
 component sensor {
@@ -54,8 +55,9 @@ fn values(report: &Report) -> Vec<(Verdict, Option<Value>)> {
 
 #[test]
 fn reaction_and_age_are_those_worked_out_by_hand() {
-    // The sensor writes at 11, 21, 31, …; the filter reads at 20, 40, … and writes at 22, 42, …. What is
-    // written at 21 comes out at 42; what came out at 22 was written at 11, and is visible until 42.
+    // The sensor writes at 11, 21, 31, …; the filter reads at 20, 40, … and writes at 22, 42, …. The datum
+    // written at 21 comes out at 42. The datum that came out at 22 was written at 11, and is visible until
+    // 42.
     let report = two(
         Preset::Servers,
         "durations fixed; check reaction sensor.raw -> filter.clean; check age sensor.raw -> filter.clean;
@@ -68,7 +70,7 @@ fn reaction_and_age_are_those_worked_out_by_hand() {
             (Verdict::Proved, time(21.0)),
             (Verdict::Proved, time(31.0)),
             (Verdict::Refuted, time(21.0)),
-            // Visible until the next is written.
+            // Visible until the next write.
             (Verdict::Proved, time(10.0)),
         ]
     );
@@ -87,7 +89,8 @@ fn reaction_and_age_are_those_worked_out_by_hand() {
 fn an_input_that_nobody_writes_is_new_at_any_moment() {
     let items = "durations fixed; connect filter.raw to none;
          check reaction filter.raw -> filter.clean; check age filter.raw -> filter.clean;";
-    // Just after the filter has read at 20 until it writes at 42; read at 20, and visible until 42.
+    // Reaction: from just after the filter has read at 20 until it writes at 42. Age: read at 20, and visible
+    // until 42.
     let report = two(Preset::Servers, items);
     let time = |it| (Verdict::Proved, Some(Value::Time(it)));
     assert_eq!(values(&report), [time(22.0), time(22.0)]);
@@ -98,8 +101,7 @@ fn an_input_that_nobody_writes_is_new_at_any_moment() {
 
 #[test]
 fn shorter_durations_make_older_data() {
-    // Written at 10 at the earliest and at 21 at the latest; read at 20, or at 40 and written at 42 at the
-    // latest.
+    // Written between 10 and 21; read at 20, or at 40 and written at 42 at the latest.
     let report = two(
         Preset::Servers,
         "check reaction sensor.raw -> filter.clean; check age sensor.raw -> filter.clean;",

@@ -5,7 +5,7 @@ use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 
 use crate::{ROBOT, load};
 
-/// The codes that a scenario over a specification gets.
+/// Returns the codes for a scenario over a specification.
 fn found(specification: &str, scenario: &str) -> Vec<&'static str> {
     let unit = load(specification);
     let parsed = parse(scenario);
@@ -20,7 +20,7 @@ fn found(specification: &str, scenario: &str) -> Vec<&'static str> {
     report.diagnostics.iter().map(|error| error.code).collect()
 }
 
-/// The codes of reading the files of a scenario, which the layer above reports.
+/// Codes of file access, which the layer above reports.
 const OF_FILES: [&str; 2] = ["scn-no-use", "scn-use-not-found"];
 
 #[test]

@@ -1,5 +1,5 @@
-//! What is found besides the answers: codels that keep others waiting, requests that end each other, loops;
-//! and what an answer is worth under preemption.
+//! Findings besides the answers: codels that block others, requests that end each other, loops; and the
+//! soundness of answers under preemption.
 
 use dotgen_timing::diagnostic::remark::Remark;
 use dotgen_timing::report::{Report, Soundness, Value, Verdict};
@@ -58,7 +58,7 @@ fn a_request_that_can_only_be_refused_is_found() {
         missing("send c.go; send c.init;"),
         ["c.go: c.init", "c.init: c.power"]
     );
-    // In which order does not matter here: it may be requested again.
+    // Their order does not matter: the request may be repeated.
     assert!(missing("send c.go; send c.init; send c.power;").is_empty());
     assert_eq!(missing("send c.reset;"), ["c.reset: c.reset"]);
     assert!(missing("send c.power;").is_empty());
@@ -66,8 +66,8 @@ fn a_request_that_can_only_be_refused_is_found() {
     assert!(remarks(&report(specification, off)).is_empty());
 }
 
-/// A permanent activity that goes round without a pause has a first cycle that never ends: "schedulable"
-/// would be true of nothing at all.
+/// A permanent activity that loops without a pause has a first cycle that never ends: "schedulable" would
+/// hold for no job at all.
 #[test]
 fn a_loop_without_pause_has_nothing_to_verify() {
     let specification = |yields: &str| {
@@ -94,7 +94,7 @@ fn a_loop_without_pause_has_nothing_to_verify() {
         );
     }
     assert!(found.nothing());
-    // Other tasks of the component are verified, and so is this one when it can pause.
+    // Other tasks of the component are verified, and so is this task if it can pause.
     let others = found.checks.iter().filter(|it| it.of == "c.u");
     assert!(others.map(|it| it.verdict).all(|it| it == Verdict::Proved));
     let pausing = report(&specification("pause::start"), "check response c.t;");
@@ -125,12 +125,12 @@ fn who_is_behind_the_head_of_the_lock_queue_is_told_for_how_long() {
              for example by a `local` copy"
         )
     );
-    // It does miss it.
+    // The deadline is missed.
     let late = found.checks.iter().find(|it| it.of == "c.fast");
     assert_eq!(late.map(|it| it.verdict), Some(Verdict::Refuted));
-    // Without a queue nobody waits for what he shares nothing with.
+    // Without a queue a codel does not wait for codels with which it shares nothing.
     assert!(remarks(&report(QUEUE, "locks free; check schedulable *;")).is_empty());
-    // Without anybody at the head nobody is behind it.
+    // Without a codel at the head, none is behind it.
     let alone = QUEUE.replace("b(in map)", "b()");
     assert!(remarks(&report(&alone, "check schedulable *;")).is_empty());
 }
@@ -188,7 +188,7 @@ fn restarts_that_end_each_other_are_told_when_they_can() {
             .any(|it| it.contains("interrupt each other"))
     };
     assert!(told("send c.s; delay 25 ms; send c.s; send c.s;"));
-    // Once the first one has ended the next may come.
+    // After the end of the first instance the next one may come.
     assert!(!told(
         "send c.s; delay 25 ms; send c.s; delay 25 ms; send c.s;"
     ));
@@ -231,11 +231,11 @@ fn under_preemption_intervals_have_bounds_and_say_so() {
     let of = |name: &'static str| found.checks.iter().filter(move |it| it.of == name);
     for it in of("c.hi").chain(of("d.lo")) {
         assert_eq!(it.verdict, Verdict::Proved, "{it:?}");
-        // By analysis, which holds for any time.
+        // Answers of analysis hold for any time.
         let worth = [Soundness::Exact, Soundness::UpperBound];
         assert!(worth.contains(&it.soundness), "{it:?}");
     }
-    // Preempted once, by 2 ms, it takes 7 ms; the bound counts what may have been carried in.
+    // Preempted once, by 2 ms, it takes 7 ms; the bound includes possible carry-in.
     let response = of("d.lo").find(|it| it.value.is_some()).expect("a value");
     assert!(matches!(response.value, Some(Value::Time(it)) if (7.0..40.0).contains(&it)));
     assert_eq!(response.soundness, Soundness::UpperBound);
@@ -245,13 +245,13 @@ fn under_preemption_intervals_have_bounds_and_say_so() {
             .as_ref()
             .is_some_and(|it| it.contains("7 ms is reached"))
     );
-    // What was only explored holds for whole units.
+    // Answers of exploration hold for whole units.
     let explored = of("c.hi.idle or c.hi.running").next().expect("an answer");
     assert_eq!(
         (explored.verdict, explored.soundness),
         (Verdict::Proved, Soundness::WholeUnits)
     );
-    // With fixed durations nothing of this is needed, and there is a run, with its preemption.
+    // With fixed durations there is no such restriction, and there is a run, with its preemption.
     let fixed = report(
         PRIORITIES,
         "cores 1; policy priority; durations fixed; check response *;",

@@ -1,4 +1,4 @@
-//! The scenario language: what is read, recovered from, formatted and resolved.
+//! The scenario language: parsing, recovery, formatting and resolution.
 
 use dotgen_timing::scn::names::{Names, Target};
 use dotgen_timing::scn::{default_text, format, parse, parse_check};
@@ -63,7 +63,7 @@ fn formatting_keeps_comments_and_is_stable() {
     let formatted = format(text).unwrap();
     insta::assert_snapshot!(formatted);
     assert_eq!(format(&formatted).as_ref(), Some(&formatted));
-    // Where a long check is broken, it stays so.
+    // Line breaks of a long check are kept.
     let long = "scenario x {\n  check stop: within a.b\n    => c.d\n    then e.f\n    or g.h <= 5 ms;\n}\n";
     assert_eq!(format(long).as_deref(), Some(long));
     let other = long.replace("\n    ", "\n\n       ").replace("<=", "\n<=");

@@ -28,7 +28,7 @@ use dotgen_timing::system::build::build;
 use dotgen_timing::system::settings::Settings;
 use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 
-/// What these tests say is about the published models.
+/// The options of these tests: the published models.
 fn published() -> Options {
     Options {
         semantics: Some(Preset::Published),
@@ -40,7 +40,7 @@ fn load(text: &str) -> UnitResult {
     unit(text).expect("a specification without errors")
 }
 
-/// A sensor that writes what a controller reads; both also log.
+/// A sensor that writes the data that a controller reads; both also log.
 const ROBOT: &str = r#"
 typedef long scan_data;
 component sensor {
@@ -108,7 +108,7 @@ fn one_core_makes_the_fast_task_late() {
     insta::assert_snapshot!(runs_in_words(&report));
 }
 
-/// The counterexamples line by line, and why the jobs at their ends are late.
+/// Returns the counterexamples line by line, with the causes of the late jobs.
 fn runs_in_words(report: &Report) -> String {
     let mut out = String::new();
     for it in &report.checks {
@@ -138,7 +138,7 @@ fn runs_in_words(report: &Report) -> String {
     out
 }
 
-/// One activity that takes long, one that is soon over, and one that nobody requests.
+/// A long activity, a short one, and one without requests.
 const JOBS: &str = r#"
 component c {
   version "1"; lang "c";
@@ -149,7 +149,7 @@ component c {
 };
 "#;
 
-/// Where the counterexample of the only check ends, and its value.
+/// Returns the end of the counterexample of the only check, and its value.
 fn excess(check: &str) -> (f64, Option<Value>) {
     let unit = load(JOBS);
     let text = format!(
@@ -175,15 +175,15 @@ fn excess(check: &str) -> (f64, Option<Value>) {
 
 #[test]
 fn a_counterexample_ends_when_the_limit_is_exceeded_first() {
-    // The quick activity is over at 8 ms, before the end of the slow one at 11 ms is looked at.
+    // The quick activity is over at 8 ms, before the exploration reaches the end of the slow one at 11 ms.
     let time = |it| Some(Value::Time(it));
     assert_eq!(excess("response c.t <= 4 ms"), (6.0, time(10.0)));
     assert_eq!(excess("response c.t <= 6 ms"), (8.0, time(10.0)));
-    // After the quick one nothing ever happens: that is known while the slow one still runs.
+    // No event follows the quick activity: that is known while the slow one still runs.
     let within = "within c.t.running => c.other.run";
     let unbounded = Some(Value::Unbounded);
     assert_eq!(excess(&format!("{within} <= 4 ms")), (6.0, unbounded));
-    // Beyond that a run that exceeds the limit is shown, not the shortest.
+    // Beyond that, a run that exceeds the limit is shown, but not the shortest one.
     assert_eq!(excess(&format!("{within} <= 2 s")), (2004.0, unbounded));
 }
 
@@ -297,7 +297,7 @@ fn derived_questions() {
     let cores = minimum_cores(&input, &scenario, &options, &cancel).unwrap();
     assert_eq!(cores.cores, Some(2));
     assert_eq!(cores.tried, [(1, Verdict::Refuted), (2, Verdict::Proved)]);
-    // The port is held 3 ms by the other side: 3 + 1 < 5 with nothing to spare.
+    // The other component holds the port for 3 ms: 3 + 1 < 5 with nothing to spare.
     let slack = largest_wcet(
         &input,
         &scenario,
@@ -366,7 +366,7 @@ fn analysis_answers_what_exploration_has_to_give_up() {
     options.limits.states = 1;
     let report = verify(&input, &scenario, &options, &Cancel::default());
     insta::assert_snapshot!(checks_in_words(&report));
-    // What needs no exploration takes none.
+    // A check that needs no exploration takes no states.
     let scenario =
         parse(&text.replace("check response calm.t; check response calm.t <= 2 ms;", ""));
     let report = verify(&input, &scenario.scenario, &options, &Cancel::default());
@@ -385,7 +385,7 @@ fn what_fails_without_requests_is_found_whatever_clients_may_do() {
     };
     let text = "scenario x { client k { repeat * { delay [0, *] ms; send calm.work; } }
       check schedulable calm.t; }";
-    // Every order of requests would be followed first.
+    // Every order of requests would be explored first.
     let mut options = published();
     options.limits.states = 500;
     let report = verify(&input, &parse(text).scenario, &options, &Cancel::default());
@@ -435,7 +435,7 @@ fn what_fails_after_one_request_is_found_whatever_clients_may_do() {
         .filter(|it| it.contains("request"))
         .collect();
     assert_eq!(requests, ["takes the request calm.slow of client k"]);
-    // Not all of it could be explored: this is what was seen.
+    // The exploration was incomplete: this value is the greatest seen.
     let note = response.note.as_deref().unwrap_or_default();
     assert!(note.contains("is reached"), "{}", checks_in_words(&report));
 }
@@ -571,7 +571,7 @@ fn what_fails_with_rounded_durations_only_may_be_a_false_alarm() {
         (Verdict::Refuted, Soundness::Safe)
     );
     assert!(late.rounded && late.counterexample.is_empty() && !late.possible_run.is_empty());
-    // With more runs than there are the limit holds all the same.
+    // Rounding adds runs, and the limit holds all the same.
     assert_eq!((bounded.verdict, bounded.rounded), (Verdict::Proved, true));
     assert_eq!(
         report.notes,
@@ -628,7 +628,7 @@ fn without_execution_times_nothing_is_proved() {
             "{note}"
         );
     }
-    // What is not about times is answered.
+    // Checks that do not depend on times are answered.
     assert_ne!(predicate[0].verdict, Verdict::Nothing);
     assert!(report.nothing());
 }

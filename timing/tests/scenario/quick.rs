@@ -1,4 +1,4 @@
-//! Quick bounds: what response-time analysis knows at once.
+//! Quick bounds by response-time analysis.
 
 use dotgen_timing::analytic::response_bounds;
 use dotgen_timing::scn::names::Names;
@@ -9,7 +9,7 @@ use dotgen_timing::system::settings::Settings;
 
 use super::{ROBOT, load};
 
-/// Bounds on the response times of all tasks, in base units.
+/// Returns bounds on the response times of all tasks, in base units.
 fn bounds(specification: &str, scenario: &str) -> String {
     let unit = load(specification);
     let names = Names::new(&[&unit.spec]);
@@ -55,8 +55,8 @@ component pair {
 
 #[test]
 fn of_a_task_that_keeps_its_deadlines_the_rest_of_one_job_is_in_the_way() {
-    // Not two jobs of the filter: the next one comes too late for that. Nor its start-up, which is over by
-    // then.
+    // Not two jobs of the filter: the next one comes too late. Its start-up does not count either, because it
+    // is over by then.
     insta::assert_snapshot!(bounds(PAIR, ""), @r"
     pair.io 8
     pair.filter 7
@@ -65,7 +65,7 @@ fn of_a_task_that_keeps_its_deadlines_the_rest_of_one_job_is_in_the_way() {
 
 #[test]
 fn a_task_that_may_be_late_can_have_a_second_job_at_once() {
-    // One carried in, one on a pending tick, and those released meanwhile; of `io`, which is late then, the
+    // One carried in, one on a pending tick, and those released meanwhile; for `io`, which is late then, the
     // same three.
     let late = PAIR.replace("wcet 6 ms", "wcet 9 ms");
     insta::assert_snapshot!(bounds(&late, ""), @r"
@@ -95,7 +95,7 @@ fn activities_that_are_awaited_do_not_come_together() {
     };
     let go = "send arm.go;";
     let grasp = "send arm.grasp;";
-    // All slots, two of each.
+    // All slots: two instances of each.
     assert_eq!(client(&format!("{go} {grasp}")), "arm.move 18\n");
     let one = format!("{go} await ended; {grasp} await ended;");
     assert_eq!(client(&one), "arm.move 5\n");
@@ -103,19 +103,19 @@ fn activities_that_are_awaited_do_not_come_together() {
     assert_eq!(client(&either), "arm.move 5\n");
     let both = format!("{go} {grasp} await ended arm.go; await ended arm.grasp;");
     assert_eq!(client(&both), "arm.move 9\n");
-    // Nobody waits for `grasp`, so there will be two of it.
+    // The end of `grasp` is not awaited, so there can be two instances.
     assert_eq!(
         client(&format!("{go} await ended; {grasp}")),
         "arm.move 14\n"
     );
-    // Of two clients each can have one.
+    // Each of two clients can have one.
     let two = format!("client c {{ repeat * {{ {one} }} }} client d {{ {go} }}");
     assert_eq!(bounds(ACTIVITIES, &two), "arm.move 9\n");
     let two = format!("slots arm.go 1; {two}");
     assert_eq!(bounds(ACTIVITIES, &two), "arm.move 9\n");
 }
 
-/// A task that never gives its core back, and two others.
+/// A task that never releases its core, and two others.
 const ENDLESS: &str = r#"
 component bus {
   version "1"; lang "c";
@@ -140,8 +140,8 @@ component bus {
 
 #[test]
 fn who_works_for_ever_is_in_the_way_until_the_next_break() {
-    // `fast` waits for one `read`, as the line is free for a millisecond then; but that can pass eight times
-    // while `slow` is at work.
+    // `fast` waits for one `read`, as the line is free for a millisecond then; but that free time can pass
+    // eight times while `slow` is at work.
     let scenario = "duration bus.comm.poll [1,*] ms; loop once bus.comm;";
     insta::assert_snapshot!(bounds(ENDLESS, scenario), @r"
     bus.comm -

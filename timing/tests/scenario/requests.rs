@@ -1,4 +1,4 @@
-//! Requests that every component understands, and how requests end.
+//! Requests that every component accepts, and outcomes of requests.
 
 use dotgen_timing::report::{Report, Value, Verdict};
 use dotgen_timing::scn::complete::{Completions, complete};
@@ -36,7 +36,7 @@ fn report(items: &str) -> Report {
     verify(&input, &parsed.scenario, &options, &cancel)
 }
 
-/// Verdicts and times, in order.
+/// Returns verdicts and times, in order.
 fn answers(items: &str) -> Vec<(Verdict, Option<Value>)> {
     let report = report(items);
     assert!(!report.has_errors(), "{:?}", report.diagnostics);
@@ -88,7 +88,7 @@ fn nobody_takes_requests_of_a_component_that_has_ended() {
 
 #[test]
 fn an_abort_interrupts_the_last_instance_or_the_one_of_a_label() {
-    // The first instance is that of the label: two run, one is aborted, and the other goes on.
+    // The label stands for the first instance: two run, one is aborted, and the other continues.
     let found = verdicts(
         "client k { one: send r.walk; send r.cut; delay 25 ms; abort one; delay 40 ms; }
          check stopped: reachable r.walk.stop.exec;
@@ -134,8 +134,8 @@ fn what_is_cut_for_want_of_a_stop_codel_has_failed() {
 
 #[test]
 fn connecting_waits_at_the_head_of_the_queue_and_everybody_behind_it() {
-    // The first codel of `u` executes from 10 ms to 11 ms, as that of `t`; the request comes in between or
-    // before. Nothing is shared: without the request nobody waits.
+    // The first codel of `u` executes from 10 ms to 11 ms, like that of `t`; the request comes in between or
+    // before. The codels share nothing: without the request there is no wait.
     let waits = |request: &str| {
         let items = format!(
             "durations interval; duration r.t.start [5,5] ms;

@@ -1,4 +1,4 @@
-//! What is told before the end: answers as they are found.
+//! Intermediate reports: answers as they are found.
 
 use std::sync::Mutex;
 
@@ -6,8 +6,7 @@ use dotgen_timing::verify::{Interrupt, verify_telling};
 
 use super::*;
 
-/// A robot, and a lamp that has nothing to do with it and is answered by analysis; the checks of the robot
-/// come first.
+/// A robot, and an independent lamp that analysis answers; the checks of the robot come first.
 const LAMP: &str = r#"
 component lamp {
   version "1"; lang "c";
@@ -16,7 +15,7 @@ component lamp {
 };
 "#;
 
-/// Clients that may do anything at any time are taken in stages.
+/// Clients that may send any request at any time are explored in stages.
 const ALL: &str =
     "client k { delay [0, *] ms; send sensor.record; delay [0, *] ms; send sensor.reset; }
   check response sensor.acquire <= 2 ms; check schedulable *; check no-overdue *; check response *;
@@ -24,7 +23,7 @@ const ALL: &str =
   check leadsto sensor.record.run => sensor.record.void; check eventually control.move;
   check response lamp.blink; check schedulable lamp.blink;";
 
-/// What is told of a system with a lamp, and the report in the end.
+/// Returns the intermediate reports of a system with a lamp, and the final report.
 fn told(items: &str, options: &Options, cancel: &Cancel) -> (Vec<Report>, Report) {
     let unit = load(&format!("{ROBOT}{LAMP}"));
     let input = SystemInput {
@@ -38,7 +37,7 @@ fn told(items: &str, options: &Options, cancel: &Cancel) -> (Vec<Report>, Report
     (told.into_inner().unwrap(), report)
 }
 
-/// An answer with all that belongs to it.
+/// Returns an answer with all its parts.
 fn whole(it: &CheckReport) -> String {
     serde_json::to_string(it).unwrap()
 }
@@ -70,7 +69,7 @@ fn an_answer_that_was_told_is_final_and_the_same_as_without_telling() {
         for (i, now) in told.iter().enumerate() {
             assert_eq!(now.checks.len(), last.checks.len());
             assert_eq!(now.assumptions, last.assumptions);
-            // Each time there is more; at first perhaps nothing but what is asked.
+            // Each report has more answers; the first may have none.
             assert!(now.answered() > answered || i == 0, "told for nothing");
             answered = now.answered();
             for (it, last) in now.checks.iter().zip(&last.checks) {
@@ -145,7 +144,7 @@ fn what_was_interrupted_says_so_and_the_rest_stands() {
 
 #[test]
 fn a_run_that_there_is_no_time_for_is_left_out() {
-    // This is seen before the first look at the clock, and then it is too late.
+    // This is seen before the first poll of the clock, and then it is too late.
     let check = "check reachable control.move.idle; check always not control.move.idle;";
     let (_, report) = told(check, &published(), &Cancel::default());
     assert!(report.checks.iter().all(|it| it.note.is_none()));
@@ -210,7 +209,7 @@ fn what_was_caught_beside_an_exploration_is_told_while_it_goes_on() {
         [Verdict::Unknown, Verdict::Refuted],
     ];
     assert_eq!(all, expected);
-    // Long before the end, and no longer than it has to be all the same.
+    // Reported long before the end, and the counterexample is nevertheless the shortest one.
     assert!(
         2 * told[1].states < last.states,
         "{} of {}",

@@ -1,4 +1,4 @@
-//! What is proved because nothing happens is said to be.
+//! Vacuous answers: checks that hold only because nothing happens are marked.
 
 use dotgen_timing::report::{CheckReport, Verdict};
 use dotgen_timing::scn::parse;
@@ -6,7 +6,7 @@ use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 
 use crate::load;
 
-/// `poll` never gives its core back.
+/// `poll` never releases its core.
 const BUSY: &str = "component c {
   version \"1\"; lang \"c\";
   task poll { codel<start> p() yield start, wait wcet 1 ms; codel<wait> w() yield start wcet 1 ms; };
@@ -62,7 +62,7 @@ fn what_holds_of_tasks_that_are_never_released_is_vacuous() {
     assert!(found.iter().all(|it| !it.vacuous), "{found:?}");
 }
 
-/// That something never happens is a claim of its own; so is what holds for another reason.
+/// A claim that something never happens is not vacuous; nor is a check that holds for another reason.
 #[test]
 fn what_claims_that_something_never_happens_is_not_vacuous() {
     let found = checks(
@@ -76,8 +76,8 @@ fn what_claims_that_something_never_happens_is_not_vacuous() {
     );
 }
 
-/// Also where analysis alone has a bound: `t` would go first, but is started only after `low`, which `high`
-/// keeps from the core for ever.
+/// Also if only analysis has a bound: `t` would go first, but is started only after `low`, which `high` keeps
+/// from the core for ever.
 #[test]
 fn a_bound_of_analysis_proves_nothing_of_a_task_without_jobs() {
     let unit = load(

@@ -1,37 +1,34 @@
-//! Which of several simultaneous actions are followed first: the partial-order reduction within one
-//! moment.
+//! Ample sets: the partial-order reduction within one moment.
 //!
-//! Where actions commute, following them in one order is enough. A set of actions of a state is
-//! *ample* if (1) whatever else can happen before one of them, at this moment, commutes with all of
-//! them and leaves them possible; (2) one of them has to happen at this moment; (3) nothing that is
-//! observed changes by them; (4) they cannot happen for ever without time passing. Then only the
-//! ample set is followed. (These are the conditions of persistent and ample sets: D. Peled,
-//! *Combining partial order reductions with on-the-fly model-checking*, CAV 1994.) As time waits for
-//! urgent actions, "at this moment" ends any path to be considered.
+//! Where actions commute, following them in one order is enough. A set of actions of a state is *ample* if
+//! (1) every action that can happen before one of them, at this moment, commutes with all of them and leaves
+//! them possible; (2) one of them has to happen at this moment; (3) none of them changes anything observed;
+//! (4) they cannot happen for ever without time passing. Then only the ample set is followed. (These are the
+//! conditions of persistent and ample sets: D. Peled, *Combining partial order reductions with on-the-fly
+//! model-checking*, CAV 1994.) As time waits for urgent actions, "at this moment" ends any path to be
+//! considered.
 //!
-//! Four kinds of ample sets are looked for. All concern *plain* tasks: no activities, no kept ticks,
-//! no separate threads, past their start-up, so that neither control tasks nor clients have to do
-//! with them.
+//! There are four kinds of ample sets. All concern *plain* tasks: tasks past their start-up, without
+//! activities, kept ticks or separate threads, so that neither control tasks nor clients interact with them.
 //!
-//! * **A tick** of a task that is idle, if it gets a core whatever happens before (no limit, or more
-//!   free cores than tasks that can ask at this moment).
+//! * **A tick** of an idle task, if the task gets a core whatever happens before: there is no limit on cores,
+//!   or there are more free cores than tasks that can ask at this moment.
 //! * **All ticks** that are due, under FIFO, if no other task can ask for a core at this moment. The order of
-//!   ticks matters, so all of them are in the set; giving a core back commutes with a tick: the queue is the
-//!   same, and its head is granted, whichever comes first. A task that has nothing to do delays nobody, so it
-//!   is enough that its own tick comes last, which makes it wait longest. (Unless its response time is
-//!   measured: after a miss the next job would be measured from a later moment.)
-//! * **The end** of a codel whose window is over. It only gives locks back, which nobody else can do,
-//!   and begins to wait for the next ones. If it can end the cycle, no tick of the same task may be
-//!   due (the order of those two is what `schedulable` is about). If somebody can be waiting for the
-//!   core then, this needs FIFO for the same reason as ticks; and all who can be waiting must be plain
-//!   and not have their own tick due, as a job with nothing to do ends in the step that grants its
-//!   core.
-//! * **Acquisitions** of codels that exclude each other, if nobody else can want any of their locks
-//!   at this moment.
+//!   ticks matters, so all of them are in the set. Giving a core back commutes with a tick: the queue is the
+//!   same, and its head is granted, whichever comes first. A task that has nothing to do delays no other
+//!   task, so it is enough that its own tick comes last, which makes it wait longest. (Unless its response
+//!   time is measured: after a miss the next job would be measured from a later moment.)
+//! * **The end** of a codel whose window is over. It only releases locks, which no other executor can do, and
+//!   begins to wait for the next ones. If it can end the cycle, no tick of the same task may be due, because
+//!   their order matters for `schedulable`. If another task can be waiting for the core then, this needs FIFO
+//!   for the same reason as ticks; and all tasks that can be waiting must be plain and not have their own
+//!   tick due, as a job with nothing to do ends in the step that grants its core.
+//! * **Acquisitions** of codels that exclude each other, if no other executor can want any of their locks at
+//!   this moment.
 //!
 //! Clients and activities have ample sets of their own, see [`requests`].
 //!
-//! None of this with locks in order of arrival, where every request for a lock counts.
+//! With locks in order of arrival there are no ample sets, because every request for a lock counts.
 
 mod requests;
 
@@ -64,7 +61,7 @@ impl Reduction<Published<'_>> for Ample {
 }
 
 impl Ample {
-    /// Why requests have no ample sets of their own.
+    /// Returns the reason why requests have no ample sets of their own.
     pub(super) fn without_requests(&self) -> Option<Reason> {
         self.requests.off
     }
@@ -95,7 +92,7 @@ impl Ample {
     }
 }
 
-/// One state, and what can happen in it before time passes.
+/// One state, with the actions that can happen in it before time passes.
 struct AmpleState<'m, 's> {
     ample: &'m Ample,
     facts: &'m Facts,
@@ -152,7 +149,7 @@ impl AmpleState<'_, '_> {
         self.rules.system
     }
 
-    /// Its timer has come to the end.
+    /// Returns true if the timer of a task has expired.
     fn due(&self, task: usize) -> bool {
         let it = &self.system().tasks[task];
         it.period.is_some_and(|period| {
@@ -161,7 +158,7 @@ impl AmpleState<'_, '_> {
         })
     }
 
-    /// Past its start-up.
+    /// Returns true if the start-up of a task is over.
     fn started_up(&self, task: usize) -> bool {
         let l = self.layout();
         let permanent = self.system().tasks[task].permanent;
@@ -169,12 +166,12 @@ impl AmpleState<'_, '_> {
             && permanent.is_none_or(|a| matches!(l.mode(self.s, a), mode::NORMAL | mode::ENDED))
     }
 
-    /// A plain task past its start-up.
+    /// Returns true for a plain task past its start-up.
     fn settled(&self, task: usize) -> bool {
         self.facts.plain[task] && self.started_up(task)
     }
 
-    /// A settled task whose tick will be taken as soon as it comes.
+    /// Returns true for a settled task that takes its tick as soon as it comes.
     fn ready(&self, task: usize) -> bool {
         self.settled(task)
             && !self.facts.visible.tasks[task]
@@ -182,7 +179,7 @@ impl AmpleState<'_, '_> {
             && !self.layout().pending(self.s, task)
     }
 
-    /// Whether a task that is not due can ask for a core at this moment.
+    /// Returns true if a task that is not due can ask for a core at this moment.
     fn may_ask(&self, task: usize) -> bool {
         let l = self.layout();
         if !self.system().needs_core(task) || self.due(task) {
@@ -202,7 +199,7 @@ impl AmpleState<'_, '_> {
                 .is_some_and(|a| l.mode(self.s, a) != mode::ENDED)
     }
 
-    /// Nobody has to wait for a core at this moment, whatever happens.
+    /// Returns true if no task has to wait for a core at this moment, whatever happens.
     fn cores_for_all(&self) -> bool {
         let Some(cores) = self.system().platform.cores else {
             return true;
@@ -247,8 +244,8 @@ impl AmpleState<'_, '_> {
         !out.is_empty()
     }
 
-    /// Whether the jobs of a plain task end as soon as they get a core, and nobody measures how long that
-    /// takes.
+    /// Returns true if the jobs of a plain task end as soon as they get a core, and their response time is
+    /// not measured.
     fn has_nothing_to_do(&self, task: usize) -> bool {
         let permanent = self.system().tasks[task].permanent;
         !self.facts.measured[task]
@@ -279,8 +276,8 @@ impl AmpleState<'_, '_> {
             && (self.cores_for_all() || self.hand_over_commutes())
     }
 
-    /// Whether a core given back now can as well be given back later at this moment. Whoever gets it
-    /// may end in the same step: its activities must not change meanwhile, nor its tick come.
+    /// Returns true if a core released now could as well be released later at this moment. The next task to
+    /// get the core may end in the same step: its activities must not change meanwhile, nor its tick come.
     fn hand_over_commutes(&self) -> bool {
         let l = self.layout();
         self.system().platform.policy == Policy::Fifo
@@ -293,7 +290,7 @@ impl AmpleState<'_, '_> {
             })
     }
 
-    /// Acquisitions of `first` and of whoever competes with it.
+    /// Writes the acquisitions of `first` and of all executors that compete with it.
     fn acquisitions(&self, first: usize, out: &mut Vec<Action>) -> bool {
         out.clear();
         let mut members = vec![first];
@@ -338,8 +335,8 @@ impl AmpleState<'_, '_> {
         automaton.is_some_and(|it| it.task == task)
     }
 
-    /// Whether an acquisition by this executor changes nothing that is observed, and cannot be repeated for
-    /// ever in no time.
+    /// Returns true if an acquisition by this executor changes nothing that is observed, and cannot be
+    /// repeated for ever in no time.
     fn may_acquire_alone(&self, executor: usize) -> bool {
         match self.system().automata.get(executor) {
             Some(it) if it.service.is_none() => {
@@ -349,7 +346,7 @@ impl AmpleState<'_, '_> {
         }
     }
 
-    /// Whether a task can want a lock of `codel` at this moment.
+    /// Returns how a task can want a lock of `codel` at this moment.
     fn rivalry(&self, task: usize, codel: usize) -> Rivalry {
         let l = self.layout();
         if !self.facts.plain[task] && !self.task_may_want(task, codel) {
@@ -379,7 +376,7 @@ impl AmpleState<'_, '_> {
                             .actions
                             .contains(&Action::Acquire { executor: a });
                         if here.is_some_and(|it| conflicts.contains(it)) {
-                            // What comes after belongs to states after the set.
+                            // Later actions belong to states after the set.
                             if now { Rivalry::Now(a) } else { Rivalry::Later }
                         } else if later {
                             Rivalry::Later
@@ -396,10 +393,10 @@ impl AmpleState<'_, '_> {
 }
 
 enum Rivalry {
-    /// It cannot.
+    /// The task cannot want it.
     None,
-    /// This executor of it can take one now.
+    /// This executor of the task can take one now.
     Now(usize),
-    /// Perhaps after something else.
+    /// The task may want it after another action.
     Later,
 }

@@ -1,38 +1,37 @@
-//! What is known beforehand about the tasks of a system, and about what is asked: several reductions build on
-//! it.
+//! Static facts about the tasks of a system, and about the watched properties. Several reductions use them.
 
 use super::Watched;
 use crate::property::Atom;
 use crate::system::{CodelSet, Machine, TimedSystem, Yield};
 
-/// What predicates say something about.
+/// The parts of a system that predicates observe.
 #[derive(Debug)]
 pub(crate) struct Visible {
-    /// These tasks.
+    /// Observed tasks.
     pub(super) tasks: Vec<bool>,
-    /// Some control task or client.
+    /// Some control task or client is observed.
     pub(super) others: bool,
-    /// The same in more detail.
+    /// Observed parts in more detail.
     pub(super) parts: Parts,
 }
 
 /// Parts of a system.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Parts {
-    /// Tasks: whether they run.
+    /// Tasks whose status is observed.
     pub(super) statuses: Vec<bool>,
-    /// State machines: where they are.
+    /// State machines whose state is observed.
     pub(super) machines: Vec<bool>,
-    /// Services: what is in their slots.
+    /// Services whose slots are observed.
     pub(super) slots: Vec<bool>,
-    /// Clients: where they are.
+    /// Clients whose step is observed.
     pub(super) clients: Vec<bool>,
-    /// Control tasks: what they do.
+    /// Control tasks whose step is observed.
     pub(super) controls: Vec<bool>,
 }
 
 impl Visible {
-    /// What these predicates say something about.
+    /// Returns the parts that these predicates observe.
     pub(crate) fn new<'p>(
         system: &TimedSystem,
         predicates: impl Iterator<Item = &'p crate::property::Predicate>,
@@ -81,29 +80,29 @@ impl Visible {
     }
 }
 
-/// What is known beforehand about the tasks of a system.
+/// Static facts about the tasks of a system.
 #[derive(Debug)]
 pub(crate) struct Facts {
-    /// Nothing to do with control tasks, clients or separate threads.
+    /// Tasks without interaction with control tasks, clients or separate threads.
     pub(super) plain: Vec<bool>,
-    /// What predicates say something about.
+    /// Parts that predicates observe.
     pub(super) visible: Visible,
-    /// Some visible task needs a core.
+    /// Some observed task needs a core.
     pub(super) visible_on_cores: bool,
-    /// The cycle of its permanent activity never ends, and it has no activities.
+    /// Tasks whose permanent activity has a cycle that never ends, and that have no activities.
     pub(super) endless: Vec<bool>,
-    /// Its response time, or how long it waits, is measured.
+    /// Tasks whose response time or wait is measured.
     pub(super) measured: Vec<bool>,
-    /// Who executes each codel.
+    /// Thread of each codel.
     pub(super) owner: Vec<Owner>,
     /// Tasks with activities that can run.
     pub(super) active: Vec<bool>,
-    /// Per automaton and state the codels that the same turn can come to after it.
+    /// By automaton and state, the codels that the same turn can reach after the state.
     pub(super) later: Vec<Vec<CodelSet>>,
 }
 
 impl Facts {
-    /// Examines a system, and what is asked of it.
+    /// Examines a system and its watched properties.
     pub(crate) fn new(system: &TimedSystem, asked: &Watched) -> Self {
         let visible = Visible::new(system, asked.predicates.iter().copied());
         let requested = system.requested();
@@ -162,38 +161,38 @@ impl Facts {
         }
     }
 
-    /// Whether a task has nothing to do with control tasks, clients or separate threads.
+    /// Returns true if a task has no interaction with control tasks, clients or separate threads.
     pub(super) fn plain(&self, task: usize) -> bool {
         self.plain[task]
     }
 
-    /// Whether predicates say something about anything.
+    /// Returns true if predicates observe any part.
     pub(super) fn observed(&self) -> bool {
         self.visible.others || self.visible.tasks.contains(&true)
     }
 
-    /// Whether the cycle of a task never ends.
+    /// Returns true if the cycle of a task never ends.
     pub(super) fn endless(&self, task: usize) -> bool {
         self.endless[task]
     }
 
-    /// The codels that the same turn of an automaton can come to after a state.
+    /// Returns the codels that the same turn of an automaton can reach after a state.
     pub(super) fn later(&self, automaton: usize, state: usize) -> &CodelSet {
         &self.later[automaton][state]
     }
 }
 
-/// Who executes a codel.
+/// The thread of a codel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Owner {
     Task(usize),
     Control,
-    /// It belongs to a service that nobody requests.
+    /// None: the codel belongs to a service without requests.
     Nobody,
 }
 
-/// Whether a turn can go round without time passing, in codels that take none. The turns of an aperiodic task
-/// follow each other at once.
+/// Returns true if a turn can loop without time passing, through codels that take no time. The turns of an
+/// aperiodic task follow each other at once.
 pub(super) fn loops_in_no_time(system: &TimedSystem, machine: &Machine, aperiodic: bool) -> bool {
     if machine.loop_limit.is_some() && !machine.rounds && !aperiodic {
         return false;
@@ -224,7 +223,7 @@ pub(super) fn loops_in_no_time(system: &TimedSystem, machine: &Machine, aperiodi
     })
 }
 
-/// Per state, codels of the states that the same turn can enter after it.
+/// Returns, by state, the codels of the states that the same turn can enter after it.
 fn later(machine: &Machine) -> Vec<CodelSet> {
     (0..machine.states.len())
         .map(|start| {

@@ -1,39 +1,40 @@
-//! Which reductions there are, and why one is not used.
+//! The kinds of reductions, and the reasons against their use.
 
 use std::fmt;
 
-/// Kinds of reductions, with the field's terms for their names. `docs/explorer.md` has a section for each.
+/// The kinds of reductions, named with the field's terms. `docs/explorer.md` has a section for each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
-    /// Of simultaneous actions that commute one order is followed.
+    /// Follow simultaneous actions that commute in one order only.
     PersistentSets,
-    /// The same for what clients, activities and control tasks do.
+    /// Persistent sets for the actions of clients, activities and control tasks.
     PersistentRequests,
-    /// Ends before something due are followed only in order to overtake all that is due.
+    /// Follow ends before a due action only in order to overtake all that is due.
     SleepSets,
-    /// Ends that gain nothing by coming early are put off to the next hard moment.
+    /// Postpone ends that gain nothing by coming early to the next hard moment.
     Deferral,
-    /// A polling loop counts as at rest while it polls.
+    /// Treat a polling loop as resting while it polls.
     RestingLoops,
-    /// Parts that are alike are not told apart.
+    /// Do not distinguish symmetric parts.
     Symmetry,
-    /// States that differ in one window, over adjoining ranges, are joined.
+    /// Join states that differ in one window, if their ranges adjoin.
     WindowUnion,
-    /// A state with wider windows and older clocks covers one with narrower and younger ones.
+    /// Let a state with wider windows and older clocks cover a state with narrower windows and younger
+    /// clocks.
     WindowInclusion,
-    /// Uncalm states of moments at which very much happens are kept, and not followed again at later ones.
+    /// Keep uncalm states of crowded moments, and do not follow them again at later moments.
     MomentCovering,
-    /// What can never be reached is also looked for with zones.
+    /// Look for unreachable predicates with zones as well.
     Zones,
-    /// What a single state shows is also looked for by randomised depth-first search.
+    /// Look for properties of single states by randomised depth-first search as well.
     RandomSearch,
-    /// Deadlines and bounds on response times are looked for among abstract states first.
+    /// Look for deadlines and bounds on response times by schedule abstraction first.
     ScheduleAbstraction,
 }
 
 impl Kind {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Kind; 12] = [
         Kind::PersistentSets,
         Kind::PersistentRequests,
@@ -49,7 +50,7 @@ impl Kind {
         Kind::ScheduleAbstraction,
     ];
 
-    /// Its name, for options and people.
+    /// Returns the name, for options and messages.
     pub fn name(self) -> &'static str {
         match self {
             Kind::PersistentSets => "persistent-sets",
@@ -67,7 +68,7 @@ impl Kind {
         }
     }
 
-    /// The kind of this name.
+    /// Returns the kind with a name.
     pub fn named(name: &str) -> Option<Kind> {
         Kind::ALL.into_iter().find(|it| it.name() == name)
     }
@@ -78,16 +79,16 @@ impl Kind {
 pub struct Kinds(u16);
 
 impl Kinds {
-    /// None of them.
+    /// The empty set.
     pub const NONE: Kinds = Kinds(0);
 
-    /// The set with one more.
+    /// Returns the set with one more kind.
     #[must_use]
     pub const fn with(self, kind: Kind) -> Kinds {
         Kinds(self.0 | 1 << kind as u16)
     }
 
-    /// Whether one is there.
+    /// Returns true if the set contains a kind.
     pub const fn contains(self, kind: Kind) -> bool {
         self.0 >> kind as u16 & 1 == 1
     }
@@ -99,51 +100,51 @@ impl FromIterator<Kind> for Kinds {
     }
 }
 
-/// Why a reduction is not used in an exploration.
+/// The reason why a reduction is not used in an exploration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Reason {
-    /// Somebody asked for that.
+    /// An option switches it off.
     SwitchedOff,
-    /// Another one that it is a part of is not used.
+    /// It is a part of another reduction that is not used.
     Without(Kind),
-    /// Nobody has shown that it is sound under these rules.
+    /// It is not proved sound under these rules.
     RulesUnknown,
-    /// A client asks for `abort`, `kill` or `connect`.
+    /// A client requests `abort`, `kill` or `connect`.
     Builtins,
-    /// Locks are given in order of arrival.
+    /// Locks are granted in order of arrival.
     LocksInOrder,
-    /// A predicate looks at the states in between.
+    /// A predicate observes the intermediate states.
     Predicates,
-    /// There are clients.
+    /// The system has clients.
     Clients,
-    /// Nothing is requested.
+    /// The system has no requests.
     NoClients,
-    /// A client can go round without time passing.
+    /// A client can loop without time passing.
     HastyClient,
-    /// There are more than it has bits for.
+    /// The system has more parts than the reduction has bits.
     TooMany,
-    /// Some task has activities, separate threads, kept ticks or codels that take no time in a circle.
+    /// Some task has activities, separate threads, kept ticks or a loop of codels that take no time.
     NotPlain,
     /// No task is periodic.
     NothingPeriodic,
     /// Some task is periodic.
     Periodic,
-    /// Every group of tasks has codels that do not begin at 0, or something that is asked about.
+    /// Every group of tasks has codels with a least time above 0, or is observed.
     NothingToPutOff,
-    /// No loop polls.
+    /// There is no polling loop.
     NothingRests,
-    /// No two parts are alike in the system and in what is asked.
+    /// No two parts are symmetric in the system and in the watched properties.
     NothingAlike,
-    /// Nothing lasts long.
+    /// All times are short.
     Short,
-    /// Something lasts longer than zones can count.
+    /// Some time is longer than zones can represent.
     TooLong,
-    /// Everything takes as long each time.
+    /// All times are fixed.
     Fixed,
-    /// Nothing is asked that it could answer.
+    /// No watched property is one that it could answer.
     NothingToFind,
-    /// Only what happens early is of interest.
+    /// Only early events are of interest.
     InOrder,
 }
 
@@ -179,11 +180,11 @@ impl fmt::Display for Reason {
     }
 }
 
-/// Whether a reduction is used in an exploration, and else why not.
+/// The use of a reduction in an exploration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
 pub struct Activity {
-    /// Which one.
+    /// Kind of the reduction.
     pub kind: Kind,
-    /// Why it is not used.
+    /// Reason against its use; `None` if it is used.
     pub off: Option<Reason>,
 }

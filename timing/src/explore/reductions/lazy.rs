@@ -1,23 +1,25 @@
-//! Ends that can wait: the partial-order reduction.
+//! Deferral: ends that can be postponed.
 //!
-//! With durations from 0 on, ending a codel now instead of at the next *hard* moment (a tick, the end
-//! of a window) gains nothing, if nobody is kept waiting meanwhile: at that moment it can still end
-//! first, what follows it can follow there as well, in the same order and in no time, and codels
-//! begun later have wider windows. So such an end is followed only where something urgent is about to
-//! happen, and a state that differs from another one only by such ends need not be kept.
+//! With least times of 0, ending a codel now instead of at the next *hard* moment (a tick, the end of a
+//! window) gains nothing, if no executor waits for the end meanwhile. At the hard moment the codel can still
+//! end first. All that follows the end can follow there as well, in the same order and in no time, and codels
+//! begun later have wider windows. So such an end is followed only where an urgent action is about to happen,
+//! and a state that differs from another one only by such ends need not be kept.
 //!
 //! This holds for *lazy groups*. A group is a set of tasks, control tasks and clients connected by codels
-//! that exclude each other, by activities and by requests; it is lazy if all its codels and delays have lower
-//! bound 0 and its periodic tasks do not keep ticks. An aperiodic task can belong to one if it asks for a
-//! core at most once, or never (else waiting changes its place in the queue), and if its response time is not
-//! measured (which would begin later). It can have a resting place, see [`rest`]; while it is elsewhere its
-//! group is not lazy. Groups meet only at cores: while a task of another group waits for a core no end can
-//! wait. (A lazy task that waits loses nothing by a later grant: its release is past, and its codels have
-//! wider windows.) Start-up is lazy only where no timer starts at its end, and with clients (what overtakes
-//! what, see [`super::overtake`], is not known of it). Nothing is lazy while a lazy task has a pending tick:
-//! its next job is released, and measured, from the end of this one. The order of steps of different groups
-//! is not preserved; groups with something that a predicate is about are therefore not lazy. And there has to
-//! be a next hard moment: some task is periodic.
+//! that exclude each other, by activities and by requests. It is lazy if all its codels and delays have lower
+//! bound 0 and its periodic tasks do not keep ticks. An aperiodic task can belong to a lazy group if it asks
+//! for a core at most once, or never (else waiting changes its place in the queue), and if its response time
+//! is not measured (which would begin later). It can have a resting place, see [`rest`]; while it is
+//! elsewhere its group is not lazy.
+//!
+//! Groups meet only at cores: while a task of another group waits for a core no end can be postponed. (A lazy
+//! task that waits loses nothing by a later grant: its release is past, and its codels have wider windows.)
+//! Start-up is lazy only if no timer starts at its end, and if there are clients (its overtaking, see
+//! [`super::overtake`], is not examined). No group is lazy while a lazy task has a pending tick: its next job
+//! is released, and measured, from the end of the present one. The order of steps of different groups is not
+//! preserved, so groups that a predicate observes are not lazy. And there has to be a next hard moment: some
+//! task is periodic.
 
 pub(super) mod rest;
 
@@ -32,8 +34,7 @@ use crate::explore::state::{State, phase};
 use crate::explore::store::{Encoded, encode};
 use crate::system::{ClientAction, TimedSystem};
 
-/// Which tasks, control tasks and clients belong to lazy groups. They are numbered as *members*, in this
-/// order.
+/// The lazy groups. Tasks, control tasks and clients are numbered as *members*, in this order.
 #[derive(Debug)]
 pub(crate) struct Lazy {
     members: Vec<bool>,
@@ -45,7 +46,7 @@ pub(crate) struct Lazy {
     starts: Vec<bool>,
 }
 
-/// Lazy closures larger than this are not followed to their end; fewer states are dropped then.
+/// Upper limit on the states of a lazy closure. Larger closures are truncated, and fewer states are dropped.
 const CLOSURE: usize = 1024;
 
 impl Reduction<Published<'_>> for Lazy {
@@ -64,7 +65,7 @@ impl Reduction<Published<'_>> for Lazy {
 }
 
 impl Lazy {
-    /// Why no loop rests.
+    /// Returns the reason why no loop rests.
     pub(super) fn without_rest(&self, setting: &Setting<Published>) -> Option<Reason> {
         if setting.without.contains(Kind::RestingLoops) {
             Some(Reason::SwitchedOff)
@@ -73,7 +74,7 @@ impl Lazy {
         }
     }
 
-    /// The lazy groups of a system, which does not have to have any.
+    /// Returns the lazy groups of a system, possibly none.
     fn new(setting: &Setting<Published>) -> Self {
         let system = setting.system();
         let (visible, measured) = (&setting.facts.visible, &setting.facts.measured);
@@ -168,8 +169,8 @@ impl Lazy {
         let not_lazy: Vec<usize> = (0..n).filter(|&it| !lazy[it]).map(|it| group[it]).collect();
         let members: Vec<bool> = (0..n).map(|it| !not_lazy.contains(&group[it])).collect();
         rest.retain(|&(a, _)| members[system.automata[a].task]);
-        // The end of start-up lets the control task begin, so its group has to be lazy as well, wherever it
-        // is.
+        // The end of start-up lets the control task begin, so the group of the control task must be lazy as
+        // well.
         let can_start = |task: usize| {
             let control = control(system.tasks[task].component);
             let mut resting = rest.iter().map(|&(a, _)| group[system.automata[a].task]);
@@ -187,7 +188,7 @@ impl Lazy {
         }
     }
 
-    /// The members whose ends can wait in a calm state, if there are any.
+    /// Returns the members whose ends can be postponed in a calm state, if there are any.
     pub(crate) fn waiters(&self, rules: &Published, s: &State) -> Option<Waiters> {
         let l = &rules.layout;
         let settled = rules
@@ -222,8 +223,8 @@ impl Lazy {
         all.then_some(Waiters(out))
     }
 
-    /// Calls `found` with every calm state that a calm state can reach by ends that can wait, unless there
-    /// are too many. Takes what it looked at off the budget.
+    /// Calls `found` with every calm state that a calm state can reach by ends that can be postponed, unless
+    /// there are too many. Subtracts the number of examined states from the budget.
     pub(crate) fn closure(
         &self,
         rules: &Published,
@@ -262,7 +263,7 @@ impl Lazy {
                         waiters.can_wait(rules.system, rules.layout.client_executor(client))
                     }
                     Action::Tick { .. } => false,
-                    // Steps of other rules.
+                    // Actions of other rules.
                     Action::Begin { .. }
                     | Action::Preempt { .. }
                     | Action::Ready { .. }
@@ -287,7 +288,7 @@ impl Lazy {
     }
 }
 
-/// Whether no timer starts when a periodic task has been started.
+/// Returns true if no timer starts when a periodic task has been started.
 fn starts_no_timer(system: &TimedSystem, task: usize) -> bool {
     let it = &system.tasks[task];
     let mut later = (system.components[it.component].tasks.iter()).skip_while(|&&it| it != task);
@@ -297,7 +298,7 @@ fn starts_no_timer(system: &TimedSystem, task: usize) -> bool {
             .all(|&it| system.tasks[it].period.is_none() && system.tasks[it].permanent.is_none())
 }
 
-/// An aperiodic task whose cycle never ends.
+/// Returns true for an aperiodic task whose cycle never ends.
 fn endless(system: &TimedSystem, task: usize, requested: &[bool]) -> bool {
     let it = &system.tasks[task];
     it.period.is_none()

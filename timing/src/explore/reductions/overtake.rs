@@ -1,27 +1,27 @@
-//! Ends before a moment is calm: the partial-order reduction for waiting locks and cores.
+//! Sleep sets: the partial-order reduction for ends while locks and cores are due.
 //!
-//! Whatever is *due* at a moment (a lock that can be taken, a tick, the end of a window) happens before time
-//! passes. A codel that may end, but need not yet, can as well end once nothing is due any more, unless that
-//! end makes a difference to what is due: somebody takes the lock first, or the job ends before its next
-//! tick. So in a state in which something is due, ends that are not are followed only in order that
-//! **everything** due now is *overtaken*; until then what is due is *held back*. Where something is due that
-//! nobody can overtake at this moment, they are not followed at all.
+//! An action that is *due* at a moment (a lock that can be taken, a tick, the end of a window) happens before
+//! time passes. A codel that may end, but need not yet, can as well end when no action is due any more. The
+//! exception is an end that makes a difference to a due action: another executor takes the lock first, or the
+//! job ends before its next tick. So in a state with due actions, ends that are not due are followed only in
+//! order that **all** due actions are *overtaken*; until then the due actions are *held back*. If some due
+//! action cannot be overtaken at this moment, ends that are not due are not followed at all.
 //!
-//! Why this is enough. Take the steps of one moment that lead to a calm state, as a partial order of
-//! dependent steps, and the smallest initial part of it that leads to a calm state; the rest can follow from
-//! there. Perform what is due and belongs to that part first, as long as there is any. When only ends that
-//! are not due are left, something else is due (else the part would not be the smallest), and none of it can
-//! come before a step it depends on. That is what the rule follows. (Held-back steps are sleep sets: P.
-//! Godefroid, *Partial-Order Methods for the Verification of Concurrent Systems*, 1996.)
+//! Proof sketch. Take the steps of one moment that lead to a calm state, as a partial order of dependent
+//! steps, and the smallest initial part of it that leads to a calm state; the rest can follow from there.
+//! Perform the due steps of that part first, as long as there are any. When only ends that are not due are
+//! left, some other step is due (else the part would not be the smallest), and no due step can come before a
+//! step it depends on. The rule follows exactly these steps. (Held-back steps are sleep sets: P. Godefroid,
+//! *Partial-Order Methods for the Verification of Concurrent Systems*, 1996.)
 //!
-//! What depends on what, among *plain* tasks (see [`super::facts`]; the rule is not used when there are
-//! others, or predicates):
+//! The dependencies among *plain* tasks are as follows (see [`super::facts`]; the rule is not used if there
+//! are other tasks, or predicates):
 //!
-//! * taking locks, on taking others that exclude these;
-//! * a tick, on the end of the current job, or of the start-up, of its task; and, with fewer cores than
-//!   tasks, on whoever else can join the queue, also by a tick that its own start-up has to come before;
-//!   except under FIFO also on whoever can give back a core;
-//! * the end of a cycle after which the task joins the queue again, on others of the kind.
+//! * taking locks depends on taking others that exclude these;
+//! * a tick depends on the end of the current job, or of the start-up, of its task. With fewer cores than
+//!   tasks it also depends on every task that can join the queue, also by a tick that must come after the
+//!   task's own start-up. Except under FIFO it also depends on every task that can release a core;
+//! * the end of a cycle after which the task joins the queue again depends on other ends of this kind.
 
 use super::facts::Facts;
 use super::{Held, Kind, Reason, Reduction, Setting};
@@ -36,7 +36,7 @@ const TICKS: usize = 64;
 /// Sets of tasks.
 type Tasks = u64;
 
-/// A state and what can happen in it.
+/// A state and its possible actions.
 #[derive(Clone, Copy)]
 pub(crate) struct Now<'n, 's> {
     pub(crate) rules: &'n Published<'s>,
@@ -45,14 +45,14 @@ pub(crate) struct Now<'n, 's> {
     pub(crate) enabled: &'n Enabled,
 }
 
-/// What is known beforehand about a system.
+/// Static facts about a system.
 #[derive(Debug)]
 pub(crate) struct Overtake {
     /// Some tasks may have to wait for a core.
     limited: bool,
-    /// All codels of the permanent activity of each task, and of those started after it.
+    /// By task, all codels of its permanent activity, and of the permanent activities started after it.
     all: Vec<CodelSet>,
-    /// The same without its own.
+    /// By task, all codels of the permanent activities started after it.
     started_after: Vec<CodelSet>,
 }
 
@@ -104,8 +104,8 @@ impl Overtake {
         }
     }
 
-    /// Writes the actions to follow in a state, with what they hold back. `first` is an ample set, or
-    /// everything that is enabled.
+    /// Writes the actions to follow in a state, each with the actions that it holds back. `first` is an ample
+    /// set, or all enabled actions.
     pub(crate) fn select(
         &self,
         now: Now,
@@ -130,7 +130,7 @@ impl Overtake {
         }
     }
 
-    /// What is still held back after an action that led from one state to another.
+    /// Returns the actions still held back after an action that led from one state to another.
     pub(crate) fn after(
         &self,
         rules: &Published,
@@ -169,13 +169,13 @@ impl Overtake {
     }
 }
 
-/// Whether the job or the start-up of a task goes on, so that its end and the next tick are not the same in
-/// both orders.
+/// Returns true if the job or the start-up of a task continues, so that its end and the next tick depend on
+/// their order.
 fn contested(rules: &Published, s: &State, task: usize) -> bool {
     rules.layout.status(s, task) != TaskStatus::Idle || !settled(rules, s, task)
 }
 
-/// Past its start-up.
+/// Returns true if the start-up of a task is over.
 fn settled(rules: &Published, s: &State, task: usize) -> bool {
     rules.layout.started(s, task)
         && rules.system.tasks[task]
@@ -195,7 +195,7 @@ fn members(tasks: Tasks) -> impl Iterator<Item = usize> {
     bits(Held::from(tasks))
 }
 
-/// One state in which something is due.
+/// One state in which some action is due.
 struct DueState<'m, 's> {
     overtake: &'m Overtake,
     now: Now<'m, 's>,
@@ -211,8 +211,8 @@ impl<'m, 's> std::ops::Deref for DueState<'m, 's> {
 }
 
 impl DueState<'_, '_> {
-    /// Whether the order of more than what the rule knows may matter: a job that waits for a core has
-    /// something to do or not, depending on its start-up.
+    /// Returns true if orders beyond the known dependencies may matter: a job that waits for a core may have
+    /// work or not, depending on its start-up.
     fn undecided(&self) -> bool {
         (0..self.rules.layout.tasks).any(|task| {
             self.rules.layout.status(self.s, task) == TaskStatus::Waiting
@@ -225,7 +225,7 @@ impl DueState<'_, '_> {
         for &action in &self.enabled.actions {
             due |= self.bit(action);
         }
-        // Who can be of use to overtake anything due; none if something cannot be overtaken.
+        // Tasks that can help to overtake a due action; none if some due action cannot be overtaken.
         let mut useful: Tasks = 0;
         let mut all = true;
         if self.held != 0 || whole {
@@ -257,7 +257,7 @@ impl DueState<'_, '_> {
         }
     }
 
-    /// The bit of an action that is due, 0 for an end that is not.
+    /// Returns the bit of a due action, or 0 for an end that is not due.
     fn bit(&self, action: Action) -> Held {
         match action {
             Action::Tick { task } => 1 << (TICKS + task),
@@ -271,7 +271,7 @@ impl DueState<'_, '_> {
         }
     }
 
-    /// Tasks that can overtake something due.
+    /// Returns the tasks that can overtake a due action.
     fn rivals(&self, bit: usize) -> Tasks {
         let tasks = 0..self.rules.layout.tasks;
         let set = |it: &dyn Fn(usize) -> bool| {
@@ -299,9 +299,8 @@ impl DueState<'_, '_> {
         set(&|q| q != own && self.can_come_to(q, conflicts))
     }
 
-    /// Whether a task can join the queue at this moment, other than by a tick that nothing has to come
-    /// before. One that comes during the start-up finds nothing to do; one that was held back until that has
-    /// ended makes the task join.
+    /// Returns true if a task can join the queue at this moment, other than by an independent tick. A tick
+    /// during the start-up finds no work; a tick held back until the end of the start-up makes the task join.
     fn may_join(&self, task: usize) -> bool {
         let system = self.rules.system;
         if !system.needs_core(task) {
@@ -322,7 +321,7 @@ impl DueState<'_, '_> {
             && self.rules.system.needs_core(task)
     }
 
-    /// Whether a task can want to execute one of these codels at this moment, or wants to now.
+    /// Returns true if a task can want to execute one of these codels at this moment, or wants to now.
     fn can_come_to(&self, task: usize, codels: &CodelSet) -> bool {
         let l = &self.rules.layout;
         let system = self.rules.system;
@@ -357,7 +356,7 @@ impl DueState<'_, '_> {
         self.enabled.actions.contains(&Action::Tick { task })
     }
 
-    /// Whether something of a task can happen next.
+    /// Returns true if an action of a task can happen next.
     fn can_act(&self, task: usize) -> bool {
         let l = &self.rules.layout;
         if self.due(task) && self.held >> (TICKS + task) & 1 == 0 {
@@ -372,7 +371,7 @@ impl DueState<'_, '_> {
             })
     }
 
-    /// The tasks whose going on can let others, and finally some of `wanted`, go on.
+    /// Returns the tasks whose progress can let other tasks, and finally some of `wanted`, proceed.
     fn progress(&self, wanted: Tasks) -> Tasks {
         let l = &self.rules.layout;
         let system = self.rules.system;
@@ -387,7 +386,7 @@ impl DueState<'_, '_> {
                     todo |= 1 << it;
                 }
             };
-            // Whoever holds what it wants or will want.
+            // Holders of the locks that the task wants or will want.
             for holder in l.executing(self.s) {
                 let Some(codel) = self.rules.codel(self.s, holder) else {
                     continue;

@@ -1,4 +1,4 @@
-//! What is known to be sound under the published rules.
+//! Reductions that are proved sound under the published rules.
 
 use super::ample::Ample;
 use super::facts::Facts;
@@ -21,7 +21,7 @@ pub(crate) struct OfPublished {
     overtake: Option<Overtake>,
     lazy: Option<Lazy>,
     symmetry: Option<Symmetry>,
-    /// Where there is no symmetry.
+    /// Orbits without symmetry.
     alone: Orbits,
     activities: Vec<Activity>,
 }
@@ -140,7 +140,7 @@ impl Reductions<Published<'_>> for OfPublished {
     }
 }
 
-/// Whether a part of a reduction is used, if that is.
+/// Returns the activity of a part of a reduction, which is used only together with the whole.
 fn part(kind: Kind, off: Option<Option<Reason>>, whole: Kind) -> Activity {
     Activity {
         kind,

@@ -1,21 +1,21 @@
-//! What is known to be sound under the rules of the servers.
+//! Reductions that are proved sound under the rules of the servers.
 //!
 //! *Independent components.* Where ports are copied, components meet only through clients and at cores. At
 //! one moment it is enough to follow all actions of one *group* of components that has to act before time
-//! passes: nothing that others do first can prevent, enable or delay them (a persistent set). Components are
-//! of one group if a client that is not done addresses both, or if what is asked is about both. On cores that
-//! are given without preemption actions that free a core, or let a task ask for one, are followed in every
-//! order, as the order of the queue depends on it; so are those of a group of which a task waits for a core.
+//! passes: no action of other groups can prevent, enable or delay them (a persistent set). Components belong
+//! to one group if a client that is not done addresses both, or if a watched property is about both. On cores
+//! without preemption, actions that free a core, or let a task ask for one, are followed in every order, as
+//! the order of the queue depends on them. So are the actions of a group of which a task waits for a core.
 //!
-//! *Ends that can wait.* As for the published rules (see [`super::lazy`]): with durations from 0 on, an end
-//! that nobody sees gains nothing before the next tick or end of a window, as everything that follows it can
-//! follow there, in the same order and in no time: tickets are taken in that order, so that the queue is the
+//! *Deferral.* As for the published rules (see [`super::lazy`]): with least times of 0, an end that no other
+//! executor waits for gains nothing before the next tick or end of a window. All that follows the end can
+//! follow there, in the same order and in no time. Tickets are taken in that order, so that the queue is the
 //! same, and codels begun later have wider windows. A group is *lazy* if all its codels and delays have lower
-//! bound 0, no predicate is about it, and the response time of none of its aperiodic tasks is measured.
-//! Nothing waits while a first cycle has a tick that is kept: the next job is measured from the end of that
-//! cycle. Because of the queue for cores either all groups are lazy or, with limited cores, none is. A
-//! polling loop may rest, as for the published rules, where no other aperiodic task of its component could be
-//! woken by its rounds.
+//! bound 0, no predicate is about it, and the response time of none of its aperiodic tasks is measured. No
+//! end is postponed while a first cycle has a tick that is kept: the next job is measured from the end of
+//! that cycle. Because of the queue for cores either all groups are lazy or, with limited cores, none is. A
+//! polling loop may rest, as for the published rules, if its rounds could wake no other aperiodic task of its
+//! component.
 //!
 //! Both are off under preemption, which lets threads wait for each other across components, and with locks on
 //! ports.
@@ -35,27 +35,27 @@ use crate::property::{Atom, Predicate};
 use crate::scn::semantics::{PauseRule, PortRule, TickRule};
 use crate::system::{ClientAction, Ticks, TimedSystem};
 
-/// Lazy closures larger than this are not followed to their end; fewer states are dropped then.
+/// Upper limit on the states of a lazy closure. Larger closures are truncated, and fewer states are dropped.
 const CLOSURE: usize = 1024;
 
 /// The reductions for the rules of the servers.
 #[derive(Debug)]
 pub(crate) struct OfServers {
     orbits: Orbits,
-    /// One group after the other is followed.
+    /// Groups are followed one after the other.
     apart: bool,
     activities: Vec<Activity>,
-    /// Components that something asked is about, if those are several or clients.
+    /// Components that a watched property is about, if the property is about several components or clients.
     asked: Vec<bool>,
     /// Components that each client addresses.
     addressed: Vec<Vec<usize>>,
-    /// By executor: whether it belongs to a lazy group.
+    /// Executors of lazy groups, by executor.
     lazy: Vec<bool>,
-    /// Tasks with a polling loop that may rest, and the place.
+    /// Tasks with a polling loop that may rest, and the resting place.
     rest: Vec<(usize, usize)>,
 }
 
-/// Something about each component.
+/// One number for each component.
 type Groups = SmallVec<[usize; 16]>;
 
 impl OfServers {
@@ -71,7 +71,7 @@ impl OfServers {
         }
     }
 
-    /// The groups that components form in a state.
+    /// Returns the groups of components in a state.
     fn groups(&self, rules: &Servers, s: &State) -> Groups {
         let mut groups: Groups = (0..self.asked.len()).collect();
         let asked = self.asked.iter().enumerate().filter(|it| *it.1);
@@ -84,7 +84,7 @@ impl OfServers {
         groups
     }
 
-    /// Writes the actions of a group that can be followed alone; whether there is one.
+    /// Writes the actions of a group that can be followed alone; returns true if there is one.
     fn one_group(
         &self,
         rules: &Servers,
@@ -96,8 +96,8 @@ impl OfServers {
             return false;
         }
         let groups = self.groups(rules, s);
-        // A step of a client alone, such as the end of a delay, makes a request possible in the same moment:
-        // it is one of the group that the client addresses.
+        // A step of a client alone, such as the end of a delay, makes a request possible at the same moment:
+        // it belongs to the group that the client addresses.
         let component = |it: Action| {
             let own = rules.component_of_action(s, it);
             own.or_else(|| self.addressed[rules.client_of_action(it)?].first().copied())
@@ -121,7 +121,7 @@ impl OfServers {
         false
     }
 
-    /// By executor, whose ends can be put off in a calm state.
+    /// Returns true if the ends of lazy executors can be postponed in a calm state.
     fn put_off(&self, rules: &Servers, s: &State) -> bool {
         self.lazy.contains(&true)
             && !rules.keeps_first_tick(s, |task| self.lazy[task])
@@ -320,7 +320,7 @@ fn mark(system: &TimedSystem, predicate: &Predicate, about: &mut [bool]) {
     });
 }
 
-/// The executors of lazy groups, and the polling loops that may rest: task and state.
+/// Returns the executors of lazy groups, and the polling loops that may rest: task and state.
 fn lazy_groups(
     system: &TimedSystem,
     asked: &Watched,
@@ -332,7 +332,7 @@ fn lazy_groups(
     let none = || (vec![false; executors], Vec::new());
     let periodic = system.tasks.iter().any(|it| it.period.is_some());
     let semantics = system.platform.semantics;
-    // With timers that start when another task has been started, an end that waits moves all ticks.
+    // If timers start when another task has been started, a postponed end moves all ticks.
     if !periodic || semantics.pause == PauseRule::Turns || semantics.ticks == TickRule::Task {
         return none();
     }
@@ -359,14 +359,15 @@ fn lazy_groups(
                 if !machine.states.iter().any(|it| slow(it.codel)) {
                     continue;
                 }
-                // Its rounds are events: nobody must be there to be woken.
+                // The rounds of the loop are events: there must be no other task to be woken by them.
                 let others = component.tasks.iter().filter(|&&other| other != task);
                 let alone = others.clone().all(|&it| system.tasks[it].period.is_some())
                     && it.slots.is_empty()
                     && it.period.is_none()
                     && machine.is_endless()
                     && !component.services.iter().any(|&it| requested[it]);
-                // Nobody waits for the codel that rests, once all have begun: nothing is put off before that.
+                // After all threads have begun, no executor waits for the resting codel. Before that, no end
+                // is postponed.
                 let unwaited = |&state: &usize| {
                     let codel = machine.states[state].codel;
                     let mut others = system.codels.iter().enumerate();

@@ -1,13 +1,14 @@
-//! Symmetry: parts of a system that are alike are not told apart.
+//! Symmetry reduction: symmetric parts of a system are not distinguished.
 //!
-//! *Units* are components, clients or tasks with everything that belongs to them. Two units are alike if
-//! exchanging them, with everything else where it is, changes neither the system nor what is asked (see
-//! [`alike`]). Then a state and the one with the two exchanged have the same future, exchanged as well, and
-//! keeping one of both is enough: the one whose units are in ascending order of what is going on in them. (A
-//! quotient by automorphisms: C. Ip and D. Dill, *Better verification through symmetry*, 1996.)
+//! *Units* are components, clients or tasks, with all their parts. Two units are symmetric if exchanging
+//! them, with everything else in its place, changes neither the system nor the watched properties (see
+//! [`alike`]). Then a state and the state with the two units exchanged have the same future, with the units
+//! exchanged, and it is enough to keep one of them: the one whose units are in ascending order of their
+//! present state. (A quotient by automorphisms: C. Ip and D. Dill, *Better verification through symmetry*,
+//! 1996.)
 //!
-//! Runs are found again without any of this, see `explore::search::layers::trace`: where a state was put in
-//! order on the way, the rest of the run is about the units as they were before.
+//! The reconstruction of runs does not use symmetry, see `explore::search::layers::trace`: after a state was
+//! put in order on the way, the rest of the run is renamed to the units as they were before.
 
 mod alike;
 
@@ -23,28 +24,28 @@ use crate::explore::rules::published::layout::{Layout, control, tracker};
 use crate::explore::state::State;
 use crate::system::{Policy, Ticks, TimedSystem};
 
-/// The units of a system that are alike.
+/// The symmetric units of a system.
 #[derive(Debug)]
 pub(super) struct Symmetry {
     orbits: Orbits,
-    /// The order of tasks that wait for a core means nothing.
+    /// The order of tasks that wait for a core is irrelevant.
     any_order: bool,
 }
 
-/// What is alike, by name.
+/// The symmetric parts, by kind.
 #[derive(Debug)]
 pub(crate) struct Orbits {
-    /// Units that can be exchanged with each other, at least two.
+    /// Classes of units that can be exchanged with each other, of at least two units.
     classes: Vec<Vec<Unit>>,
-    /// For each task those that correspond to it, with itself.
+    /// By task, the tasks of its orbit, including itself.
     tasks: Vec<Vec<usize>>,
-    /// The same for services.
+    /// By service, the services of its orbit, including itself.
     services: Vec<Vec<usize>>,
-    /// Everything is called as it is.
+    /// Renaming that changes nothing.
     identity: Renaming,
 }
 
-/// What belongs together. Alike units list what corresponds at the same places.
+/// The parts of a unit. Symmetric units list corresponding parts at the same index.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Unit {
     tasks: Vec<usize>,
@@ -54,18 +55,18 @@ pub(super) struct Unit {
     clients: Vec<usize>,
     machines: Vec<usize>,
     codels: Vec<usize>,
-    /// Where a state says what goes on in it, see [`Layout::places`].
+    /// Places of the unit in a state, see [`Layout::places`].
     places: (Vec<usize>, Vec<usize>),
 }
 
-/// How executors are numbered.
+/// The numbering of executors.
 #[derive(Debug, Clone, Copy)]
 struct Executors {
     automata: usize,
     components: usize,
 }
 
-/// What every task, automaton, service, component and client is called after units were exchanged.
+/// New names of all tasks, automata, services, components and clients after an exchange of units.
 #[derive(Debug, Clone)]
 pub(crate) struct Renaming {
     tasks: Vec<usize>,
@@ -77,7 +78,7 @@ pub(crate) struct Renaming {
 }
 
 impl Orbits {
-    /// Nothing is alike.
+    /// Returns the orbits of a system without symmetry.
     pub(super) fn none(system: &TimedSystem) -> Self {
         Orbits::new(system, Vec::new())
     }
@@ -102,17 +103,17 @@ impl Orbits {
         }
     }
 
-    /// The tasks that correspond to a task, with itself.
+    /// Returns the tasks in the orbit of a task, including itself.
     pub(crate) fn of_task(&self, task: usize) -> &[usize] {
         &self.tasks[task]
     }
 
-    /// The services that correspond to a service, with itself.
+    /// Returns the services in the orbit of a service, including itself.
     pub(crate) fn of_service(&self, service: usize) -> &[usize] {
         &self.services[service]
     }
 
-    /// What makes one task another of its orbit.
+    /// Returns the renaming that exchanges a task with another one of its orbit.
     pub(crate) fn exchange(&self, one: usize, other: usize) -> Renaming {
         let mut out = self.identity();
         for class in &self.classes {
@@ -125,7 +126,7 @@ impl Orbits {
         out
     }
 
-    /// Everything is called as it is.
+    /// Returns the renaming that changes nothing.
     pub(crate) fn identity(&self) -> Renaming {
         self.identity.clone()
     }
@@ -151,12 +152,12 @@ impl Reduction<Published<'_>> for Symmetry {
 }
 
 impl Symmetry {
-    /// What is alike.
+    /// Returns the orbits.
     pub(super) fn orbits(&self) -> &Orbits {
         &self.orbits
     }
 
-    /// Puts the units of a state in order. `None` if they are.
+    /// Puts the units of a state in order. Returns `None` if they already are.
     pub(super) fn order(&self, layout: &Layout, s: &mut State) -> Option<Renaming> {
         let mut moves: SmallVec<[(&Unit, &Unit); 8]> = SmallVec::new();
         for class in &self.orbits.classes {
@@ -179,8 +180,8 @@ impl Symmetry {
         Some(renaming)
     }
 
-    /// Compares what goes on in two units, and calls them equal only if exchanging them leaves the state as
-    /// it is.
+    /// Compares the present states of two units. They are equal only if exchanging the units does not change
+    /// the state.
     fn compare(&self, l: &Layout, s: &State, one: &Unit, other: &Unit) -> Ordering {
         let place = |list: &[u16], it: usize| list.iter().position(|&other| other as usize == it);
         let waiting = |unit: &Unit| -> SmallVec<[Option<usize>; 16]> {
@@ -214,8 +215,8 @@ impl Symmetry {
         unit.automata.iter().copied().chain(controls).chain(clients)
     }
 
-    /// Who is busy with what of a unit: components that handle requests, with places of client and service in
-    /// it.
+    /// Returns the components of a unit that handle requests, with the indices of client and service in the
+    /// unit.
     fn handled<'u>(
         &self,
         l: &'u Layout,
@@ -233,7 +234,7 @@ impl Symmetry {
         })
     }
 
-    /// Writes a state with units moved, and everything called as it is called then.
+    /// Writes a state with units moved and all names changed accordingly.
     fn rename(
         &self,
         l: &Layout,
@@ -274,7 +275,7 @@ impl Symmetry {
     }
 }
 
-/// What corresponds to each of `n` parts that units have.
+/// Returns, for each of `n` parts of units, the parts of its orbit.
 fn orbits(
     classes: &[Vec<Unit>],
     n: usize,
@@ -292,12 +293,13 @@ fn orbits(
     out
 }
 
-/// Whether the control task of a component is handling a request.
+/// Returns true if the control task of a component is handling a request.
 fn busy(l: &Layout, s: &State, component: usize) -> bool {
     matches!(l.control(s, component), control::VALIDATE | control::SIMPLE)
 }
 
-/// What the clients of a unit wait for, own slots by their places in it.
+/// Returns the trackers of the clients of a unit: slots of the unit by their index in it, other values as
+/// they are.
 fn requests<'u>(
     l: &'u Layout,
     s: &'u State,
@@ -312,7 +314,7 @@ fn requests<'u>(
 }
 
 impl Renaming {
-    /// What belongs to one unit is called as what belongs to another.
+    /// Renames the parts of one unit to those of another.
     fn put(&mut self, from: &Unit, to: &Unit) {
         let parts = [
             (&mut self.tasks, &from.tasks, &to.tasks),
@@ -328,7 +330,7 @@ impl Renaming {
         }
     }
 
-    /// What takes back the renaming.
+    /// Returns the inverse renaming.
     pub(crate) fn inverse(&self) -> Renaming {
         let inverse = |map: &[usize]| {
             let mut out = vec![0; map.len()];
@@ -347,7 +349,7 @@ impl Renaming {
         }
     }
 
-    /// What does both, the other first.
+    /// Returns the composition of two renamings, `first` before this one.
     pub(crate) fn after(&self, first: &Renaming) -> Renaming {
         let both = |first: &[usize], then: &[usize]| first.iter().map(|&it| then[it]).collect();
         Renaming {
@@ -374,7 +376,7 @@ impl Renaming {
         } else if executor < automata + components {
             automata + self.components[executor - automata]
         } else {
-            // Rules that number executors otherwise exchange nothing: each stays itself.
+            // Other rules number executors in another way, and exchange nothing: each keeps its number.
             let client = self.clients.get(executor - automata - components);
             client.map_or(executor, |it| automata + components + it)
         }

@@ -6,21 +6,21 @@ use crate::explore::about::About;
 /// One line of a run for readers.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Moment {
-    /// Time in base units.
+    /// Time, in base units.
     pub time: u64,
-    /// The component, or the client.
+    /// Component or client.
     pub component: String,
-    /// The task; `None` for the control task and clients.
+    /// Task; `None` for the control task and clients.
     pub task: Option<usize>,
-    /// The executing codel that the line is about.
+    /// Codel.
     pub codel: Option<usize>,
-    /// Words.
+    /// Description.
     pub what: String,
-    /// Its kind, for timelines.
+    /// Kind, for timelines.
     pub kind: MomentKind,
-    /// What else it is about.
+    /// Details.
     pub about: About,
-    /// The step that it tells of; `None` before the first.
+    /// Action; `None` before the first action.
     pub action: Option<Action>,
 }
 
@@ -28,11 +28,11 @@ pub struct Moment {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MomentKind {
-    /// A timer has wrapped.
+    /// A timer has expired.
     Tick,
     /// A task asks for a core.
     Release,
-    /// A task got its core.
+    /// A task gets a core.
     Grant,
     /// A codel waits for locks.
     Wait,
@@ -40,9 +40,9 @@ pub enum MomentKind {
     Begin,
     /// A codel ends.
     End,
-    /// A task has ended its job.
+    /// A task ends its job.
     Complete,
-    /// A client or control task did something.
+    /// A client or control task acts.
     Request,
     /// A limit is exceeded.
     Excess,

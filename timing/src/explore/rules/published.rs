@@ -1,9 +1,9 @@
-//! The rules of the published formal models: which actions a state allows, what each does, and how time
-//! passes.
+//! The rules of the published formal models: the actions that a state allows, their effects, and the passage
+//! of time.
 //!
-//! One function per rule of sections 3 to 9. Actions come in four ranks, and only those of the
-//! best rank present may happen: clients moving on (part of the step that lets them), tasks asking
-//! for a core, granting cores, and everything else. Within a rank any order is possible.
+//! There is one function per rule of sections 3 to 9. Actions have four ranks, and only those of the best
+//! rank present may happen: clients that proceed (part of the step that lets them), tasks that ask for a
+//! core, granting cores, and all other actions. Within a rank any order is possible.
 
 mod atoms;
 mod control_task;
@@ -29,16 +29,16 @@ use crate::system::{ClientAction, Ticks, TimedSystem};
 pub(crate) struct Published<'s> {
     pub(crate) system: &'s TimedSystem,
     pub(crate) layout: Layout,
-    /// Services of which a request was refused for want of a slot.
+    /// Services with a request that was refused for lack of a slot.
     refused: Vec<Cell<bool>>,
-    /// Codels (by number) that exclude no other.
+    /// Codels (by number) that exclude no other codel.
     lockless: Vec<bool>,
     /// Automata of each machine.
     automata_of: Vec<Vec<usize>>,
 }
 
 impl<'s> Published<'s> {
-    /// The rules for a system.
+    /// Creates the rules for a system.
     pub(crate) fn new(system: &'s TimedSystem) -> Self {
         let clocks = Clocks::none(system.tasks.len());
         Published::with(system, Layout::new(system, &clocks))
@@ -62,7 +62,7 @@ impl<'s> Published<'s> {
         }
     }
 
-    /// The state at time 0, with the first task of every component started.
+    /// Returns the state at time 0, with the first task of every component started.
     fn at_start(&self) -> State {
         let l = &self.layout;
         let mut s = l.blank();
@@ -82,7 +82,7 @@ impl<'s> Published<'s> {
         s
     }
 
-    /// The codel an executor is at; `None` for clients.
+    /// Returns the present codel of an executor; `None` for clients.
     pub(crate) fn codel(&self, s: &State, executor: usize) -> Option<usize> {
         let l = &self.layout;
         if executor < l.automata {
@@ -179,7 +179,7 @@ impl Rules for Published<'_> {
                 self.system.automata.get(executor).map(|it| it.task)
             }
             Action::Proceed { .. } | Action::Signal { .. } | Action::Request { .. } => None,
-            // Steps of other rules.
+            // Actions of other rules.
             Action::Begin { .. }
             | Action::Preempt { .. }
             | Action::Ready { .. }

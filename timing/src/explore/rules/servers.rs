@@ -1,12 +1,13 @@
-//! The rules of the servers that run on robots (section 21 of the timed semantics).
+//! The rules of the generated servers (section 21 of the timed semantics).
 //!
 //! Every *atomic step* of that section is one action: a tick for one task; the beginning of a pass up to its
 //! first codel; taking a ticket; leaving the queue; the end of a codel; waking the other tasks; taking a
-//! request; the end of a control codel; the rest of the handling. Between them anything else may happen.
+//! request; the end of a control codel; the rest of the handling. Between them any other action may happen.
 //! Executors are the threads: tasks, control tasks, and clients, in this order. Ranks are those of the
-//! published rules: clients that move on, tasks that ask for a core, granting cores, and everything else.
+//! published rules: clients that proceed, tasks that ask for a core, granting cores, and all other actions.
 //!
-//! Single points of the semantics can be those of the published models; where they differ is said at each.
+//! Single points of the semantics can follow the published models. A comment marks each place where they
+//! differ.
 
 mod control_task;
 mod cores;
@@ -37,16 +38,16 @@ pub(crate) struct Servers<'s> {
     system: &'s TimedSystem,
     semantics: Semantics,
     layout: Layout,
-    /// The priority of every executor that needs a core; the lower number goes first.
+    /// Priority of every executor that needs a core; the lower number goes first.
     priorities: Vec<u64>,
-    /// Services of which a request was rejected for want of a slot.
+    /// Services with a request that was rejected for lack of a slot.
     rejected: Vec<Cell<bool>>,
     /// Services of which two waiting instances have interrupted each other.
     restarts: Vec<Cell<bool>>,
 }
 
 impl<'s> Servers<'s> {
-    /// The rules for a system.
+    /// Creates the rules for a system.
     pub(crate) fn new(system: &'s TimedSystem) -> Self {
         Servers::with(system, &Clocks::none(system.tasks.len()))
     }
@@ -63,7 +64,7 @@ impl<'s> Servers<'s> {
         }
     }
 
-    /// The component of an executor; `None` for clients.
+    /// Returns the component of an executor; `None` for clients.
     fn component_of(&self, executor: usize) -> Option<usize> {
         if executor < self.layout.tasks {
             Some(self.system.tasks[executor].component)
@@ -77,25 +78,24 @@ impl<'s> Servers<'s> {
         self.system.tasks[task].period.is_some()
     }
 
-    /// The machine of a slot; `None` for a permanent activity without codels.
+    /// Returns the machine of a slot; `None` for a permanent activity without codels.
     fn machine(&self, s: &State, slot: usize) -> Option<&'s Machine> {
         let automaton = self.layout.automaton(s, slot).checked_sub(1)?;
         Some(self.system.machine_of(automaton as usize))
     }
 
-    /// The state of its machine that a slot is in; `None` where nothing is executed: the default `start` and
-    /// `stop`.
+    /// Returns the machine state of a slot; `None` if no codel runs there: the default `start` and `stop`.
     fn machine_state(&self, s: &State, slot: usize) -> Option<&'s MachineState> {
         (self.machine(s, slot)?.states).get(self.layout.at(s, slot) as usize)
     }
 
-    /// The service of a slot; `None` for a permanent activity.
+    /// Returns the service of a slot; `None` for a permanent activity.
     fn service(&self, s: &State, slot: usize) -> Option<usize> {
         let automaton = self.layout.automaton(s, slot).checked_sub(1)?;
         self.system.automata[automaton as usize].service
     }
 
-    /// The codel an executor takes a ticket for, waits for or executes.
+    /// Returns the codel for which an executor takes a ticket, waits or executes.
     fn codel(&self, s: &State, executor: usize) -> Option<usize> {
         let l = &self.layout;
         if executor < l.tasks {
@@ -119,17 +119,17 @@ impl<'s> Servers<'s> {
         codels.nth(l.codel_number(s, component) as usize).copied()
     }
 
-    /// Whether an executor executes a codel that another one has to wait for.
+    /// Returns true if an executor executes a codel that blocks the waiting one.
     fn holds_up(&self, s: &State, waiting: &Codel, executor: usize) -> bool {
         (self.codel(s, executor)).is_some_and(|it| waiting.conflicts.contains(it))
     }
 
-    /// Whether a task has a job that is measured: not in the first cycle.
+    /// Returns true if a task has a measured job: after its first cycle.
     fn in_cycle(&self, s: &State, task: usize) -> bool {
         (thread::WAITING..=thread::EXECUTING).contains(&self.layout.thread_of(s, task))
     }
 
-    /// The state at time 0, with the first task of every component started.
+    /// Returns the state at time 0, with the first task of every component started.
     fn at_start(&self) -> State {
         let l = &self.layout;
         let mut s = l.blank();
@@ -155,7 +155,8 @@ impl<'s> Servers<'s> {
         s
     }
 
-    /// The time from the start of a clock to the first tick: the delay, or else the period.
+    /// Returns the time from the start of a clock to the first tick in base units: the delay, or else the
+    /// period.
     fn first_tick(&self, task: usize) -> Ticks {
         let it = &self.system.tasks[task];
         match (self.semantics.ticks, it.delay) {
@@ -165,7 +166,7 @@ impl<'s> Servers<'s> {
         }
     }
 
-    /// Starts the next task of a component, or its control task when all are started.
+    /// Starts the next task of a component, or the control task after all other tasks.
     fn start_next(&self, s: &mut State, component: usize) {
         let l = &self.layout;
         let next = l.starting(s, component).wrapping_add(1);
@@ -254,7 +255,7 @@ impl Rules for Servers<'_> {
     }
 
     fn may_begin_to_wait(&self, action: Action, task: usize) -> bool {
-        // Under preemption whatever becomes ready may take a core.
+        // Under preemption any thread that becomes ready may take a core.
         self.preempts() || action == Action::Release { task }
     }
 

@@ -1,6 +1,6 @@
-//! What executors do.
+//! The work of executors.
 
-/// What an executor does. Numbers index into the tables of the [`TimedSystem`](crate::system::TimedSystem).
+/// The work of an executor. Numbers index into the tables of the [`TimedSystem`](crate::system::TimedSystem).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Work {
     /// A codel of a state machine.
@@ -13,7 +13,7 @@ pub enum Work {
         automaton: usize,
         /// The state of its machine.
         state: usize,
-        /// The place of the activity. Whoever has it keeps it to its end.
+        /// Place of the activity, which it keeps to its end.
         slot: usize,
     },
     /// A codel of a control task.
@@ -22,7 +22,7 @@ pub enum Work {
         codel: usize,
         /// The service that is handled.
         service: usize,
-        /// Number of the codel: the one that validates, if there is one, then the others in order.
+        /// Number of the codel: the validation, if there is one, then the others in order.
         number: usize,
     },
     /// A delay of a client.
@@ -33,7 +33,7 @@ pub enum Work {
 }
 
 impl Work {
-    /// The codel, if it is one.
+    /// Returns the codel; `None` for a delay.
     pub fn codel(&self) -> Option<usize> {
         match *self {
             Work::State { codel, .. } | Work::Control { codel, .. } => Some(codel),

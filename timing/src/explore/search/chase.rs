@@ -1,8 +1,7 @@
-//! One search depth first. All rules and reductions are those of the search in order of time; only the order
+//! A depth-first search. Its rules and reductions are those of the breadth-first search; only the order
 //! differs, and states of all moments are compared with each other.
 //!
-//! Every state is followed as it was come to, and never joined with others: so the steps that led to it are a
-//! run.
+//! States are followed as they were reached, and never joined with others, so the steps to a state are a run.
 
 use std::hash::BuildHasher;
 
@@ -21,31 +20,31 @@ use crate::explore::store::{Encoded, Store, encode};
 use crate::explore::watch::{Limits, Stop, Watch};
 use crate::system::{FOREVER, Ticks, TimedSystem};
 
-/// Steps between two looks at what may end the search.
+/// Steps between two polls of the limits.
 const LOOKS: u64 = 16;
 
-/// Plausible times after which a run that goes on in the same way is given up.
+/// Number of plausible times after which a run without news is abandoned.
 const FAR: u64 = 4;
 
-/// What is done first of what can be done in a state.
+/// The order in which the actions of a state are followed.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Order {
-    /// Time passes before anything that can wait.
+    /// Time passes before any action that can be postponed.
     patient: bool,
-    /// Codels that have an upper bound take as long as they can: what goes wrong mostly does so then. Not
-    /// everything that can happen is looked at.
+    /// Codels with an upper bound take their longest time, as most failures need that. Such a search is not
+    /// complete.
     pub(super) late: bool,
-    /// Chooses among actions; `None`: the last of them first.
+    /// Generator of random choices; `None`: the last action first.
     dice: Option<u64>,
-    /// Chooses the same whenever there is the same choice, so that what can go on for ever does.
+    /// Equal alternatives lead to equal choices, so that an endless behaviour continues.
     steady: bool,
 }
 
 impl Order {
-    /// Orders that differ in more than luck.
+    /// Number of orders that differ in more than the random choices.
     pub(super) const KINDS: u64 = 3;
 
-    /// A different one for every number.
+    /// Returns the order with a number. Each number gives a different order.
     pub(super) fn numbered(number: u64) -> Self {
         Order {
             patient: number % Self::KINDS == 1,
@@ -55,7 +54,7 @@ impl Order {
         }
     }
 
-    /// The same, steadily, and mostly with codels that take as long as they can.
+    /// Returns this order with steady choices, mostly with codels that take their longest time.
     pub(super) fn steady(self) -> Self {
         Order {
             late: self.late || self.patient,
@@ -64,8 +63,8 @@ impl Order {
         }
     }
 
-    /// Puts actions in this order, the one to follow first last. What a task does that is to be `kept` from
-    /// ending comes last.
+    /// Sorts actions: the one to follow first comes last. Actions of a task that is `kept` from ending come
+    /// first in the list.
     fn arrange(&mut self, list: &mut [(Action, Held)], kept: impl Fn(Action) -> bool) {
         if self.steady {
             let dice = self.dice;
@@ -83,41 +82,41 @@ impl Order {
     }
 }
 
-/// The number of a step among those that were taken.
+/// The index of a step in the trail.
 type StepId = u32;
 
-/// Before the first step.
+/// The position before the first step.
 const START: StepId = u32::MAX;
 
-/// What led from one state to the next.
+/// The step from one state to the next.
 #[derive(Debug, Clone, Copy)]
 enum Step {
     Act(Action),
     Pass(Ticks),
-    /// What is alike was put in order.
+    /// Symmetric parts were put in order.
     Order,
 }
 
-/// A state to go on from.
+/// A state from which the search continues.
 struct Open {
     s: State,
     held: Held,
-    /// The last step to it, and its time.
+    /// Last step to the state, and its time.
     at: Sight<StepId>,
 }
 
-/// A search depth first.
+/// A depth-first search.
 pub(super) struct Chase<'a, R: Reduced> {
-    /// The rules, and what was seen of what is watched: after which of the steps.
+    /// The rules, and the sights so far. A sight is identified by its step.
     watching: Watching<'a, R, StepId>,
     limits: Limits,
     cancel: &'a Cancel,
     passed: Store,
-    /// Steps, each with the one before.
+    /// Steps, each with the index of its predecessor.
     trail: Vec<(StepId, Step)>,
     open: Vec<Open>,
     pub(super) steps: u64,
-    /// Looks for a measured time, the only one, that is longer than this.
+    /// Search for a value of the only measured time that is greater than this, in base units.
     pub(super) lasts: Option<Ticks>,
 }
 
@@ -139,8 +138,9 @@ impl<'a, R: Reduced> Chase<'a, R> {
         }
     }
 
-    /// Begins anew, and goes on for so many steps, never beyond the moment `end`. `beside` are states and
-    /// bytes that are in use already. `false` if a limit ended it.
+    /// Starts again from the initial state and takes up to `steps` steps, at most to the moment `end`.
+    /// `beside` is the number of states and bytes already in use elsewhere. Returns false if a limit ended
+    /// the search.
     pub(super) fn run(
         &mut self,
         mut order: Order,
@@ -226,19 +226,19 @@ impl<'a, R: Reduced> Chase<'a, R> {
         self.open.push(Open { s, held: 0, at });
     }
 
-    /// Whether everything was seen, or enough.
+    /// Returns true if the search has seen everything, or enough.
     fn is_over(&self) -> bool {
         let Watching { seen, .. } = &self.watching;
         let answered = || self.watching.all_measured() && seen.goals.values().all(Option::is_some);
         seen.enough || answered() || self.longest().is_some()
     }
 
-    /// Whether a run has gone on for so long that nothing new is to be expected.
+    /// Returns true if a run has continued for so long that it is unlikely to show news.
     fn has_gone_far(&self, at: Sight<StepId>) -> bool {
         self.lasts.is_some_and(|it| at.time > FAR * u64::from(it))
     }
 
-    /// The longest time seen, if that is longer than what is looked for.
+    /// Returns the longest time seen, if it is longer than the one searched for.
     fn longest(&self) -> Option<Longest<StepId>> {
         let longest = self.watching.seen.longest.first().copied().flatten()?;
         self.lasts
@@ -246,13 +246,13 @@ impl<'a, R: Reduced> Chase<'a, R> {
             .then_some(longest)
     }
 
-    /// A run at whose end something lasts as long as was looked for, and how long.
+    /// Returns a run whose last measurement is as long as the one searched for, and the length.
     pub(super) fn lasted(&mut self) -> Option<(Run, Ticks)> {
         let Longest { value, at } = self.longest()?;
         Some((self.run_to(at, None), value))
     }
 
-    /// Where a run at whose end something has lasted so long repeats itself meanwhile.
+    /// Returns the repetition within the last measurement of a run.
     pub(super) fn repetition(&self, run: &Run, value: Ticks) -> Option<(u64, u64)> {
         let Watching {
             rules,
@@ -265,12 +265,12 @@ impl<'a, R: Reduced> Chase<'a, R> {
         run.repetition(rules, (observers, value), &age, self.cancel)
     }
 
-    /// Whether nothing is left to be looked at, of everything there is.
+    /// Returns true if all states have been examined.
     pub(super) fn is_exhausted(&self) -> bool {
         self.open.is_empty() && !self.is_over()
     }
 
-    /// Whether there is nothing more to look for, or to look at.
+    /// Returns true if there is nothing left to find or to examine.
     pub(super) fn is_done(&self) -> bool {
         self.open.is_empty() || self.is_over()
     }
@@ -280,7 +280,7 @@ impl<'a, R: Reduced> Chase<'a, R> {
         Stop::reason(states, bytes, self.limits, self.cancel).is_some()
     }
 
-    /// How long to let time pass.
+    /// Returns the time to let pass, in base units.
     fn jump(&self, s: &State, order: Order) -> Option<Ticks> {
         let Watching {
             rules, reductions, ..
@@ -324,7 +324,7 @@ impl<'a, R: Reduced> Chase<'a, R> {
         }
     }
 
-    /// Runs to what was seen.
+    /// Returns runs to the goals that were seen.
     pub(super) fn caught(&mut self) -> PerGoal<Option<Run>> {
         let Watching { goals, seen, .. } = &self.watching;
         let sights = goals.each(|id| seen.goals[id].map(|at| (at, goals.get(id))));
@@ -338,8 +338,8 @@ impl<'a, R: Reduced> Chase<'a, R> {
         sights.map(run)
     }
 
-    /// The run that ends with a step, and is about a task if something is shown of one: its steps are taken
-    /// again, and called as they were before anything was put in order.
+    /// Returns the run that ends with a step. If the sight is about a task, the run is about that task: its
+    /// steps are performed again, with the names from before any symmetric parts were put in order.
     fn run_to(&mut self, at: Sight<StepId>, about: Option<(usize, Shown<R>)>) -> Run {
         let mut steps = Vec::new();
         let mut last = at.parent;
@@ -390,19 +390,19 @@ impl<'a, R: Reduced> Chase<'a, R> {
         }
     }
 
-    /// Services of which a request was refused.
+    /// Returns the services with a refused request.
     pub(super) fn refused(&self) -> Vec<usize> {
         (0..self.watching.rules.system().services.len())
             .filter(|&it| self.watching.has_refused(it))
             .collect()
     }
 
-    /// The number of states that were looked at.
+    /// Returns the number of examined states.
     pub(super) fn states(&self) -> usize {
         self.passed.len()
     }
 
-    /// Bytes in use, roughly.
+    /// Returns the approximate number of bytes in use.
     pub(super) fn memory(&self) -> usize {
         let open = size_of::<Open>() + self.watching.rules.frame().state_bytes();
         self.passed.memory()
@@ -411,8 +411,7 @@ impl<'a, R: Reduced> Chase<'a, R> {
     }
 }
 
-/// Only chases a system: what the states of one chase of this number show, of those a [`Watch`] can be
-/// answered by.
+/// Runs a single chase, with the order of this number, for tests: returns findings of single states only.
 pub fn chase(
     system: &TimedSystem,
     watch: &Watch,
@@ -450,10 +449,10 @@ fn chase_by<R: Reduced>(
     }
 }
 
-/// Whether a state shows something of a task.
+/// A test of a state for a property of a task.
 type Shown<R> = fn(&R, &State, usize) -> bool;
 
-/// Adds a step after another.
+/// Adds a step after another one.
 fn push(trail: &mut Vec<(StepId, Step)>, before: StepId, step: Step) -> StepId {
     trail.push((before, step));
     trail.len() as u32 - 1

@@ -1,4 +1,4 @@
-//! What single states show: one list of all that a watch asks for, whatever its kind.
+//! Goals: properties of single states, one list for all that a watch asks for.
 
 use std::ops::{Index, IndexMut};
 
@@ -6,19 +6,19 @@ use crate::explore::reductions::Orbits;
 use crate::explore::watch::Watch;
 use crate::property::Predicate;
 
-/// Something that a state shows, or the step to it.
+/// A property of a state, or of the step to it.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Goal<'w> {
     /// A tick of the task comes before its job has ended.
     Missed(usize),
-    /// The task waits for a core for as long as its period.
+    /// The task waits for a core for at least its period.
     Overdue(usize),
     /// The predicate holds.
     Reached(&'w Predicate),
 }
 
 impl Goal<'_> {
-    /// The task it is about.
+    /// Returns the task of the goal.
     pub(super) fn task(self) -> Option<usize> {
         match self {
             Goal::Missed(task) | Goal::Overdue(task) => Some(task),
@@ -27,28 +27,27 @@ impl Goal<'_> {
     }
 }
 
-/// The number of a goal in the list of its watch.
+/// The index of a goal in the list of its watch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) struct GoalId(usize);
 
-/// All goals of a watch: its tasks whose ticks must not come too early, those that must not wait too long,
-/// its predicates.
+/// All goals of a watch: missed deadlines, overdue tasks, reached predicates.
 #[derive(Debug)]
 pub(super) struct Goals<'w> {
     watch: &'w Watch,
 }
 
-/// Something for each goal of a list.
+/// One value for each goal of a list.
 #[derive(Debug, Clone, Default)]
 pub(super) struct PerGoal<T>(Vec<T>);
 
 impl<'w> Goals<'w> {
-    /// The goals of a watch.
+    /// Returns the goals of a watch.
     pub(super) fn of(watch: &'w Watch) -> Goals<'w> {
         Goals { watch }
     }
 
-    /// How many there are of each kind, in the order of the list.
+    /// Returns the number of goals of each kind, in the order of the list.
     fn counts(&self) -> [usize; 3] {
         let Watch {
             schedulable,
@@ -59,32 +58,32 @@ impl<'w> Goals<'w> {
         [schedulable.len(), overdue.len(), reach.len()]
     }
 
-    /// All of them, in order.
+    /// Returns all goals, in order.
     pub(super) fn ids(&self) -> impl Iterator<Item = GoalId> + use<> {
         (0..self.counts().iter().sum()).map(GoalId)
     }
 
-    /// Those that are ticks that come too early, with their tasks.
+    /// Returns the goals for missed deadlines, with their tasks.
     pub(super) fn missed(&self) -> impl Iterator<Item = (GoalId, usize)> + use<'w> {
         let tasks = self.watch.schedulable.iter().enumerate();
         tasks.map(|(i, &task)| (GoalId(i), task))
     }
 
-    /// Those that are tasks that wait too long, with the tasks.
+    /// Returns the goals for overdue tasks, with the tasks.
     pub(super) fn overdue(&self) -> impl Iterator<Item = (GoalId, usize)> + use<'w> {
         let first = self.counts()[0];
         let tasks = self.watch.overdue.iter().enumerate();
         tasks.map(move |(i, &task)| (GoalId(first + i), task))
     }
 
-    /// Those that are predicates.
+    /// Returns the goals for predicates.
     pub(super) fn reached(&self) -> impl Iterator<Item = (GoalId, &'w Predicate)> + use<'w> {
         let first = self.counts()[0] + self.counts()[1];
         let predicates = self.watch.reach.iter().enumerate();
         predicates.map(move |(i, it)| (GoalId(first + i), it))
     }
 
-    /// The goal with a number.
+    /// Returns the goal with an index.
     pub(super) fn get(&self, GoalId(id): GoalId) -> Goal<'w> {
         let [missed, overdue, _] = self.counts();
         if id < missed {
@@ -96,14 +95,14 @@ impl<'w> Goals<'w> {
         }
     }
 
-    /// Whether it is a predicate: its number among those of the watch.
+    /// Returns the index of a predicate in the watch, if the goal is one.
     pub(super) fn predicate(&self, GoalId(id): GoalId) -> Option<usize> {
         let [missed, overdue, _] = self.counts();
         id.checked_sub(missed + overdue)
     }
 
-    /// The goals of the same kind that are about tasks that are not told apart from that of one, itself
-    /// included.
+    /// Returns the goals of the same kind for all tasks in the orbit of the goal's task, including the goal
+    /// itself.
     pub(super) fn alike(&self, id: GoalId, orbits: &Orbits) -> Vec<GoalId> {
         let same = |all: &mut dyn Iterator<Item = (GoalId, usize)>, task: usize| {
             let orbit = orbits.of_task(task);
@@ -118,12 +117,13 @@ impl<'w> Goals<'w> {
         }
     }
 
-    /// Something for each of them.
+    /// Returns one value for each goal.
     pub(super) fn each<T>(&self, it: impl FnMut(GoalId) -> T) -> PerGoal<T> {
         PerGoal(self.ids().map(it).collect())
     }
 
-    /// A watch for some of them alone, which are in order. Their numbers there are their places among them.
+    /// Returns a watch for some of the goals, which must be in order. Their indices there are their positions
+    /// in `some`.
     pub(super) fn only(&self, some: &[GoalId]) -> Watch {
         let mut watch = Watch {
             stop_at_first: self.watch.stop_at_first,
@@ -139,7 +139,7 @@ impl<'w> Goals<'w> {
         watch
     }
 
-    /// The parts of a list that the lists of the watch correspond to: missed, overdue, reached.
+    /// Splits a list into the parts for the lists of the watch: missed, overdue, reached.
     pub(super) fn split<T>(&self, PerGoal(mut all): PerGoal<T>) -> [Vec<T>; 3] {
         let [missed, overdue, _] = self.counts();
         let reached = all.split_off(missed + overdue);
@@ -149,22 +149,22 @@ impl<'w> Goals<'w> {
 }
 
 impl<T> PerGoal<T> {
-    /// In the order of the goals.
+    /// Returns the values, in the order of the goals.
     pub(super) fn values(&self) -> impl Iterator<Item = &T> {
         self.0.iter()
     }
 
-    /// Likewise.
+    /// Returns the values for changes, in the order of the goals.
     pub(super) fn values_mut(&mut self) -> impl Iterator<Item = &mut T> {
         self.0.iter_mut()
     }
 
-    /// What becomes of each.
+    /// Converts each value.
     pub(super) fn map<U>(self, it: impl FnMut(T) -> U) -> PerGoal<U> {
         PerGoal(self.0.into_iter().map(it).collect())
     }
 
-    /// Likewise.
+    /// Returns the values, in the order of the goals.
     pub(super) fn into_values(self) -> impl Iterator<Item = T> {
         self.0.into_iter()
     }

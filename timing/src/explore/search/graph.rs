@@ -1,4 +1,4 @@
-//! The states that are kept: those in which time passes, and how each was come to.
+//! The kept states: calm states, with the nodes from which they were reached.
 
 use std::collections::BTreeMap;
 use std::ops::Index;
@@ -14,17 +14,17 @@ use crate::system::Ticks;
 pub(super) struct NodeId(u32);
 
 impl NodeId {
-    /// Before the first node: the start of every run.
+    /// The position before the first node: the start of every run.
     pub(super) const ROOT: NodeId = NodeId(u32::MAX);
 }
 
-/// A state in which time passes: a key of the set of passed states, and its own box.
+/// A calm state: a key of the set of passed states, and its own box.
 pub(super) struct Node {
     key: u32,
     start: usize,
     len: u32,
     pub(super) time: u64,
-    /// First of the nodes it was reached from.
+    /// First edge: the nodes from which this node was reached.
     edges: u32,
 }
 
@@ -34,7 +34,7 @@ const QUEUED: usize = 2 * size_of::<u32>();
 /// The end of a list of edges, or of links.
 const END: u32 = u32::MAX;
 
-/// All nodes, with the nodes they were reached from, and those whose next moment has not come yet.
+/// All nodes, their edges, and the queue of nodes whose next moment is still to come.
 pub(super) struct Graph {
     passed: Store,
     nodes: Segments<Node>,
@@ -44,7 +44,7 @@ pub(super) struct Graph {
 }
 
 impl Graph {
-    /// Without nodes, for states with so many clocks.
+    /// Creates an empty graph, for states with this many clocks.
     pub(super) fn new(clocks: usize, covering: Covering) -> Graph {
         Graph {
             passed: Store::new(clocks, covering),
@@ -55,12 +55,12 @@ impl Graph {
         }
     }
 
-    /// The number of nodes.
+    /// Returns the number of nodes.
     pub(super) fn len(&self) -> usize {
         self.nodes.len()
     }
 
-    /// Keeps a state as a node, unless it is passed already.
+    /// Keeps a state as a node, unless the state is covered by an earlier one.
     pub(super) fn keep(
         &mut self,
         it: &Encoded,
@@ -82,7 +82,7 @@ impl Graph {
         Some(NodeId(node as u32))
     }
 
-    /// The nodes that a node was reached from.
+    /// Returns the nodes from which a node was reached.
     pub(super) fn parents(&self, node: NodeId) -> impl Iterator<Item = NodeId> {
         let mut edge = self[node].edges;
         std::iter::from_fn(move || {
@@ -95,41 +95,41 @@ impl Graph {
         })
     }
 
-    /// Notes the next moment of a node.
+    /// Adds a node to the queue, with its next moment.
     pub(super) fn wait(&mut self, node: NodeId, until: u64) {
         self.queue.entry(until).or_default().push(node);
     }
 
-    /// The next moment of any node, and the nodes whose moment it is.
+    /// Removes the earliest moment from the queue, with its nodes.
     pub(super) fn next_moment(&mut self) -> Option<(u64, Vec<NodeId>)> {
         self.queue.pop_first()
     }
 
-    /// The moments that have not come, of all nodes.
+    /// Removes and returns the whole queue.
     pub(super) fn take_queue(&mut self) -> BTreeMap<u64, Vec<NodeId>> {
         std::mem::take(&mut self.queue)
     }
 
-    /// The state of a node.
+    /// Returns the state of a node.
     pub(super) fn state(&self, frame: &Frame, node: NodeId) -> State {
         let mut s = State::default();
         self.state_to(frame, node, &mut s);
         s
     }
 
-    /// The same, into memory that is there.
+    /// Writes the state of a node to existing memory.
     pub(super) fn state_to(&self, frame: &Frame, node: NodeId, s: &mut State) {
         let node = &self[node];
         let dims = self.dims.slice(node.start, node.len as usize);
         decode_to(frame, self.passed.key(node.key), dims, s);
     }
 
-    /// How long after the moment of the node of a sight this was seen.
+    /// Returns the time from the moment of the parent node to a sight, in base units.
     pub(super) fn since(&self, at: Sight<NodeId>) -> Ticks {
         (at.time - self[at.parent].time) as Ticks
     }
 
-    /// Bytes in use.
+    /// Returns the bytes in use.
     pub(super) fn memory(&self) -> usize {
         self.passed.memory()
             + self.nodes.memory()
@@ -147,27 +147,27 @@ impl Index<NodeId> for Graph {
     }
 }
 
-/// Lists of the nodes that states of one moment were come to from; states that are merged join theirs.
+/// Lists of the nodes from which states of one moment were reached. Merged states join their lists.
 #[derive(Default)]
 pub(super) struct Links(Segments<(NodeId, u32)>);
 
 impl Links {
-    /// A list of one node: its number.
+    /// Adds a list of one node, and returns its index.
     pub(super) fn one(&mut self, parent: NodeId) -> u32 {
         self.0.push((parent, END)) as u32
     }
 
-    /// Bytes in use.
+    /// Returns the bytes in use.
     pub(super) fn memory(&self) -> usize {
         self.0.memory()
     }
 
-    /// Takes the last list back.
+    /// Removes the last list.
     pub(super) fn undo(&mut self) {
         self.0.pop();
     }
 
-    /// The nodes of a list.
+    /// Returns the nodes of a list.
     pub(super) fn list(&self, first: u32) -> impl Iterator<Item = NodeId> {
         let mut link = first;
         std::iter::from_fn(move || {

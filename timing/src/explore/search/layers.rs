@@ -1,7 +1,7 @@
-//! Layers: exploration in order of time, from moment to moment.
+//! Layers: breadth-first search in order of time, from moment to moment.
 //!
 //! All simultaneous actions of a moment are followed, the calm states they lead to are kept as nodes, and
-//! each node jumps to its next moment. It proves, and finds the shortest runs.
+//! each node jumps to its next moment. Layers prove checks, and find the shortest runs.
 
 pub(super) mod trace;
 
@@ -21,26 +21,26 @@ use crate::explore::store::{Covering, Encoded, Store, decode, encode, holds};
 use crate::explore::watch::{Limits, Stop, Watch};
 use crate::system::Ticks;
 
-/// States looked at per state of a layer to find those that are reached by ends that can wait.
+/// Number of states examined, per state of a layer, to find the states that are reached by postponed ends.
 const CLOSURES: usize = 1;
 
-/// Bytes for a state among those that may reach others: the list of them doubles, and is sorted with half of
-/// its size beside.
+/// Bytes for a state that may reach others: the list of such states doubles as it grows, and sorting needs
+/// half of its size in addition.
 const SOURCE: usize = 4 * size_of::<(usize, u32, &[Ticks], u32)>();
 
 /// Bytes of a tag in a set of tags.
 const REDUNDANT: usize = size_of::<u32>() + 1;
 
-/// Bytes that finding a run again may take, even if the states take all that is allowed.
+/// Bytes that the reconstruction of a run may take, even if the states have used up the limit.
 const LEAST_FOR_RUN: usize = 8 << 20;
 
-/// States looked at between two looks at what may end the search.
+/// Number of states between two polls of the limits.
 pub(super) const LOOKS: usize = 64;
 
-/// Steps for each state kept from which on moments are crowded: what happens in them is what takes long.
+/// Number of steps per kept state above which moments are crowded: then most effort goes into single moments.
 const CROWDED: u64 = 64;
 
-/// How states cover each other within these limits.
+/// Returns the covering of states within these limits.
 pub(super) fn covering(limits: Limits) -> Covering {
     Covering {
         union: !limits.without.contains(Kind::WindowUnion),
@@ -51,47 +51,48 @@ pub(super) fn covering(limits: Limits) -> Covering {
 /// The states of one moment.
 struct Layer {
     states: Store,
-    /// Of each: time may pass in it.
+    /// Calm states, by state: time may pass.
     calm: Vec<bool>,
-    /// Bytes of the states that it begins with, and of what is kept only while it is looked at.
+    /// Bytes of the initial states of the layer, and of data kept only while the layer is explored.
     under_way: usize,
-    /// Of an exploration that has ended: states and bytes that it had beside the graph. They are given back
-    /// before runs are found again.
+    /// States and bytes of a finished exploration in addition to the graph. They are released before the
+    /// reconstruction of runs.
     released: (usize, usize),
 }
 
-/// Who says how far an exploration goes.
+/// The controller of an exploration.
 pub(super) trait Overseer<'a, R: Reduced> {
-    /// Looks at an exploration every few steps: what ends it, and who else is to work. Whether it is over.
+    /// Polls an exploration every few steps: applies limits, and gives effort to other strategies. Returns
+    /// true if the exploration is over.
     fn look(&mut self, layers: &mut Layers<'a, R>) -> bool;
 
-    /// The layers have come to an end.
+    /// Is called at the end of the layers.
     fn end(&mut self, layers: &mut Layers<'a, R>);
 }
 
-/// An exploration in order of time.
+/// A breadth-first exploration in order of time.
 pub(super) struct Layers<'a, R: Reduced> {
     pub(super) watching: Watching<'a, R, NodeId>,
     pub(super) graph: Graph,
     layer: Layer,
-    /// All states of former moments that were crowded.
+    /// All states of earlier crowded moments.
     crowd: Store,
     pub(super) steps: u64,
-    /// The moment that is looked at.
+    /// Present moment, in base units.
     pub(super) now: u64,
     pub(super) deadlock: Option<Sight<NodeId>>,
-    /// Runs that were found again already.
+    /// Runs that were reconstructed already.
     pub(super) traced: Traced,
-    /// Clocks are examined for divergence when they exceed this.
+    /// Value of a clock above which the clock is examined for divergence, in base units.
     pub(super) patience: Ticks,
-    /// Look for repetition until it is found.
+    /// Search for a repetition until one is found.
     patient: bool,
-    /// Found while a layer was closed.
+    /// Divergence found while a layer was closed.
     pub(super) diverging: Option<Diverging>,
     pub(super) limits: Limits,
     pub(super) cancel: &'a Cancel,
     pub(super) stopped: Option<Stop>,
-    /// States whose memory is used again.
+    /// States whose memory can be reused.
     spare: Vec<State>,
 }
 
@@ -150,7 +151,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
 
     // ---- From moment to moment -------------------------------------------------------------
 
-    /// Explores until everything was looked at, or it is stopped, or a time turns out to diverge.
+    /// Explores until all states have been examined, the exploration is stopped, or a time diverges.
     pub(super) fn run(&mut self, by: &mut dyn Overseer<'a, R>) -> Option<Diverging> {
         let initial = self.watching.rules.initial();
         self.close_layer(0, vec![(initial, NodeId::ROOT)], true, by);
@@ -159,7 +160,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
         {
             self.now = time;
             self.layer.under_way = parents.len() * self.bytes_to_do();
-            // What there is no room for is not allocated.
+            // Memory beyond the limit is never allocated.
             if by.look(self) {
                 break;
             }
@@ -194,7 +195,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
         Some(diverging)
     }
 
-    /// Gives the memory back that is not needed to find runs again.
+    /// Releases the memory that the reconstruction of runs does not need.
     fn release(&mut self) {
         self.layer.released = (self.layer.states.len(), self.beside_graph());
         self.layer.under_way = 0;
@@ -208,7 +209,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
         self.diverging.is_none() && self.stopped.is_none()
     }
 
-    /// Whether the search is over, be it that nothing more is wanted.
+    /// Returns true if the search is over, possibly because all questions are answered.
     fn is_stopped(&mut self) -> bool {
         if self.watching.seen.enough {
             self.stopped.get_or_insert(Stop::Answered);
@@ -216,7 +217,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
         self.stopped.is_some()
     }
 
-    /// Follows all simultaneous actions from states at one moment, then keeps the calm ones.
+    /// Follows all simultaneous actions from the states of one moment, then keeps the calm states.
     fn close_layer(
         &mut self,
         time: u64,
@@ -254,9 +255,11 @@ impl<'a, R: Reduced> Layers<'a, R> {
             self.watching
                 .settle(&mut s, &mut held, &mut enabled, |_| at);
             encode(self.watching.rules.frame(), &s, &mut it);
+            // States with different sleep sets have different actions to follow, and are different.
             if held != 0 {
                 it.key.extend(held.to_le_bytes());
             }
+            // An earlier crowded moment has followed the state already.
             if self.crowd.holds(&it) {
                 self.spare.push(s);
                 continue;
@@ -286,8 +289,8 @@ impl<'a, R: Reduced> Layers<'a, R> {
         self.keep_crowd(by);
     }
 
-    /// Where very much happens at each moment, most of it happens again at later ones: whatever states of
-    /// this one lead to is known then.
+    /// Keeps the states of a crowded moment, because most of them occur again at later moments, where their
+    /// successors are then known.
     fn keep_crowd(&mut self, by: &mut dyn Overseer<'a, R>) {
         if !self.is_crowded() || self.limits.without.contains(Kind::MomentCovering) {
             return;
@@ -311,7 +314,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
         self.layer.states = layer;
     }
 
-    /// Turns the calm states of the layer that are not passed yet into nodes.
+    /// Turns the calm states of the layer into nodes, unless earlier nodes cover them.
     fn keep_calm(&mut self, time: u64, links: &Links, by: &mut dyn Overseer<'a, R>) {
         let layer = std::mem::take(&mut self.layer.states);
         self.layer.under_way = layer.memory() + links.memory();
@@ -355,19 +358,20 @@ impl<'a, R: Reduced> Layers<'a, R> {
         self.layer.states = layer;
     }
 
-    /// Whether time cannot pass in a box, as a window is at its end.
+    /// Returns true if time cannot pass in a box, because a window is at its end.
     fn ends_now(&self, dims: &[Ticks]) -> bool {
         let windows = dims.len() - self.watching.rules.frame().clocks();
         dims[..windows].chunks_exact(2).any(|w| w[1] == 0)
     }
 
-    /// Tags of calm states that others of the layer reach by ends that can wait. Not all of them if there are
-    /// very many: finding them must not take longer than following them. None if there is no room to look.
+    /// Returns the tags of calm states that others of the layer reach by postponed ends. The list is
+    /// incomplete if there are very many, because finding them must not take longer than following them. It
+    /// is empty if there is no memory for the search.
     fn redundant(&self, layer: &Store) -> FxHashSet<u32> {
         let Watching {
             rules, reductions, ..
         } = &self.watching;
-        // Those with most codels executing reach most others.
+        // States with the most executing codels reach the most other states.
         let mut sources: Vec<(usize, u32, &[Ticks], u32)> = Vec::new();
         let room = self.limits.bytes.saturating_sub(self.memory());
         if layer.count() > room / SOURCE {
@@ -401,7 +405,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
 
     // ---- Times that grow -------------------------------------------------------------------
 
-    /// Nothing will happen after a node: whatever is measured there has no bound.
+    /// Handles a node after which no event follows: times measured there have no bound.
     fn waits_forever(&mut self, s: &State, at: Sight<NodeId>) {
         if self.diverging.is_some() {
             return;
@@ -418,8 +422,8 @@ impl<'a, R: Reduced> Layers<'a, R> {
         }
     }
 
-    /// Looks at clocks after time has passed. One that has grown suspiciously is examined: whether the run
-    /// repeats itself.
+    /// Examines clocks after time has passed. If one has grown suspiciously, the run is searched for a
+    /// repetition.
     fn clocks_after_jump(
         &mut self,
         s: &mut State,
@@ -458,8 +462,8 @@ impl<'a, R: Reduced> Layers<'a, R> {
         None
     }
 
-    /// Notes the limits that are exceeded in a jump from a node, and when. The first moment counts, and jumps
-    /// overlap.
+    /// Records the limits that are exceeded in a jump from a node, and the times. The first moment counts,
+    /// and jumps overlap.
     fn limits_in_jump(&mut self, s: &State, parent: NodeId, jump: Ticks) {
         let watching = &mut self.watching;
         for i in 0..watching.gauges.len() {
@@ -467,7 +471,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
             else {
                 continue;
             };
-            // Clocks beyond the limit were seen when they passed it.
+            // Clocks beyond the limit were recorded when they passed the limit.
             let Some(left) = limit.checked_sub(s.t[clock]).filter(|&it| it < jump) else {
                 continue;
             };
@@ -480,7 +484,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
         }
     }
 
-    /// The same for the jumps that have begun when the exploration ends.
+    /// Records the limits that are exceeded in jumps under way at the end of the exploration.
     fn limits_under_way(&mut self) {
         if self.watching.gauges.iter().all(|it| it.limit.is_none()) {
             return;
@@ -497,14 +501,14 @@ impl<'a, R: Reduced> Layers<'a, R> {
         }
     }
 
-    /// A run in which a gauge has just exceeded its limit.
+    /// Returns a run in which a gauge has just exceeded its limit.
     pub(super) fn excess_run(&self, gauge: usize) -> Option<Run> {
         let Gauge { of, limit, .. } = self.watching.gauges[gauge];
         let at = self.watching.seen.excess[gauge]?;
         Some(self.trace(at, &Target::Lasts(of, limit? + 1)))
     }
 
-    /// What has been found of one gauge holds for all that are not told apart.
+    /// Copies the finding for one gauge to all gauges of its orbit.
     pub(super) fn of_all_alike(&self, found: &Diverging) -> Vec<Diverging> {
         let task = |gauge: usize| self.watching.gauges[gauge].of.task();
         let of = |gauge: usize| {
@@ -528,19 +532,20 @@ impl<'a, R: Reduced> Layers<'a, R> {
             .collect()
     }
 
-    // ---- What it takes ---------------------------------------------------------------------
+    // ---- Effort ----------------------------------------------------------------------------
 
-    /// Whether what happens at single moments takes long.
+    /// Returns true if most effort goes into single moments.
     pub(super) fn is_crowded(&self) -> bool {
         self.steps > CROWDED * self.graph.len() as u64
     }
 
-    /// States that are kept, or were come to at the moment that is looked at.
+    /// Returns the number of states that are kept, or were reached at the present moment.
     pub(super) fn states_now(&self) -> usize {
         self.graph.len() + self.layer.states.len() + self.layer.released.0
     }
 
-    /// States kept; where the exploration was broken off also those of the moment at which that happened.
+    /// Returns the number of states kept; after an incomplete exploration, including those of the last
+    /// moment.
     pub(super) fn states(&self) -> usize {
         match self.stopped {
             None | Some(Stop::Answered) => self.graph.len(),
@@ -548,12 +553,12 @@ impl<'a, R: Reduced> Layers<'a, R> {
         }
     }
 
-    /// Bytes of a state that is to be followed.
+    /// Returns the bytes of a state in the work list.
     fn bytes_to_do(&self) -> usize {
         size_of::<(NodeId, Held)>() + self.watching.rules.frame().state_bytes()
     }
 
-    /// Bytes in use.
+    /// Returns the bytes in use.
     pub(super) fn memory(&self) -> usize {
         self.graph.memory() + self.beside_graph() + self.layer.released.1
     }
@@ -565,14 +570,14 @@ impl<'a, R: Reduced> Layers<'a, R> {
             + self.spare.len() * self.watching.rules.frame().state_bytes()
     }
 
-    /// Bytes that finding a run again may take.
+    /// Returns the bytes that the reconstruction of a run may take.
     fn room_for_run(&self) -> usize {
         let used = self.graph.memory() + self.beside_graph();
         let left = self.limits.bytes.saturating_sub(used);
         left.max(self.limits.bytes / 8).max(LEAST_FOR_RUN)
     }
 
-    /// Which reductions are used.
+    /// Returns the reductions in use.
     pub(super) fn activities(&self) -> impl Iterator<Item = Activity> {
         let switched = [
             Kind::WindowUnion,

@@ -1,7 +1,8 @@
-//! The supervisor: which strategy gets how much effort, when to stop, and what is told on the way.
+//! The supervisor: the division of effort between strategies, the end of an exploration, and intermediate
+//! findings.
 //!
-//! Layers get most of the effort, and ask the supervisor every few steps ([`Overseer::look`]). It lets
-//! randomised search ([`hunt`]) and zones ([`zones`](super::zones)) work beside them.
+//! Layers get most of the effort, and poll the supervisor every few steps ([`Overseer::look`]). It runs
+//! randomised search ([`hunt`]) and zones ([`zones`](super::zones)) in between.
 
 mod endless;
 mod hunt;
@@ -22,28 +23,28 @@ use crate::explore::rules::Rules;
 use crate::explore::run::Run;
 use crate::explore::watch::{Limits, Stop, Watch};
 
-/// Steps for which an exploration that has answered everything goes on, to see requests that are refused.
+/// Number of further steps after all checks are answered, to see requests that are refused.
 const LINGER: u64 = 20_000;
 
-/// Who works on one exploration, and who is told.
+/// The strategies of one exploration, and the receiver of findings.
 pub(super) struct Supervisor<'a, R: Reduced> {
-    /// Randomised search, or why there is none.
+    /// Randomised search, or the reason against it.
     hunt: Result<Hunt, Reason>,
-    /// What is looked for in zones, or why not.
+    /// Search in zones, or the reason against it.
     proving: Proving<'a, R>,
     news: Option<News<'a>>,
-    /// Steps until which to go on after everything was answered.
+    /// Number of steps at which an answered exploration ends.
     until: Option<u64>,
 }
 
-/// What one exploration hands on to the next of the same system.
+/// The results of one exploration for the next one of the same system.
 pub(super) struct Legacy {
     hunt: Result<Hunt, Reason>,
     zones: Result<Option<Proof>, Reason>,
 }
 
 impl Legacy {
-    /// What the first exploration begins with.
+    /// Returns the input of the first exploration.
     pub(super) fn none<R: Rules>(rules: &R, watch: &Watch, limits: Limits) -> Legacy {
         Legacy {
             hunt: hunt::suits(watch, limits).map(|()| Hunt::new(watch)),
@@ -80,7 +81,7 @@ impl<'a, R: Reduced> Overseer<'a, R> for Supervisor<'a, R> {
 }
 
 impl<'a, R: Reduced> Supervisor<'a, R> {
-    /// Supervises an exploration, with what is left of the one before.
+    /// Supervises an exploration, with the results of the previous one.
     pub(super) fn new(legacy: Legacy, teller: Teller<'a>) -> Self {
         Supervisor {
             hunt: legacy.hunt,
@@ -90,7 +91,7 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
         }
     }
 
-    /// What the next exploration of the same system may use: what was seen by this one is known already.
+    /// Returns the results for the next exploration of the same system, including the runs seen by this one.
     pub(super) fn hand_on(self, layers: &Layers<'a, R>) -> Legacy {
         let Supervisor { hunt, proving, .. } = self;
         Legacy {
@@ -99,9 +100,9 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
         }
     }
 
-    // ---- Who gets effort -------------------------------------------------------------------
+    // ---- Division of effort ----------------------------------------------------------------
 
-    /// Whether everything that is asked has been seen, or caught.
+    /// Returns true if all questions are answered, by layers or by randomised search.
     fn answered(&self, layers: &Layers<'a, R>) -> bool {
         let deadlock = layers.watching.watch.deadlock;
         layers.watching.all_measured()
@@ -109,8 +110,8 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
             && self.all_caught(layers)
     }
 
-    /// Whether to go on for a while when everything is answered: what was only caught may be seen earlier,
-    /// and requests may turn out to be refused.
+    /// Returns true if an answered exploration continues for a while: a run of randomised search may be found
+    /// earlier, and requests may turn out to be refused.
     fn goes_on(&mut self, layers: &mut Layers<'a, R>) -> bool {
         let may_refuse = layers.watching.rules.system().may_refuse();
         let refusals = may_refuse && !self.proving.is_done();
@@ -129,40 +130,40 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
         layers.steps < until && (refusals || self.may_end_earlier(layers))
     }
 
-    /// States looked at beside the layers.
+    /// Returns the number of states examined outside the layers.
     pub(super) fn states_beside(&self) -> usize {
         self.hunt.as_ref().map_or(0, |it| it.states) + self.proving.states()
     }
 
-    /// Steps so far, with those of the hunt and those in zones.
+    /// Returns the number of steps so far, including those of randomised search and of zones.
     pub(super) fn effort(&self, layers: &Layers<'a, R>) -> u64 {
         let hunted = self.hunt.as_ref().map_or(0, |it| it.steps);
         layers.steps + self.proving.steps() + hunted
     }
 
-    /// States kept, or looked at beside.
+    /// Returns the number of states kept, or examined outside the layers.
     pub(super) fn states(&self, layers: &Layers<'a, R>) -> usize {
         layers.states() + self.states_beside()
     }
 
-    // ---- What is known ---------------------------------------------------------------------
+    // ---- Findings --------------------------------------------------------------------------
 
-    /// Whether a goal is never reached.
+    /// Returns true if a goal is certainly never reached.
     pub(super) fn is_never(&self, layers: &Layers<'a, R>, goal: GoalId) -> bool {
         match layers.watching.goals.predicate(goal) {
             Some(predicate) => self.proving.never_reached(predicate),
-            // What is proved in zones has no periodic tasks, so that nothing is late.
+            // Systems treated by zones have no periodic tasks, so that no deadline is missed.
             None => self.proving.is_done(),
         }
     }
 
-    /// Of each predicate of the watch, whether it is never reached.
+    /// Returns, by predicate of the watch, whether the predicate is certainly never reached.
     fn never(&self, watch: &Watch) -> Vec<bool> {
         let all = 0..watch.reach.len();
         all.map(|it| self.proving.never_reached(it)).collect()
     }
 
-    /// Services of which a request was refused.
+    /// Returns the services with a refused request.
     fn refused(&self, layers: &Layers<'a, R>) -> Vec<usize> {
         let beside = |it: usize| {
             self.hunt
@@ -182,7 +183,7 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
             .collect()
     }
 
-    /// What is known of each gauge.
+    /// Returns the finding for each gauge.
     fn measured(layers: &Layers<'a, R>) -> Vec<Option<Measured>> {
         let found = |run| Found { run };
         let of = |i: usize| {
@@ -201,7 +202,7 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
             if let (Some(run), Some(limit)) =
                 (&gauge.excess, limit.filter(|it| reached <= Some(*it)))
             {
-                // Known from an exploration before, which this one has not come up with.
+                // Found by an earlier exploration, but not by this one.
                 return Some(Measured {
                     bound: Bound::Finite(limit + 1),
                     longest: found(run.clone()),
@@ -217,7 +218,7 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
         (0..layers.watching.gauges.len()).map(of).collect()
     }
 
-    /// Which reductions were used, and who worked beside the layers.
+    /// Returns the reductions and further strategies used.
     fn activities(&self, layers: &Layers<'a, R>) -> Vec<Activity> {
         let beside = [
             (Kind::Zones, self.proving.unsuited()),
@@ -227,7 +228,7 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
         layers.activities().chain(beside).collect()
     }
 
-    /// What the exploration has found.
+    /// Returns the findings of the exploration.
     pub(super) fn findings(self, layers: &Layers<'a, R>) -> Findings {
         let watch = layers.watching.watch;
         let goals = &layers.watching.goals;
@@ -263,7 +264,7 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
             bytes: (hunt.map_or(0, |it| it.bytes))
                 .max(self.proving.bytes_in_the_end())
                 .max(layers.memory() + self.proving.bytes()),
-            // Nothing is left to be looked at, even if it was looked at in zones.
+            // All states have been examined, possibly with zones.
             stopped: layers
                 .stopped
                 .filter(|&it| it != Stop::Answered || !self.proving.is_done()),

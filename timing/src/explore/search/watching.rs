@@ -1,5 +1,4 @@
-//! What is watched along all runs, whatever the order in which they are followed: one step at a time, and
-//! what each step shows.
+//! Observation along runs, whatever the order of exploration: single steps, and what each step shows.
 
 use super::goals::{GoalId, Goals, PerGoal};
 use crate::explore::absent::Absent;
@@ -13,35 +12,35 @@ use crate::explore::watch::Watch;
 use crate::property::Predicate;
 use crate::system::Ticks;
 
-/// Where and when something was seen.
+/// The place and time of an observation.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sight<P> {
-    /// What was followed to it.
+    /// Position from which it was reached.
     pub(super) parent: P,
     pub(super) time: u64,
 }
 
-/// A longest time seen.
+/// The longest time so far.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Longest<P> {
     pub(super) value: Ticks,
     pub(super) at: Sight<P>,
 }
 
-/// What was seen so far.
+/// The observations so far.
 pub(super) struct Seen<P> {
     pub(super) goals: PerGoal<Option<Sight<P>>>,
-    /// Of each gauge.
+    /// Longest time, by gauge.
     pub(super) longest: Vec<Option<Longest<P>>>,
-    /// Where each gauge exceeds its limit first.
+    /// First place at which the limit is exceeded, by gauge.
     pub(super) excess: Vec<Option<Sight<P>>>,
-    /// What no state has so far.
+    /// Jobs and atoms that no state has had so far.
     pub(super) absent: Absent,
-    /// Nothing more is wanted.
+    /// No further observations are needed.
     pub(super) enough: bool,
 }
 
-/// The rules of a system, with what is watched of it, and what was seen.
+/// The rules of a system, with its watch and the observations so far.
 pub(super) struct Watching<'a, R: Reduced, P> {
     pub(super) rules: R,
     pub(super) reductions: R::Reductions,
@@ -49,13 +48,13 @@ pub(super) struct Watching<'a, R: Reduced, P> {
     pub(super) goals: Goals<'a>,
     pub(super) observers: Vec<Observer>,
     pub(super) gauges: &'a [Gauge],
-    /// Tasks whose clock only serves the overdue check.
+    /// Tasks whose clock is only for the overdue check.
     pub(super) waiting_only: Vec<bool>,
     pub(super) seen: Seen<P>,
 }
 
 impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
-    /// Watches, with the reductions that respect it.
+    /// Creates the observation of a watch, with the reductions that respect it.
     pub(super) fn new(rules: &R, watch: &'a Watch, gauges: &'a [Gauge], without: Kinds) -> Self {
         let system = rules.system();
         let measured = |of: Timing| gauges.iter().any(|it| it.of == of && it.active());
@@ -125,7 +124,7 @@ impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
         }
     }
 
-    /// Forgets what was seen.
+    /// Removes all observations.
     pub(super) fn begin_anew(&mut self) {
         self.seen.goals.values_mut().for_each(|it| *it = None);
         self.seen.longest.fill(None);
@@ -134,8 +133,8 @@ impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
 
     // ---- Steps -----------------------------------------------------------------------------
 
-    /// Performs committed steps without a choice, which need not be kept, and puts the state in order. `at`
-    /// tells where a step leads to. Whether the state was not in order.
+    /// Performs committed steps without a choice, whose states need not be kept, and puts the state in order.
+    /// `at` is the sight after a step. Returns true if the order changed.
     pub(super) fn settle(
         &mut self,
         s: &mut State,
@@ -144,7 +143,7 @@ impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
         mut at: impl FnMut(Action) -> Sight<P>,
     ) -> bool {
         self.rules.enabled(s, enabled);
-        // The bound is there because a client may go round in circles without taking time.
+        // The limit is needed because a client may loop without time passing.
         for _ in 0..16 {
             if !enabled.committed || enabled.actions.len() != 1 {
                 break;
@@ -160,7 +159,7 @@ impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
         ordered
     }
 
-    /// Writes the actions to follow in a state, with what they hold back.
+    /// Writes the actions to follow in a state, each with the actions that it holds back.
     pub(super) fn followed(
         &self,
         (s, held): (&State, Held),
@@ -172,7 +171,7 @@ impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
         self.reductions.follow(&self.rules, at, enabled, first, out);
     }
 
-    /// Performs an action, and looks at the state it leads to.
+    /// Performs an action, and checks the new state.
     pub(super) fn step(&mut self, s: &mut State, action: Action, held: &mut Held, at: Sight<P>) {
         let needs_before = !self.observers.is_empty() || !self.watch.reach.is_empty() || *held != 0;
         let before = needs_before.then(|| s.clone());
@@ -186,8 +185,7 @@ impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
         self.check(before.as_ref(), s, at);
     }
 
-    /// A clock that only serves the overdue check stands still from the moment on at which its task has a
-    /// core.
+    /// Stops the clocks of tasks that only serve the overdue check, when the task has got a core.
     pub(super) fn begin_waiting(&self, s: &mut State, action: Action) {
         if let Action::Grant { task } = action
             && self.waiting_only[task]
@@ -197,7 +195,7 @@ impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
         }
     }
 
-    /// Brings the clocks that only serve the overdue check into order after time has passed.
+    /// Resets the clocks that only serve the overdue check, after time has passed.
     pub(super) fn clamp_waiting(&self, s: &mut State) {
         let l = self.rules.frame();
         for (task, only) in self.waiting_only.iter().enumerate() {
@@ -209,16 +207,16 @@ impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
         }
     }
 
-    // ---- What is seen ----------------------------------------------------------------------
+    // ---- Observations ----------------------------------------------------------------------
 
-    /// Notes that a goal is seen, and with it those that are not told apart from it.
+    /// Records that a goal is reached, and all goals of its orbit.
     fn sight(&mut self, goal: GoalId, at: Sight<P>) {
         for it in self.goals.alike(goal, self.reductions.orbits()) {
             self.seen.goals[it] = Some(at);
         }
     }
 
-    /// Looks at a state that was just entered.
+    /// Checks a state that was just entered.
     pub(super) fn check(&mut self, before: Option<&State>, s: &State, at: Sight<P>) {
         let orbits = self.reductions.orbits();
         self.seen.absent.look(&self.rules, s, orbits);
@@ -247,8 +245,7 @@ impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
         }
     }
 
-    /// An age is seen when what has it becomes visible, which may be for no time at all; its clock has run
-    /// before.
+    /// Records an age when its data becomes visible, possibly for no time at all; its clock has run before.
     fn opened_late(&mut self, gauge: usize, s: &State, at: Sight<P>) {
         if !matches!(self.gauges[gauge].of, Timing::Within(_)) {
             return;
@@ -265,8 +262,7 @@ impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
         }
     }
 
-    /// Whether what a time is measured from has just happened, and what it is measured to holds: no time at
-    /// all.
+    /// Returns true if the start and the end of a measurement have both just happened: no time at all.
     pub(super) fn is_answered_at_once(
         &self,
         before: Option<&State>,
@@ -281,8 +277,8 @@ impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
         !was && observe::predicate(&self.rules, before, s, trigger)
     }
 
-    /// Looks at tasks that an action makes wait for a core: where a job counts from a tick that was kept, it
-    /// may be overdue from the first moment on.
+    /// Checks tasks that begin to wait for a core with an action: a job that counts from a kept tick may be
+    /// overdue at once.
     fn overdue_at_once(&mut self, s: &State, action: Action, at: Sight<P>) {
         for (goal, task) in self.goals.overdue() {
             let begins = self.rules.may_begin_to_wait(action, task);
@@ -292,7 +288,7 @@ impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
         }
     }
 
-    /// Looks at tasks that wait after time has passed.
+    /// Checks waiting tasks after time has passed.
     pub(super) fn waiting_after_jump(&mut self, s: &mut State, at: Sight<P>) {
         for (goal, task) in self.goals.overdue() {
             if self.seen.goals[goal].is_none() && self.rules.overdue(s, task) {
@@ -302,7 +298,7 @@ impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
         self.clamp_waiting(s);
     }
 
-    /// Looks at one clock after time has passed: the time, if it is the longest so far.
+    /// Checks one clock after time has passed. Returns the time if it is the longest so far.
     pub(super) fn longest_after_jump(
         &mut self,
         gauge: usize,
@@ -319,16 +315,16 @@ impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
         Some(value)
     }
 
-    // ---- What is measured ------------------------------------------------------------------
+    // ---- Measurements ----------------------------------------------------------------------
 
-    /// The clock of a gauge, if it measures now.
+    /// Returns the clock of a gauge, if it runs.
     pub(super) fn measures(&self, gauge: usize, s: &State) -> Option<usize> {
         let (l, of) = (self.rules.frame(), self.gauges[gauge].of);
         let other = matches!(of, Timing::Response(task) if self.waiting_only[task]);
         of.clock(l, s).filter(|_| !other && of.runs(&self.rules, s))
     }
 
-    /// Whether an action is one of a task whose response time is measured.
+    /// Returns true if an action belongs to a task whose response time is measured.
     pub(super) fn is_measured(&self, action: Action) -> bool {
         let Some(task) = self.rules.task_of(action) else {
             return false;
@@ -336,7 +332,7 @@ impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
         self.gauges.iter().any(|it| it.of == Timing::Response(task))
     }
 
-    /// Whether the longest time of a gauge has been seen, and nothing else is wanted of it.
+    /// Returns true if a gauge has reached its known maximum, and its limit needs no further search.
     fn is_longest(&self, gauge: usize) -> bool {
         let it = &self.gauges[gauge];
         it.most.is_some_and(|most| {
@@ -346,15 +342,15 @@ impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
         })
     }
 
-    /// Whether nothing more is wanted of any gauge.
+    /// Returns true if no gauge needs further measurements.
     pub(super) fn all_measured(&self) -> bool {
         let unbounded = |it: usize| matches!(self.gauges[it].how, How::Unbounded(_));
         (0..self.gauges.len()).all(|it| unbounded(it) || self.is_longest(it))
     }
 
-    // ---- What is not told apart ------------------------------------------------------------
+    // ---- Symmetry --------------------------------------------------------------------------
 
-    /// Gauges of what is not told apart, itself included.
+    /// Returns the gauges of the orbit of a gauge, including itself.
     pub(super) fn alike(&self, gauge: usize) -> Vec<usize> {
         let it = &self.gauges[gauge];
         let Timing::Response(task) = it.of else {
@@ -370,7 +366,7 @@ impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
             .collect()
     }
 
-    /// A run with one task in the place of another that is not told apart from it.
+    /// Returns a run with one task exchanged for another of its orbit.
     pub(super) fn exchanged(&self, run: &Run, from: usize, to: usize) -> Run {
         let renaming = self.reductions.orbits().exchange(from, to);
         let steps = run.steps.iter();
@@ -382,7 +378,7 @@ impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
         }
     }
 
-    /// Whether a request of a service was refused, or of one that is not told apart from it.
+    /// Returns true if a request for a service, or for one of its orbit, was refused.
     pub(super) fn has_refused(&self, service: usize) -> bool {
         let mut orbit = self.reductions.orbits().of_service(service).iter();
         orbit.any(|&it| self.rules.has_refused(it))

@@ -1,11 +1,11 @@
-//! Zones: what can never be reached is also looked for in dense time.
+//! Zones: a search in dense time for predicates that are never reached.
 //!
-//! Where nothing is periodic, what matters is in which order codels and delays end. In whole numbers of time
-//! there are the more states the longer they last; *zones*, sets of remaining times (see [`Zone`]), depend on
-//! their order alone. So beside a search moment by moment, and with most of the effort, another one gives
+//! Without periodic tasks, only the order matters in which codels and delays end. With integer times, the
+//! number of states grows with their durations; *zones*, sets of remaining times (see [`Zone`]), depend on
+//! the order alone. So a second search next to the breadth-first search, with most of the effort, gives
 //! states zones instead of windows. Rules, ample sets and symmetry are the same; a window is then the
-//! shortest and longest time in the zone. What no state with a zone shows is proved. What one does show is
-//! left to the other search, which comes to it with a run.
+//! shortest and longest time in the zone. A property that no state with a zone has is proved never to hold. A
+//! property that some state has is left to the other search, which reaches the property with a run.
 
 mod zone;
 
@@ -25,38 +25,38 @@ use crate::explore::watch::{Limits, Watch};
 use crate::property::Predicate;
 use crate::system::{ClientAction, FOREVER, Ticks, TimedSystem};
 
-/// Steps after which a search is not small any more.
+/// Steps after which a search counts as large.
 const SMALL: u64 = 1000;
 
-/// Time from which on something lasts long.
+/// Time from which on a duration counts as long, in base units.
 const LONG: Ticks = 8;
 
-/// Steps in zones for each step of the search they are beside.
+/// Number of steps in zones for each step of the breadth-first search.
 const SHARE: u64 = 4;
 
-/// Steps in zones between two looks at what may end the search.
+/// Steps between two polls of the limits.
 const LOOKS: u64 = 128;
 
-/// Bytes for a key besides what it says, with room to grow.
+/// Bytes for a key in addition to its contents, with room to grow.
 const KEY: usize = 2 * size_of::<(Box<[u16]>, Vec<(u32, Zone)>)>();
 
-/// Committed steps that are taken at once. There is a bound because a client may go round in circles without
-/// taking time.
+/// Upper limit on committed steps that are performed at once. It is needed because a client may loop without
+/// time passing.
 const AT_ONCE: usize = 16;
 
-/// A search in zones for predicates, and for states in which nothing will ever happen again.
+/// A search in zones for predicates and for deadlocks.
 pub(super) struct Zones<'a, R: Reduced> {
     rules: R,
     reductions: R::Reductions,
     goals: &'a [Predicate],
-    /// Which of the goals were reached.
+    /// Goals that were reached.
     reached: Vec<bool>,
-    /// What no state has so far.
+    /// Jobs and atoms that no state has had so far.
     absent: Absent,
     deadlock: bool,
-    /// By what goes on, zones that were come to, with their numbers.
+    /// Reached zones with their numbers, by discrete state.
     passed: FxHashMap<Box<[u16]>, Vec<(u32, Zone)>>,
-    /// By number: it was covered by another one before it was looked at.
+    /// Zones that were covered by another one before their examination, by number.
     covered: Vec<bool>,
     todo: VecDeque<(u32, State, Zone)>,
     steps: u64,
@@ -89,7 +89,7 @@ impl<'a, R: Reduced> Zones<'a, R> {
         out
     }
 
-    /// Goes on until it has taken so many steps.
+    /// Continues until this many steps have been taken.
     fn run(&mut self, steps: u64) {
         let mut enabled = Enabled::default();
         let mut followed = Vec::new();
@@ -111,7 +111,7 @@ impl<'a, R: Reduced> Zones<'a, R> {
         }
     }
 
-    /// Whether a request of a service was refused, or of one that is not told apart from it.
+    /// Returns true if a request for a service, or for one of its orbit, was refused.
     fn refused(&self, service: usize) -> bool {
         let mut orbit = self.reductions.orbits().of_service(service).iter();
         orbit.any(|&it| self.rules.has_refused(it))
@@ -129,7 +129,7 @@ impl<'a, R: Reduced> Zones<'a, R> {
         self.set_zone(s, zone);
     }
 
-    /// Looks at a state that was just entered.
+    /// Checks a state that was just entered.
     fn look(&mut self, before: Option<&State>, s: &State) {
         for (goal, reached) in self.goals.iter().zip(&mut self.reached) {
             *reached = *reached || observe::predicate(&self.rules, before, s, goal);
@@ -138,7 +138,7 @@ impl<'a, R: Reduced> Zones<'a, R> {
         self.absent.look(&self.rules, s, orbits);
     }
 
-    /// Brings the zone of a state, and its windows, up to what is being executed.
+    /// Updates the zone of a state, and its windows, to the present executions.
     fn set_zone(&self, s: &mut State, zone: &mut Zone) {
         let l = self.rules.frame();
         let executors: SmallVec<[usize; 12]> = l.executing(s).collect();
@@ -152,8 +152,8 @@ impl<'a, R: Reduced> Zones<'a, R> {
         }
     }
 
-    /// Keeps a state to look at later, after the committed steps that follow without a choice, and any time
-    /// if it can pass.
+    /// Keeps a state for examination, after the committed steps that follow without a choice and, if time can
+    /// pass, after any time.
     fn keep(&mut self, mut s: State, mut zone: Zone) {
         let mut enabled = Enabled::default();
         self.rules.enabled(&s, &mut enabled);
@@ -196,7 +196,7 @@ impl<'a, R: Reduced> Zones<'a, R> {
         self.todo.push_back((number, s, zone));
     }
 
-    /// Bytes of the table that are there twice when it grows, if that is near.
+    /// Returns the bytes that the growth of the table takes in addition, if it is about to grow.
     fn growth(&self) -> usize {
         let left = self.passed.capacity() - self.passed.len();
         match left < 8 * LOOKS as usize {
@@ -210,8 +210,12 @@ impl<'a, R: Reduced> Zones<'a, R> {
     }
 }
 
-/// Whether there are zones of a system, and fewer of them than states with whole numbers of time: nothing is
-/// periodic, something lasts long, and not everything takes as long each time.
+/// Checks that a search in zones is possible and promising: no task is periodic, some duration is long, and
+/// not all durations are fixed.
+///
+/// # Errors
+///
+/// Returns the reason against such a search.
 pub(super) fn suit(system: &TimedSystem, watch: &Watch, limits: Limits) -> Result<(), Reason> {
     if limits.without.contains(Kind::Zones) {
         return Err(Reason::SwitchedOff);
@@ -248,30 +252,30 @@ pub(super) fn suit(system: &TimedSystem, watch: &Watch, limits: Limits) -> Resul
     }
 }
 
-/// What a search in zones that has looked at everything has seen.
+/// The findings of a complete search in zones.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct InZones {
-    /// Which predicates can be reached.
+    /// Predicates that can be reached.
     pub reached: Vec<bool>,
-    /// There is a state in which nothing will ever happen again.
+    /// There is a deadlock.
     pub deadlock: bool,
-    /// Services of which a request was refused.
+    /// Services with a refused request.
     pub refused: Vec<usize>,
 }
 
-/// What is known from zones, and what it took.
+/// The results of a search in zones, and its effort.
 #[derive(Debug, Clone)]
 pub(super) struct Proof {
     seen: InZones,
     absent: Absent,
     states: usize,
     steps: u64,
-    /// Bytes used in the end, with those of the search it was beside.
+    /// Bytes used at the end, including those of the breadth-first search.
     bytes: usize,
 }
 
 impl<R: Reduced> Zones<'_, R> {
-    /// What was seen, if that is everything.
+    /// Returns the results, if the search is complete.
     fn proof(&self) -> Option<Proof> {
         let services = 0..self.rules.system().services.len();
         self.todo.is_empty().then(|| Proof {
@@ -288,8 +292,8 @@ impl<R: Reduced> Zones<'_, R> {
     }
 }
 
-/// Looks in zones for predicates, in a system without periodic tasks. `None` if it takes more than so many
-/// steps. Some reductions are switched off.
+/// Searches for predicates in zones, in a system without periodic tasks. Returns `None` after too many steps.
+/// The reductions in `without` are switched off.
 pub fn in_zones(
     system: &TimedSystem,
     goals: &[Predicate],
@@ -310,18 +314,18 @@ fn in_zones_by<R: Reduced>(
     zones.proof().map(|it| it.seen)
 }
 
-/// A search in zones beside layers.
+/// A search in zones next to layers.
 pub(super) enum Proving<'a, R: Reduced> {
-    /// It does not suit the system, or what is asked.
+    /// The search does not suit the system, or the watched properties.
     Unsuited(Reason),
-    /// It has not begun, or goes on.
+    /// The search has not begun, or is under way.
     Open(Option<Box<Zones<'a, R>>>),
-    /// It has looked at everything.
+    /// The search is complete.
     Done(Proof),
 }
 
 impl<'a, R: Reduced> Proving<'a, R> {
-    /// A search that may be done already, or why there is none.
+    /// Creates a search, possibly with known results, or the reason against one.
     pub(super) fn new(zones: Result<Option<Proof>, Reason>) -> Self {
         match zones {
             Err(reason) => Proving::Unsuited(reason),
@@ -330,7 +334,7 @@ impl<'a, R: Reduced> Proving<'a, R> {
         }
     }
 
-    /// What another search may begin with.
+    /// Returns the results for another search, or the reason against one.
     pub(super) fn into_proof(self) -> Result<Option<Proof>, Reason> {
         match self {
             Proving::Unsuited(reason) => Err(reason),
@@ -339,7 +343,7 @@ impl<'a, R: Reduced> Proving<'a, R> {
         }
     }
 
-    /// Looks for what can never be reached, if it is time to.
+    /// Searches for a while, if it is due.
     pub(super) fn work_if_due(&mut self, layers: &Layers<'a, R>) {
         let Proving::Open(zones) = self else { return };
         let watching = &layers.watching;
@@ -359,7 +363,7 @@ impl<'a, R: Reduced> Proving<'a, R> {
         }
     }
 
-    /// Why there is no such search.
+    /// Returns the reason against a search in zones.
     pub(super) fn unsuited(&self) -> Option<Reason> {
         match self {
             Proving::Unsuited(reason) => Some(*reason),
@@ -374,33 +378,33 @@ impl<'a, R: Reduced> Proving<'a, R> {
         }
     }
 
-    /// Whether everything was looked at in zones.
+    /// Returns true if the search in zones is complete.
     pub(super) fn is_done(&self) -> bool {
         self.proof().is_some()
     }
 
-    /// Whether a predicate can never be reached.
+    /// Returns true if a predicate is proved never to hold.
     pub(super) fn never_reached(&self, predicate: usize) -> bool {
         self.proof().is_some_and(|it| !it.seen.reached[predicate])
     }
 
-    /// What no state has.
+    /// Returns the jobs and atoms that no state has.
     pub(super) fn absent(&self) -> Option<&Absent> {
         self.proof().map(|it| &it.absent)
     }
 
-    /// Whether something can always happen.
+    /// Returns true if there is certainly no deadlock.
     pub(super) fn never_deadlocked(&self) -> bool {
         self.proof().is_some_and(|it| !it.seen.deadlock)
     }
 
-    /// Whether a request of a service was refused in a state with a zone.
+    /// Returns true if a request for a service was refused in a state with a zone.
     pub(super) fn refused(&self, service: usize) -> bool {
         self.proof()
             .is_some_and(|it| it.seen.refused.contains(&service))
     }
 
-    /// States looked at.
+    /// Returns the number of examined states.
     pub(super) fn states(&self) -> usize {
         match self {
             Proving::Open(Some(zones)) => zones.covered.len(),
@@ -409,7 +413,7 @@ impl<'a, R: Reduced> Proving<'a, R> {
         }
     }
 
-    /// Steps taken.
+    /// Returns the number of steps.
     pub(super) fn steps(&self) -> u64 {
         match self {
             Proving::Open(Some(zones)) => zones.steps,
@@ -418,7 +422,7 @@ impl<'a, R: Reduced> Proving<'a, R> {
         }
     }
 
-    /// Bytes in use now.
+    /// Returns the bytes in use.
     pub(super) fn bytes(&self) -> usize {
         match self {
             Proving::Open(Some(zones)) => zones.bytes + zones.growth(),
@@ -426,7 +430,7 @@ impl<'a, R: Reduced> Proving<'a, R> {
         }
     }
 
-    /// Bytes in use when everything was looked at, with those of the layers.
+    /// Returns the bytes in use at the end of the search, including those of the layers.
     pub(super) fn bytes_in_the_end(&self) -> usize {
         self.proof().map_or(0, |it| it.bytes)
     }

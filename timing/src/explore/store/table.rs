@@ -1,22 +1,22 @@
 //! The hash table of a set of states.
 //!
-//! A table that is full allocates one of twice its size and copies itself. So a large set has many tables:
-//! each doubles on its own, which takes a small part of the memory of all.
+//! A full table allocates a table of twice its size and copies itself. So a large set has many tables: each
+//! doubles on its own, which takes a small part of the memory of the set.
 
 use hashbrown::HashTable;
 
-/// Entries from which on a table is divided.
+/// Number of entries from which on a table is divided.
 const DIVIDED: usize = 1 << 16;
 
-/// Parts of a divided table.
+/// Number of parts of a divided table.
 const PARTS: usize = 256;
 
-/// Numbers by hash.
+/// Numbers, by hash.
 #[derive(Debug)]
 pub(super) struct Table {
-    /// One, or [`PARTS`].
+    /// One table, or [`PARTS`] tables.
     parts: Vec<HashTable<u32>>,
-    /// Entries that there is room for, in all parts.
+    /// Capacity of all parts, in entries.
     capacity: usize,
 }
 
@@ -30,19 +30,19 @@ impl Default for Table {
 }
 
 impl Table {
-    /// Removes everything, keeping the memory.
+    /// Removes all entries, and keeps the memory.
     pub(super) fn clear(&mut self) {
         self.parts.iter_mut().for_each(HashTable::clear);
     }
 
-    /// The number with this hash for which `is` holds.
+    /// Returns the number with this hash for which `is` returns true.
     pub(super) fn find(&self, hash: u64, mut is: impl FnMut(u32) -> bool) -> Option<u32> {
         self.parts[self.part(hash)]
             .find(hash, |&it| is(it))
             .copied()
     }
 
-    /// Adds a number that is not in the table, given the hashes of those that are.
+    /// Adds a number that is not in the table. `hash_of` returns the hash of a number in the table.
     pub(super) fn insert(&mut self, hash: u64, number: u32, hash_of: impl Fn(u32) -> u64) {
         if self.parts.len() == 1 && self.parts[0].len() == DIVIDED {
             self.divide(&hash_of);
@@ -54,12 +54,12 @@ impl Table {
         self.capacity += table.capacity() - before;
     }
 
-    /// Bytes allocated, roughly.
+    /// Returns the approximate number of bytes allocated.
     pub(super) fn memory(&self) -> usize {
         self.capacity * 5
     }
 
-    /// The part of a hash: by bits that a table of its size does not use itself.
+    /// Returns the part of a hash, from bits that a table of its size does not use itself.
     fn part(&self, hash: u64) -> usize {
         (hash >> 40) as usize & (self.parts.len() - 1)
     }
@@ -80,7 +80,7 @@ impl Table {
 mod tests {
     use super::*;
 
-    /// Spreads numbers over all bits.
+    /// Spreads a number over all bits.
     fn hash(number: u32) -> u64 {
         u64::from(number + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15)
     }

@@ -1,4 +1,4 @@
-//! Codes about scenarios that describe no system.
+//! Codes about scenarios that do not describe a system.
 
 use super::{Code, error, of_specification};
 

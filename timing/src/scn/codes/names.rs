@@ -1,4 +1,4 @@
-//! Codes about what a scenario names.
+//! Codes about names in a scenario.
 
 use super::{Code, error, of_specification};
 

@@ -10,7 +10,7 @@ pub(in crate::scn) const STEPS: &[&str] = &[
     "send", "await", "delay", "repeat", "choice", "abort", "kill", "connect",
 ];
 
-/// Repetitions larger than this are unrolled no more.
+/// Greatest number of repetitions that are unrolled.
 const REPEAT: u64 = 1000;
 
 impl Parser<'_> {
@@ -44,7 +44,7 @@ impl Parser<'_> {
         })
     }
 
-    /// `ok`, `failed` or nothing; a component may have such a name as well.
+    /// Parses `ok`, `failed` or nothing; a component may have such a name as well.
     fn ending(&mut self) -> Ending {
         let is_path = (self.tokens.get(self.at + 1)).is_some_and(|it| it.kind == Kind::Dot);
         if !is_path && self.eat_word("ok") {

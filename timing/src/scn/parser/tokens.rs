@@ -1,4 +1,4 @@
-//! Looking at tokens, consuming them, and going on after a broken item.
+//! Access to tokens, and recovery after an invalid item.
 
 use std::ops::Range;
 
@@ -25,7 +25,7 @@ impl<'t> Parser<'t> {
         }
     }
 
-    /// End of the token before.
+    /// Returns the end of the previous token.
     pub(super) fn end(&self) -> usize {
         self.at
             .checked_sub(1)
@@ -65,7 +65,7 @@ impl<'t> Parser<'t> {
         None
     }
 
-    /// Skips to the end of a broken item.
+    /// Skips to the end of an invalid item.
     pub(super) fn recover(&mut self) {
         let mut depth = 0;
         while let Some(kind) = self.peek() {
@@ -84,7 +84,7 @@ impl<'t> Parser<'t> {
                     }
                 }
                 Kind::Name if depth == 0 && ITEMS.contains(&self.word()) => {
-                    // The next item begins on a new line: the `;` was forgotten.
+                    // The next item begins on a new line: the `;` is missing.
                     let before = &self.text[self.end()..self.range().start];
                     if before.contains('\n') {
                         return;

@@ -1,4 +1,4 @@
-//! What the result depends on, in words.
+//! The assumptions on which the result depends, in words.
 
 use super::Builder;
 use crate::scn::ast::{self, Durations};

@@ -1,4 +1,4 @@
-//! Codels that keep a task of another component, or one that shares nothing with them, waiting for a whole
+//! Codels that block a task of another component, or a task with which they share nothing, for a whole
 //! period.
 
 use num_rational::Ratio;
@@ -9,7 +9,7 @@ use crate::scn::semantics::LockRule;
 use crate::system::locks::live_codels;
 use crate::system::{FOREVER, Ticks};
 
-/// A codel that can be executed, and who executes it: a task, or (`None`) the control task of its component.
+/// A codel that can run, and its thread: a task, or the control task of its component (`None`).
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct Live {
     codel: usize,
@@ -24,7 +24,7 @@ impl Live {
 }
 
 impl Builder<'_> {
-    /// Reports codels that hold up the lock queue, or a port, for as long as the period of a task that waits.
+    /// Reports codels that hold up the lock queue, or a port, for the whole period of a task that waits.
     pub(super) fn blocking(&mut self) {
         let live = self.live();
         let mut found = Vec::new();
@@ -68,7 +68,7 @@ impl Builder<'_> {
         !waiting.same_thread(it) && system.codels[waiting.codel].conflicts.contains(it.codel)
     }
 
-    /// The shortest period of a task that is no longer than a time, of the tasks of some codels.
+    /// Returns the task with the shortest period of at most `time`, among the tasks of some codels.
     fn shortest<'l>(
         &self,
         codels: impl Iterator<Item = &'l Live>,
@@ -106,7 +106,8 @@ impl Builder<'_> {
             .filter(|it| self.waits_for(**it, long))
             .copied()
             .collect();
-        // Who waits for it anyway is no news, and whoever does can be at the head.
+        // A task that shares a lock with the codel waits in any case, and is not reported. Any codel of such
+        // a task can be at the head of the queue.
         let shares = |it: &Live| heads.iter().any(|head| head.same_thread(*it));
         let behind = own().filter(|it| !it.same_thread(long) && !shares(it));
         let (_, task, period) = self.shortest(behind, time)?;

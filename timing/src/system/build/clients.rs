@@ -1,4 +1,4 @@
-//! Clients, and the services they request.
+//! Clients, and the services that they request.
 
 use num_rational::Ratio;
 
@@ -29,7 +29,8 @@ impl Builder<'_> {
         }
     }
 
-    /// The published models know neither requests that every component understands nor how requests end.
+    /// Reports steps that the published models do not have: requests that every component accepts, and
+    /// outcomes of requests.
     fn only_of_servers(&mut self, steps: &[ast::Step]) {
         for step in steps {
             let what = match &step.kind {
@@ -59,12 +60,12 @@ impl Builder<'_> {
         }
     }
 
-    /// Services for the requests that all components understand, where a client makes them.
+    /// Adds services for the requests that all components accept, if a client makes such requests.
     fn builtins(&mut self) {
         let mut found: Vec<(usize, Builtin)> = Vec::new();
         for client in &self.settings.clients {
             builtins(client, &client.steps, &mut |path, which| {
-                // What has no such name is reported when the client is compiled.
+                // A path that names no component is reported when the client is compiled.
                 if let Some(c) = self.component_of(path)
                     && let Some(&number) = self.out.components.get(&c)
                     && !found.contains(&(number, which))
@@ -159,12 +160,12 @@ impl Builder<'_> {
         self.only_refused();
     }
 
-    /// Reports requests that can only be refused (section 18): those of services of which the ones before
-    /// cannot succeed.
+    /// Reports requests that are always refused (section 18): those of services whose `after` services cannot
+    /// succeed.
     fn only_refused(&mut self) {
         let system = &self.out.system;
         let requested = system.requested();
-        // What can succeed: as long as there is something new whose predecessors all can.
+        // Fixed point of the services that can succeed: services all of whose predecessors can.
         let mut can = vec![false; system.services.len()];
         let after = |service: usize, can: &[bool]| {
             let mut all = system.services[service].after.iter();
@@ -182,7 +183,7 @@ impl Builder<'_> {
         let mut found: Vec<(usize, &Path)> = Vec::new();
         for path in paths {
             let service = program::Resolve::service(self, path).ok();
-            // What a client with an error would request is not known.
+            // The requests of a client with an error are not known.
             if let Some(it) = service.filter(|&it| requested[it] && !can[it])
                 && found.iter().all(|other| other.0 != it)
             {
@@ -227,7 +228,7 @@ impl program::Resolve for Builder<'_> {
     }
 
     fn builtin(&self, path: &Path, which: Builtin) -> Result<usize, Diagnostic> {
-        // The component of an activity that is aborted; the other requests name the component alone.
+        // An abort names an activity of the component; the other requests name the component alone.
         let alone = which == Builtin::Abort || path.names.len() == 1;
         let number =
             (self.component_of(path).filter(|_| alone)).and_then(|it| self.out.components.get(&it));
@@ -240,8 +241,8 @@ impl program::Resolve for Builder<'_> {
     }
 }
 
-/// Calls `each` with the path of every request that all components understand; with that of the requests that
-/// a label stands for.
+/// Calls `each` with the path of every request that all components accept. For a label, the path is that of
+/// the labelled request.
 fn builtins<'s>(
     client: &'s ast::Client,
     steps: &'s [ast::Step],
@@ -267,7 +268,7 @@ fn builtins<'s>(
     }
 }
 
-/// Paths of all requests.
+/// Appends the paths of all requests.
 fn sends<'s>(steps: &'s [ast::Step], out: &mut Vec<&'s Path>) {
     for step in steps {
         match &step.kind {

@@ -1,4 +1,4 @@
-//! Components: their tasks, their services, and what interrupts what.
+//! Components: their tasks, their services, and the order and interruptions between services.
 
 use dotgen_analysis::model::{
     CodelKind, Owner, Param, ParamSource, Seconds, ServiceKind, ServiceList,
@@ -53,7 +53,7 @@ impl Builder<'_> {
                     });
                     self.out.system.automata.len() - 1
                 });
-            // The servers know no such rule.
+            // The servers have no such rule.
             let keep = self.idle_rule(c, t) && self.settings.semantics().is_published();
             self.out.tasks.insert((c, t), id);
             self.out.system.components[number].tasks.push(id);
@@ -74,7 +74,8 @@ impl Builder<'_> {
         }
     }
 
-    /// The ROS server divides times by the clock-rate in floating point and cuts off the result.
+    /// Reports clock rates that the ROS server rounds: it divides times in floating point and truncates the
+    /// result.
     fn check_ticks(&mut self, c: usize, t: u32, path: &str) {
         let component = self.names.components[c].component;
         let task = &component.tasks[t as usize];
@@ -130,7 +131,7 @@ impl Builder<'_> {
                     }
                 }
             }
-            // The servers copy values of the ids before they execute codels, for any kind of service.
+            // The servers copy values of the ids before codels run, for every kind of service.
             let copies = |it: &Param| it.source == ParamSource::Ids;
             if self.settings.semantics().is_published() {
                 if service.kind == ServiceKind::Attribute {
@@ -179,7 +180,7 @@ impl Builder<'_> {
         }
     }
 
-    /// What interrupts what, and what comes before and after what.
+    /// Fills in `interrupts`, `before` and `after` of the services.
     pub(super) fn order(&mut self, included: &[usize]) {
         let counts = self.settings.order();
         for &c in included {

@@ -1,4 +1,4 @@
-//! Cycles of states without pause, and loop limits that cannot be kept.
+//! Cycles of states without a pause, and contradictory loop limits.
 
 use dotgen_analysis::model::Src;
 
@@ -8,7 +8,7 @@ use crate::diagnostic::{Diagnostic, Place};
 use crate::system::{Machine, loop_contradictions, loops};
 
 impl Builder<'_> {
-    /// Settles how loop limits count, and reports cycles without one and limits that contradict themselves.
+    /// Determines how loop limits count, and reports cycles without a limit and contradictory limits.
     pub(super) fn loops(&mut self) {
         let mut found = Vec::new();
         for machine in 0..self.out.system.machines.len() {
@@ -38,7 +38,7 @@ impl Builder<'_> {
             }
             let it = &mut self.out.system.machines[machine];
             if cycles.is_empty() {
-                // Nothing to count.
+                // The machine has no loop to count.
                 it.loop_limit = None;
                 continue;
             }
@@ -68,7 +68,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Where a cycle of states is written: one `yield` after the other.
+    /// Returns the places of a cycle of states: one for each `yield`, in order.
     fn around(&self, machine: &Machine, cycle: &[usize]) -> Vec<Place> {
         let steps = cycle.windows(2).flat_map(|step| {
             let next = &machine.states[step[1]].name;
@@ -78,7 +78,7 @@ impl Builder<'_> {
         steps.collect()
     }
 
-    /// The codel of a state, or the place at which it yields another one.
+    /// Returns the codel of a state, or the place at which the codel yields another state.
     fn codel_place(
         &self,
         machine: &Machine,

@@ -8,7 +8,7 @@ use crate::diagnostic::remark::Remark;
 use crate::system::{Codel, CodelSet, FOREVER, Machine, State, Yield};
 
 impl Builder<'_> {
-    /// The state machine of a task or activity; `None` without a `start` codel.
+    /// Adds the state machine of a task or activity; returns `None` if it has no `start` codel.
     pub(super) fn machine(
         &mut self,
         c: usize,
@@ -35,7 +35,7 @@ impl Builder<'_> {
                 for it in &codel.yields {
                     let to = match find(&it.name) {
                         Some(to) if it.paused => Yield::Pause(to),
-                        // A codel attached to `ether` is executed once, before the end.
+                        // A codel attached to `ether` runs once, before the end.
                         Some(to) if it.name != "ether" || name != "ether" => Yield::Next(to),
                         _ => Yield::End,
                     };
@@ -47,7 +47,7 @@ impl Builder<'_> {
                     yields.push(Yield::End);
                 }
                 let codel_id = self.codel(c, number, owner, *index, name, path, codel);
-                // In the published models an exception is an end like any other.
+                // In the published models, an exception is an ordinary end.
                 if self.settings.semantics().is_published()
                     && self.out.system.codels[codel_id].throws
                     && !yields.contains(&Yield::End)

@@ -1,4 +1,4 @@
-//! What the scenario says of single tasks, machines and services: idle ticks, loop limits, slots.
+//! The rules of the scenario for single tasks, machines and services: idle ticks, loop limits, slots.
 
 use std::ops::Range;
 
@@ -11,7 +11,7 @@ use crate::scn::names::Target;
 use crate::system::built::not_a;
 
 impl Builder<'_> {
-    /// What there are rules for.
+    /// Looks up the subjects of the rules.
     pub(super) fn choose_rules(&mut self) {
         let semantics = self.settings.semantics();
         let preempts = matches!(self.settings.policy(), Policy::Priority | Policy::Fair);
@@ -48,7 +48,7 @@ impl Builder<'_> {
         keep
     }
 
-    /// The limit, and where it is written.
+    /// Returns the loop limit, and its place in the scenario.
     pub(super) fn loop_limit(
         &mut self,
         c: usize,
@@ -73,7 +73,7 @@ impl Builder<'_> {
         limit
     }
 
-    /// Whether the codels of an owner may throw, where they declare exceptions.
+    /// Returns true if codels of this owner may throw, provided that they declare exceptions.
     pub(super) fn may_throw(&mut self, c: usize, owner: Owner) -> bool {
         let mut on = !self.settings.semantics().is_published();
         for (rule, path) in &self.settings.exceptions {
@@ -93,7 +93,7 @@ impl Builder<'_> {
         on && self.declares_exceptions(c, owner)
     }
 
-    /// Whether an owner of codels, its task or its component declares exceptions.
+    /// Returns true if an owner of codels, its task or its component declares exceptions.
     fn declares_exceptions(&self, c: usize, owner: Owner) -> bool {
         let component = self.names.components[c].component;
         let of_task = |t: u32| !component.tasks[t as usize].throws.is_empty();

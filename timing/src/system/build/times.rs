@@ -1,4 +1,4 @@
-//! Times: durations of codels, periods, the base unit, and from seconds to ticks.
+//! Times: durations of codels, periods, the base unit, and the conversion from seconds to ticks.
 
 use std::ops::Range;
 
@@ -13,11 +13,11 @@ use crate::scn::names::Target;
 use crate::system::built::Rounded;
 use crate::system::{FOREVER, Ticks, units};
 
-/// What a time is that of.
+/// The subject of a time.
 pub(super) struct TimeOf {
-    /// In words.
+    /// Description.
     pub(super) what: String,
-    /// Its `duration`; empty at 0 if there is none.
+    /// Range of its `duration` in the scenario; empty at 0 if there is none.
     pub(super) range: Range<usize>,
     pub(super) place: Place,
 }
@@ -85,7 +85,7 @@ impl Builder<'_> {
         self.out.system.unit = units::base_unit(times);
     }
 
-    /// The time of a codel as it is stated.
+    /// Returns the execution time of a codel as it is stated.
     fn stated(
         &self,
         c: usize,
@@ -111,13 +111,13 @@ impl Builder<'_> {
         }
     }
 
-    /// The unit of the scenario, if it states one.
+    /// Returns the unit of the scenario, if it states one.
     fn unit(&self) -> Option<Seconds> {
         let (count, unit) = self.settings.unit?;
         Some(unit.seconds() * Ratio::from_integer(i128::from(count)))
     }
 
-    /// The time of a codel, rounded to the unit of the scenario.
+    /// Returns the execution time of a codel, rounded to the unit of the scenario.
     pub(super) fn duration(
         &self,
         c: usize,
@@ -154,7 +154,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Keeps which time of a codel was rounded, and the unit in which all times of codels are whole.
+    /// Records the rounding of a time, and the unit in which all times of codels are whole.
     pub(super) fn note_rounding(
         &mut self,
         (c, owner, index, state): (usize, Owner, u32, &str),
@@ -179,10 +179,11 @@ impl Builder<'_> {
             }));
     }
 
-    /// Periods are not rounded: with a unit of which one is no multiple nothing is verified.
+    /// Reports periods that are not multiples of the unit. Periods are never rounded: such a system is not
+    /// verified.
     pub(super) fn whole_periods(&mut self, included: &[usize]) {
         let Some(unit) = self.unit() else { return };
-        // A period that is tried is no stated one.
+        // A period tried by a derived question is not a stated one.
         if self.settings.period.is_some() {
             return;
         }

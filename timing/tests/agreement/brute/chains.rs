@@ -1,5 +1,6 @@
-//! Chains of data, from section 19 by the obvious method: at any writing of the first datum (at any moment,
-//! if nobody writes it) a measurement may begin, and what depends on that datum is followed step by step.
+//! Cause-effect chains, from section 19 by the obvious method. At any write of the first datum (at any
+//! moment, if no codel writes it) a measurement may begin, and the data that depend on this datum are
+//! followed step by step.
 
 use std::collections::{BTreeSet, HashSet};
 
@@ -14,19 +15,19 @@ type Datum = (DataPlace, Option<usize>);
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
 struct Followed {
-    /// Where data are that depend on the datum that is followed.
+    /// Places with data that depend on the followed datum.
     places: BTreeSet<Datum>,
-    /// Whose codel has read such data.
+    /// Executors whose codel has read such data.
     readers: BTreeSet<usize>,
     age: u32,
 }
 
-/// A state, and what is followed from it on; `None`: nothing yet.
+/// A state, and the data followed from it on; `None` before the measurement.
 type Node = (State, Option<Followed>);
 
 impl Brute<'_> {
-    /// The greatest time, `Some(CAP)`: unbounded; `None` if no datum is ever followed. Nothing above `limit`
-    /// states.
+    /// Returns the greatest time: `Some(Some(CAP))` if it is unbounded, `Some(None)` if no datum is ever
+    /// followed, and `None` above `limit` states.
     pub(crate) fn chain(&self, chain: &Chain, limit: usize) -> Option<Option<u32>> {
         let mut greatest = None;
         let mut seen: HashSet<Node> = HashSet::new();
@@ -92,7 +93,7 @@ impl Brute<'_> {
                         && place == DataPlace::Shared(chain.last)
                         && chain.kind == ChainKind::Reaction
                     {
-                        // It has arrived.
+                        // The datum has arrived.
                         return;
                     }
                     let new_first =
@@ -109,7 +110,7 @@ impl Brute<'_> {
         if let (Some(it), Some(e)) = (&mut followed, ended)
             && e >= automata
         {
-            // The variables of a request are those of the instance that it becomes.
+            // The variables of a request become those of its instance.
             let born =
                 |&a: &usize| s.automata[a].mode == Mode::Void && n.automata[a].mode != Mode::Void;
             for a in (0..automata).filter(born) {
@@ -134,7 +135,7 @@ impl Brute<'_> {
         self.come_to(chain, (n, followed), (&began, first_written), todo);
     }
 
-    /// Notes a state, and everything that may be followed from it on.
+    /// Adds a state, with every possible beginning of a measurement.
     fn come_to(
         &self,
         chain: &Chain,
@@ -188,7 +189,7 @@ impl Brute<'_> {
         }
     }
 
-    /// Who has begun a codel by a step.
+    /// Returns the executors that have begun a codel in a step.
     fn begun(&self, before: Option<&State>, s: &State, ended: Option<usize>) -> Vec<usize> {
         let executing = |s: &State, e: usize| matches!(self.doing(s, e), Doing::Executing(_));
         let codels = s.automata.len() + s.controls.len();

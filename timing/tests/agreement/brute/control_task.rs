@@ -1,4 +1,4 @@
-//! What the control task does.
+//! The actions of the control task.
 
 use dotgen_timing::system::LockOrder;
 

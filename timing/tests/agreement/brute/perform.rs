@@ -1,4 +1,4 @@
-//! What actions do: clients, tasks and their automata.
+//! The effects of actions: clients, tasks and their automata.
 
 use dotgen_timing::explore::Action;
 use dotgen_timing::system::{ClientAction, LockOrder, Policy, Yield};
@@ -86,7 +86,7 @@ impl Brute<'_> {
                     self.accepted(&mut n, c, service, client, results);
                 }
             }
-            // Steps of other rules.
+            // Actions of other rules.
             _ => unreachable!("{action:?}"),
         }
         self.watch(Some(s), &mut n);

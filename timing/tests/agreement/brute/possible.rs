@@ -1,4 +1,4 @@
-//! What may happen now.
+//! The possible actions.
 
 use dotgen_timing::explore::Action;
 use dotgen_timing::system::{ClientAction, FOREVER, LockOrder, Policy, Yield};
@@ -7,7 +7,7 @@ use super::Brute;
 use super::state::{Doing, Mode, State, Status, Step, Tracked};
 
 impl Brute<'_> {
-    /// Actions that may happen now, and whether one of them has to before time passes.
+    /// Returns the possible actions, and whether one of them must happen before time passes.
     pub(super) fn actions(&self, s: &State) -> (Vec<Action>, bool) {
         let sys = self.system;
         let mut out = Vec::new();
@@ -59,7 +59,7 @@ impl Brute<'_> {
         if !s.queue.is_empty() && busy < sys.platform.cores.unwrap() as usize {
             match sys.platform.policy {
                 Policy::Fifo => out.push(Action::Grant { task: s.queue[0] }),
-                // The other policies are those of other rules.
+                // The other policies belong to other rules.
                 Policy::Any | Policy::Priority | Policy::Fair => {
                     out.extend(s.queue.iter().map(|&task| Action::Grant { task }))
                 }
@@ -192,7 +192,7 @@ impl Brute<'_> {
             && matches!(s.automata[a].mode, Mode::Normal | Mode::Run | Mode::Stop)
     }
 
-    /// Automata of a task in the order of turns.
+    /// Returns the automata of a task in the order of turns.
     pub(super) fn order(&self, t: usize) -> Vec<usize> {
         let it = &self.system.tasks[t];
         it.permanent.iter().chain(&it.slots).copied().collect()

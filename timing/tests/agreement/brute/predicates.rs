@@ -1,4 +1,4 @@
-//! Whether predicates hold, and since when obligations are open.
+//! The values of predicates, and the ages of obligations.
 
 use dotgen_timing::property::{Atom, Predicate, SlotStatus, StatePhase, TaskState};
 
@@ -6,8 +6,8 @@ use super::Brute;
 use super::state::{Doing, Mode, State, Status};
 
 impl Brute<'_> {
-    /// Every time the trigger becomes true begins an obligation of its own, which goes from response to
-    /// response.
+    /// Updates obligations. Every time the trigger becomes true an obligation begins, which proceeds from
+    /// response to response.
     pub(super) fn watch(&self, before: Option<&State>, now: &mut State) {
         for (i, it) in self.within.iter().enumerate() {
             let value = |it: &Predicate| self.predicate(before, now, it);

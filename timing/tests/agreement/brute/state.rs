@@ -1,4 +1,4 @@
-//! A state, its beginning, and what executors are doing in it.
+//! States, the initial state, and the activities of executors.
 
 use std::collections::BTreeSet;
 
@@ -41,7 +41,7 @@ pub(super) struct Task {
     pub(super) status: Status,
     pub(super) tick: bool,
     pub(super) timer: Option<u32>,
-    /// Since release.
+    /// Time since the release.
     pub(super) age: u32,
     /// Position of the automaton that has its turn.
     pub(super) turn: usize,
@@ -50,11 +50,11 @@ pub(super) struct Task {
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) struct Automaton {
     pub(super) mode: Mode,
-    /// Entered its `stop` state.
+    /// The `stop` state has been entered.
     pub(super) stopping: bool,
     pub(super) at: usize,
     pub(super) doing: Doing,
-    /// Executed by a separate thread.
+    /// A separate thread executes the codel.
     pub(super) separate: bool,
     pub(super) visits: Vec<u16>,
 }
@@ -98,7 +98,7 @@ pub(super) struct State {
     pub(super) clients: Vec<Client>,
     pub(super) queue: Vec<usize>,
     pub(super) lock_queue: Vec<usize>,
-    /// Of each observer, the open obligations: how many responses each has seen, and its age.
+    /// Open obligations of each observer: number of responses so far, and age.
     pub(super) obligations: Vec<BTreeSet<(usize, u32)>>,
 }
 

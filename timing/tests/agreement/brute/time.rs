@@ -1,4 +1,4 @@
-//! How time passes.
+//! The passage of time.
 
 use dotgen_timing::system::FOREVER;
 
@@ -6,7 +6,7 @@ use super::state::{Doing, State, Status};
 use super::{Brute, CAP};
 
 impl Brute<'_> {
-    /// One unit of time.
+    /// Lets one unit of time pass.
     pub(super) fn pass(&self, s: &State) -> State {
         let mut n = s.clone();
         for task in &mut n.tasks {
@@ -40,7 +40,7 @@ impl Brute<'_> {
         n
     }
 
-    /// Whether anything will ever happen after a state in which time passes.
+    /// Returns true if no event can follow a state in which time passes.
     pub(super) fn dead(&self, s: &State) -> bool {
         s.tasks.iter().all(|it| it.timer.is_none())
             && (0..self.executors(s)).all(|e| !matches!(self.doing(s, e), Doing::Executing(_)))

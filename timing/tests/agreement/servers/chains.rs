@@ -1,4 +1,4 @@
-//! Chains of data under the semantics of the servers, from section 19 by the obvious method.
+//! Cause-effect chains under the semantics of the servers, from section 19 by the obvious method.
 
 use std::collections::{BTreeSet, HashSet};
 
@@ -9,7 +9,7 @@ use super::possible::Step;
 use super::state::{Control, Doing, State, Who};
 use super::{CAP, Interpreter};
 
-/// Who has variables of its own: an instance by component, task and slot, or a request without one.
+/// A holder of variables: an instance by component, task and slot, or a request without one.
 type Holder = (usize, Option<(usize, usize)>);
 
 /// A datum; a variable with its holder.
@@ -17,17 +17,17 @@ type Kept = (Datum, Option<Holder>);
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
 struct Followed {
-    /// What depends on the datum that is followed.
+    /// Data that depend on the followed datum.
     data: BTreeSet<Kept>,
-    /// Whose codel has read such data.
+    /// Threads whose codel has read such data.
     readers: BTreeSet<(usize, Who)>,
     age: u32,
 }
 
-/// A state, and what is followed from it on; `None`: nothing yet.
+/// A state, and the data followed from it on; `None` before the measurement.
 type Node = (State, Option<Followed>);
 
-/// What is asked: between which data, and whether nobody writes the first.
+/// A chain: its first and last datum, and whether no codel writes the first one.
 pub(crate) struct Chain {
     pub(crate) kind: ChainKind,
     pub(crate) first: Datum,
@@ -36,8 +36,8 @@ pub(crate) struct Chain {
 }
 
 impl Interpreter<'_> {
-    /// The greatest time, `Some(CAP)`: unbounded; `None` if no datum is ever followed. Nothing above `limit`
-    /// nodes.
+    /// Returns the greatest time: `Some(Some(CAP))` if it is unbounded, `Some(None)` if no datum is ever
+    /// followed, and `None` above `limit` nodes.
     pub(crate) fn chain(&self, chain: &Chain, limit: usize) -> Option<Option<u32>> {
         let mut greatest = None;
         let mut seen: HashSet<Node> = HashSet::new();
@@ -102,7 +102,7 @@ impl Interpreter<'_> {
                     let arrives = depends && datum.0 == chain.last;
                     match chain.kind {
                         ChainKind::Reaction if arrives => return,
-                        // A new first datum is another one.
+                        // A new first datum is another datum.
                         ChainKind::Age if !depends || datum.0 == chain.first => {
                             it.data.remove(&datum);
                         }
@@ -140,7 +140,7 @@ impl Interpreter<'_> {
         self.come_to(chain, (n, followed), (&began, first_written), todo);
     }
 
-    /// Notes a state, and everything that may be followed from it on.
+    /// Adds a state, with every possible beginning of a measurement.
     fn come_to(
         &self,
         chain: &Chain,
@@ -180,7 +180,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// What the codel that somebody is at reads and writes.
+    /// Returns the data that the present codel of a thread reads and writes.
     fn named(&self, s: &State, c: usize, who: Who) -> (Vec<Kept>, Vec<Kept>) {
         let slot = match (&s.components[c].control, who) {
             (Control::Codel(request, ..), Who::Control) => request.slot,

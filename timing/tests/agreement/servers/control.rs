@@ -1,10 +1,10 @@
-//! What the control task does.
+//! The actions of the control task.
 
 use super::state::{Control, Doing, Handled, Instance, Request, State, Status, Tracked};
 use super::{Interpreter, Results};
 
 impl Interpreter<'_> {
-    /// A request is taken: its slot, `after` and `before`.
+    /// Takes a request: its slot, `after` and `before`.
     pub(super) fn accept(
         &self,
         s: &mut State,
@@ -58,7 +58,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// The end of a codel of the control task; after the last one all tasks are woken.
+    /// Ends a codel of the control task; after the last one all tasks are woken.
     pub(super) fn handled(&self, s: &mut State, c: usize, goes_on: bool) {
         let Control::Codel(request, at, _) = s.components[c].control else {
             unreachable!("it executes a codel");
@@ -83,7 +83,7 @@ impl Interpreter<'_> {
         self.wake(s, c, None);
     }
 
-    /// Interruptions and success of a function, the reply; then ended and waiting activities.
+    /// Interrupts for a function, records its success, replies; then handles ended and waiting activities.
     pub(super) fn rest(&self, s: &mut State, c: usize) {
         let Control::Rest(request, handled) = s.components[c].control else {
             unreachable!("there is no request");
@@ -127,7 +127,7 @@ impl Interpreter<'_> {
         self.report(s, c);
     }
 
-    /// Ended activities are reported, waiting ones released.
+    /// Reports ended activities, and releases waiting ones.
     pub(super) fn report(&self, s: &mut State, c: usize) {
         s.components[c].signal = false;
         for t in 0..s.components[c].tasks.len() {
@@ -155,7 +155,7 @@ impl Interpreter<'_> {
             }
         }
         for client in &mut s.clients {
-            // Of those that are over only the last one can still be asked about.
+            // Only the last one of the finished requests can still be awaited.
             let last = client.tracked.len().saturating_sub(1);
             let mut at = 0;
             client.tracked.retain(|it| {
@@ -191,7 +191,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Instances of the services that a service interrupts, but one.
+    /// Returns the instances of the services that a service interrupts, except one.
     fn interrupted(
         &self,
         s: &State,

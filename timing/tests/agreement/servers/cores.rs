@@ -1,4 +1,4 @@
-//! Cores that are given and taken away (section 22): who is ready, and who of them has a core.
+//! Cores under preemption (section 22): the ready threads, and those that have a core.
 
 use dotgen_timing::scn::ast::Policy;
 
@@ -7,7 +7,7 @@ use super::model::System;
 use super::possible::Step;
 use super::state::{Control, Doing, Phase, State, Who};
 
-/// A task without a priority, where others have one.
+/// The priority of a task that states none, if other tasks state one.
 const UNSTATED: u32 = 255;
 
 impl System {
@@ -15,7 +15,7 @@ impl System {
         self.cores.is_some() && matches!(self.policy, Policy::Priority | Policy::Fair)
     }
 
-    /// The lower one goes first: `priority`, or where no task has any, the period.
+    /// Returns the priority, or the period if no task states a priority; the lower number goes first.
     fn priority(&self, c: usize, who: Who) -> u64 {
         let mut all = self.components.iter().flat_map(|it| &it.tasks);
         let stated = all.any(|it| it.priority.is_some());
@@ -41,7 +41,7 @@ impl Interpreter<'_> {
         self.cores.is_some() && self.system.preempts()
     }
 
-    /// Threads that are ready: they can do something once they have a core.
+    /// Returns the ready threads: those that can act once they have a core.
     fn all_ready(&self, s: &State) -> Vec<(usize, Who)> {
         let all = (0..s.components.len()).flat_map(|c| s.everybody(c).map(move |it| (c, it)));
         all.filter(|&(c, who)| self.is_ready(s, c, who)).collect()
@@ -74,7 +74,7 @@ impl Interpreter<'_> {
         all.any(|(k, it)| self.asked(s, k) == Some(c) && !it.outstanding)
     }
 
-    /// The first of some threads that fit on the cores, each tied task alone on its core.
+    /// Returns the first threads of a list that fit on the cores, each bound task alone on its core.
     fn fit(&self, order: &[(usize, Who)]) -> Vec<(usize, Who)> {
         let tied = |&(c, who): &(usize, Who)| {
             let t = who.task()?;
@@ -92,7 +92,7 @@ impl Interpreter<'_> {
         out
     }
 
-    /// Whether somebody has a core, or needs none.
+    /// Returns true if a thread has a core, or needs none.
     pub(super) fn has_core(&self, s: &State, c: usize, who: Who) -> bool {
         if !self.preempts() || who.task().is_some_and(|t| !self.needs_core(c, t)) {
             return true;
@@ -107,7 +107,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Whether somebody has a core, or it is open who gets one.
+    /// Returns true if a thread has a core, or may get one.
     pub(super) fn may_get_core(&self, s: &State, c: usize, who: Who) -> bool {
         let mut open = Vec::new();
         if self.preempts() {
@@ -116,19 +116,19 @@ impl Interpreter<'_> {
         !open.is_empty() || self.has_core(s, c, who)
     }
 
-    /// Who can do nothing any more leaves the cores.
+    /// Removes threads from the cores that cannot act any more.
     pub(super) fn no_more_ready(&self, s: &mut State) {
         if self.preempts() {
             let ready = self.all_ready(s);
             s.ready.retain(|it| ready.contains(it));
             s.on.retain(|it| ready.contains(it));
-            // In which order threads of different priorities became ready means nothing.
+            // The order in which threads of different priorities became ready is irrelevant.
             s.ready
                 .sort_by_key(|&(c, who)| self.system.priority(c, who));
         }
     }
 
-    /// Who has become ready is listed, in any order; or takes a free core.
+    /// Adds the steps of threads that have become ready: they are listed in any order, or take a free core.
     pub(super) fn gives(&self, s: &State, out: &mut Vec<Step>) {
         for it in self.all_ready(s) {
             if self.system.policy == Policy::Priority {
@@ -145,7 +145,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Without priorities any ready thread may take the core of another at any moment.
+    /// Adds swaps: without priorities any ready thread may take the core of another at any moment.
     pub(super) fn swaps(&self, s: &State, out: &mut Vec<Step>) {
         if !self.preempts() || self.system.policy != Policy::Fair {
             return;
@@ -166,7 +166,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Whose step it is; none: that of nobody who needs a core.
+    /// Returns the thread of a step; `None` if the step needs no core.
     pub(super) fn thread(&self, s: &State, step: Step) -> Option<(usize, Who)> {
         match step {
             Step::Ask(c, t) | Step::Begin(c, t) | Step::Wake(c, t) => Some((c, Who::Task(t))),

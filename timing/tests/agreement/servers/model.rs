@@ -1,5 +1,5 @@
-//! What is interpreted: specifications and a scenario as plain tables, read without the verifier's own
-//! builder.
+//! The interpreted system: specifications and a scenario as plain tables, read independently of the
+//! verifier's builder.
 //!
 //! Times are whole milliseconds.
 
@@ -9,14 +9,14 @@ use dotgen_timing::scn::ast::{self, Durations, Ending, Item, Policy, Scenario, S
 use dotgen_timing::scn::semantics::{Points, PortRule, Preset, Semantics};
 use num_rational::Ratio;
 
-/// Everything there is.
+/// All tables.
 pub(crate) struct System {
     pub(crate) components: Vec<Component>,
     pub(crate) clients: Vec<Client>,
     pub(crate) cores: Option<usize>,
     pub(crate) policy: Policy,
     pub(crate) aperiodic_core: bool,
-    /// `before` and `after` count.
+    /// `before` and `after` apply.
     pub(crate) order: bool,
     pub(crate) semantics: Semantics,
 }
@@ -34,9 +34,9 @@ pub(crate) struct Task {
     pub(crate) delay: u32,
     pub(crate) slots: usize,
     pub(crate) priority: Option<u32>,
-    /// The core it is tied to.
+    /// Core that the task is bound to.
     pub(crate) affinity: Option<u32>,
-    /// The permanent activity; without states, it starts and ends at once.
+    /// Permanent activity. Without states, it starts and ends at once.
     pub(crate) machine: Machine,
 }
 
@@ -53,7 +53,7 @@ pub(crate) struct MachineState {
     pub(crate) outcomes: Vec<Outcome>,
 }
 
-/// What follows a codel of a machine.
+/// The outcome of a codel of a machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Outcome {
     Next(usize),
@@ -64,9 +64,9 @@ pub(crate) enum Outcome {
 
 pub(crate) struct Service {
     pub(crate) name: String,
-    /// Of an activity: its task and machine.
+    /// Task and machine of an activity.
     pub(crate) activity: Option<(usize, Machine)>,
-    /// What the control task executes, in order.
+    /// Codels of the control task, in order.
     pub(crate) control: Vec<ControlCodel>,
     pub(crate) interrupts: Vec<usize>,
     pub(crate) before: Vec<usize>,
@@ -74,7 +74,7 @@ pub(crate) struct Service {
     pub(crate) builtin: Option<Builtin>,
 }
 
-/// A request that every component understands.
+/// A request that every component accepts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Builtin {
     Abort,
@@ -83,31 +83,31 @@ pub(crate) enum Builtin {
 }
 
 pub(crate) struct ControlCodel {
-    /// Its name; none for the copy of an attribute.
+    /// Name; `None` for the copy of an attribute.
     pub(crate) name: Option<String>,
     pub(crate) codel: usize,
-    /// It can refuse the request, or throw.
+    /// The codel can refuse the request, or throw.
     pub(crate) can_fail: bool,
 }
 
-/// Who executes what: the task (none: the control task) and the name of the function.
+/// The execution of a codel: the task (`None`: the control task) and the name of the function.
 pub(crate) type Executed = (Option<usize>, String);
 
 pub(crate) struct Codel {
     pub(crate) lower: u32,
     pub(crate) upper: u32,
     pub(crate) executed: Executed,
-    /// What it waits for.
+    /// Executions for which the codel waits.
     pub(crate) waits_for: Vec<Executed>,
-    /// Outputs that it uses, by component and name, where they lock anything.
+    /// Outputs that it uses, by component and name, if ports have locks.
     pub(crate) ports: Vec<(String, String)>,
-    /// Data that it reads.
+    /// Data that the codel reads.
     pub(crate) reads: Vec<Datum>,
-    /// Data that it writes.
+    /// Data that the codel writes.
     pub(crate) writes: Vec<Datum>,
 }
 
-/// What codels read and write, of a component by name.
+/// A datum that codels read and write, of a component by name.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) enum Datum {
     Port(String, String),
@@ -119,29 +119,29 @@ pub(crate) enum Datum {
 pub(crate) struct Client {
     pub(crate) name: String,
     pub(crate) nodes: Vec<Node>,
-    /// Where it may begin.
+    /// Possible first nodes.
     pub(crate) first: Vec<usize>,
-    /// Whether the end of some request is awaited.
+    /// The end of some request is awaited.
     pub(crate) awaits: bool,
-    /// Whether it matters how one ends.
+    /// The outcome of some request matters.
     pub(crate) outcomes: bool,
-    /// Whether it aborts something.
+    /// Some instance is aborted.
     pub(crate) aborts: bool,
 }
 
-/// What is aborted.
+/// The target of an abort.
 #[derive(Debug, Clone)]
 pub(crate) enum Aborted {
-    /// The last instance accepted of a service: component and service.
+    /// The last accepted instance of a service: component and service.
     Last(usize, usize),
-    /// The last one accepted that was sent at steps with this label.
+    /// The last accepted instance of the steps with this label.
     Labelled(String),
 }
 
 pub(crate) struct Node {
     pub(crate) label: Option<String>,
     pub(crate) action: Action,
-    /// Nodes that may follow; the number of nodes stands for the end.
+    /// Possible next nodes; the number of nodes stands for the end.
     pub(crate) next: Vec<usize>,
     pub(crate) aborts: Option<Aborted>,
 }
@@ -151,14 +151,14 @@ pub(crate) enum Action {
     /// Component and service.
     Send(usize, usize),
     AwaitAccepted,
-    /// Of the last request, or of the last one for a service.
+    /// Awaits the end of the last request, or of the last request for a service.
     AwaitEnded(Option<(usize, usize)>),
     Delay(u32, u32),
-    /// The request of [`Action::AwaitEnded`] has succeeded, or not.
+    /// Awaits the success (`true`) or failure of the request of [`Action::AwaitEnded`].
     AwaitOutcome(Option<(usize, usize)>, bool),
     /// Waits for the first of the outcomes that follow.
     Either,
-    /// No step: beginning and end of loops.
+    /// Not a step: beginning and end of loops.
     Jump,
 }
 
@@ -172,7 +172,7 @@ fn in_millis(count: u64, unit: Unit) -> u32 {
     millis(unit.seconds() * Ratio::from_integer(i128::from(count)))
 }
 
-/// `FILE` and `SCENARIO` as a system.
+/// Reads specifications and a scenario.
 pub(crate) fn read(specs: &[&model::Spec], scenario: &Scenario) -> System {
     let mut reader = Reader {
         fixed: false,
@@ -257,18 +257,18 @@ fn text(path: &ast::Path) -> String {
 
 struct Reader<'s> {
     fixed: bool,
-    /// Whether exceptions count, of everything or of a component, task or service; the last word holds.
+    /// Rules for exceptions, in general or for a component, task or service; the last rule applies.
     exceptions: Vec<(bool, Option<String>)>,
-    /// Inputs, each with an output or none.
+    /// Inputs, each with its output, if any.
     connect: Vec<(String, Option<String>)>,
     all: &'s [&'s model::Spec],
 }
 
-/// As many as PocoLibs servers have.
+/// Number of slots of a task, as in PocoLibs servers.
 const SLOTS: usize = 16;
 
 impl Reader<'_> {
-    /// Whether exceptions of a task or service count.
+    /// Returns true if exceptions of a task or service count.
     fn may_throw(&self, component: &str, owner: &str) -> bool {
         let path = format!("{component}.{owner}");
         let about = |it: &&(bool, Option<String>)| match &it.1 {
@@ -278,7 +278,7 @@ impl Reader<'_> {
         self.exceptions.iter().rfind(about).is_none_or(|it| it.0)
     }
 
-    /// What a codel names, but not only for this.
+    /// Returns the data that a codel names, except parameters with this direction.
     fn data(&self, component: &model::Component, at: CodelRef, but: model::ParamDir) -> Vec<Datum> {
         let name = component.name.to_string();
         let params = component.codel(at).params.iter();
@@ -296,7 +296,7 @@ impl Reader<'_> {
         params.filter(|it| it.dir != but).flat_map(data).collect()
     }
 
-    /// The outputs that a port has its data of, or itself.
+    /// Returns the outputs that supply the data of a port, or the port itself.
     fn sources(&self, component: &model::Component, port: &model::Port) -> Vec<Datum> {
         let outputs = self.outputs(component, port).into_iter();
         let found: Vec<Datum> = outputs.map(|(c, p)| Datum::Port(c, p)).collect();
@@ -309,7 +309,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The outputs that are used with a port of a component.
+    /// Returns the outputs that are used with a port of a component.
     fn outputs(&self, component: &model::Component, port: &model::Port) -> Vec<(String, String)> {
         let name = component.name.to_string();
         if port.dir == model::PortDir::Out {
@@ -512,7 +512,7 @@ impl Reader<'_> {
 }
 
 impl Reader<'_> {
-    /// The requests that all components understand, after their services, in the order of [`Builtin`].
+    /// Adds the requests that all components accept after their services, in the order of [`Builtin`].
     fn builtins(&self, services: &mut Vec<Service>, codels: &mut Vec<Codel>) {
         let of_tasks: Vec<Executed> = (codels.iter())
             .map(|it| it.executed.clone())
@@ -557,7 +557,7 @@ impl Reader<'_> {
     }
 }
 
-/// The copy of an attribute is no function; it has a name that no function has.
+/// The copy of an attribute is not a function; its name is one that no function has.
 fn member(component: &str, it: &model::Param) -> Datum {
     match it.path.first() {
         Some(model::PathElement::Member(name)) => {
@@ -587,7 +587,7 @@ fn client(system: &System, it: &ast::Client) -> Client {
     out
 }
 
-/// Labels of requests, and the components that these ask.
+/// Appends the labels of requests, with the components they address.
 fn labelled(steps: &[ast::Step], out: &mut Vec<(String, String)>) {
     for step in steps {
         match (&step.label, &step.kind) {
@@ -605,7 +605,7 @@ fn labelled(steps: &[ast::Step], out: &mut Vec<(String, String)>) {
 type Context<'c> = (&'c System, &'c [(String, String)]);
 
 impl Client {
-    /// The end: a jump that leads nowhere.
+    /// Returns the end: a jump that leads nowhere.
     pub(crate) fn end(&self) -> usize {
         0
     }
@@ -620,7 +620,7 @@ impl Client {
         self.nodes.len() - 1
     }
 
-    /// Adds steps after which a node follows; the node they begin with.
+    /// Adds steps before a node; returns the first node of the steps.
     fn steps(&mut self, system: Context, steps: &[ast::Step], then: usize) -> usize {
         steps
             .iter()
@@ -647,7 +647,7 @@ impl Client {
         let action = match &step.kind {
             StepKind::Send(path) => {
                 let (c, s) = service(path);
-                // A request without a label is called after its service.
+                // A request without a label has the name of its service.
                 let label = label.or(Some(system.components[c].services[s].name.clone()));
                 return self.push(label, Action::Send(c, s), vec![then]);
             }
@@ -699,7 +699,7 @@ impl Client {
             StepKind::Choice(branches) => {
                 let firsts = branches.iter().map(|it| self.steps(context, it, then));
                 let next: Vec<usize> = firsts.collect();
-                // Branches that wait for an outcome are one: the first that comes is taken.
+                // Branches that wait for an outcome are merged: the first outcome to come is taken.
                 let (waiting, mut next): (Vec<usize>, Vec<usize>) =
                     (next.into_iter()).partition(|&it| self.nodes[it].action == Action::Either);
                 if let [first, others @ ..] = waiting.as_slice() {
@@ -715,7 +715,7 @@ impl Client {
         self.push(label, action, vec![then])
     }
 
-    /// Nodes that are steps, or the end, reached from some without doing anything.
+    /// Returns the steps, or the end, that are reached from some nodes without any action.
     pub(crate) fn reach(&self, from: &[usize]) -> Vec<usize> {
         let (mut out, mut todo) = (Vec::new(), from.to_vec());
         let mut seen = Vec::new();

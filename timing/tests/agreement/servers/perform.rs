@@ -1,4 +1,4 @@
-//! What steps do: clients, cores, passes, tickets, and how time passes.
+//! The effects of steps: clients, cores, passes, tickets, and the passage of time.
 
 use dotgen_timing::scn::ast::Policy;
 use dotgen_timing::scn::semantics::{PauseRule, TickRule, TurnRule};
@@ -21,7 +21,7 @@ impl Interpreter<'_> {
                 let has_core = self.has_core(before, c, Who::Task(t));
                 let task = &mut s.components[c].tasks[t];
                 task.timer = period;
-                // Without a core an idle task cannot serve the tick that it has.
+                // Without a core an idle task cannot serve its tick.
                 let at_work = task.phase != Phase::Idle || (task.flag.is_some() && !has_core);
                 out.missed[c][t] |= at_work && task.first == First::Over;
                 task.flag.get_or_insert(Since::default());
@@ -37,7 +37,7 @@ impl Interpreter<'_> {
                         s.queue.sort_unstable();
                     }
                 } else {
-                    // Consumed; a job all the same, if it serves a tick.
+                    // The wake-up is consumed. It is a job all the same, if it serves a tick.
                     task.runnable = false;
                     self.end_cycle(&mut s, c, t, out);
                 }
@@ -76,7 +76,7 @@ impl Interpreter<'_> {
             Step::Wake(c, t) => {
                 let task = &mut s.components[c].tasks[t];
                 task.wake = false;
-                // After its last pass the thread had this left to do.
+                // The last action of the thread after its last pass.
                 task.on_core &= task.phase != Phase::Idle;
                 self.wake(&mut s, c, Some(t));
             }
@@ -89,7 +89,7 @@ impl Interpreter<'_> {
         s
     }
 
-    /// All aperiodic tasks of a component but one are runnable.
+    /// Makes all aperiodic tasks of a component except one runnable.
     pub(super) fn wake(&self, s: &mut State, c: usize, but: Option<usize>) {
         for t in 0..s.components[c].tasks.len() {
             if Some(t) != but {
@@ -98,14 +98,14 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Of a periodic task nobody reads it.
+    /// Makes a task runnable. The flag of a periodic task is never read.
     pub(super) fn set_runnable(&self, s: &mut State, c: usize, t: usize) {
         let aperiodic = self.system.components[c].tasks[t].period.is_none();
         let task = &mut s.components[c].tasks[t];
         task.runnable = aperiodic && !task.gone;
     }
 
-    /// A cycle begins to serve the tick; or to be the first one.
+    /// Begins a cycle, which serves the tick, or is the first one.
     fn take_flag(&self, s: &mut State, c: usize, t: usize) {
         let task = &mut s.components[c].tasks[t];
         task.job = task.flag.take();
@@ -114,7 +114,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Beginning of a pass, up to its first codel.
+    /// Begins a pass, up to its first codel.
     fn begin(&self, s: &mut State, c: usize, t: usize, out: &mut Results) {
         let periodic = self.system.components[c].tasks[t].period.is_some();
         let task = &mut s.components[c].tasks[t];
@@ -165,7 +165,8 @@ impl Interpreter<'_> {
         self.turn(s, c, t, out);
     }
 
-    /// Goes to the next turn that has a codel; those without end at once. After the last one the pass ends.
+    /// Proceeds to the next turn that has a codel. Turns without one end at once. After the last turn the
+    /// pass ends.
     fn turn(&self, s: &mut State, c: usize, t: usize, out: &mut Results) {
         let task = &mut s.components[c].tasks[t];
         while let Phase::Pass(slots, at, doing) = &mut task.phase {
@@ -209,7 +210,7 @@ impl Interpreter<'_> {
             }
         }
         if self.system.semantics.turns == TurnRule::Pause && matches!(outcome, Outcome::Next(_)) {
-            // Its turn lasts until it pauses or ends.
+            // The turn lasts until the automaton pauses or ends.
             if let Phase::Pass(_, at, doing) = &mut task.phase {
                 *at -= 1;
                 *doing = Doing::Nothing;
@@ -235,8 +236,8 @@ impl Interpreter<'_> {
         let mut running = task.slots.iter().flatten();
         let continues =
             running.any(|it| matches!(it.status, Status::Run | Status::Stop) && !it.paused);
-        // Whoever has its first pass behind it lets the next one begin; not if its permanent activity has
-        // failed in it.
+        // After its first pass, a task lets the next one begin, unless its permanent activity has failed in
+        // this pass.
         match component.tasks.get(t + 1) {
             _ if failed => {}
             Some(next) if next.first == First::NotStarted => self.start(s, c, t + 1),
@@ -248,7 +249,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// A task is started. With a timer of its own it begins at once.
+    /// Starts a task. With a timer of its own, the task begins at once.
     pub(super) fn start(&self, s: &mut State, c: usize, t: usize) {
         let model = &self.system.components[c].tasks[t];
         let task = &mut s.components[c].tasks[t];
@@ -273,7 +274,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// One unit of time.
+    /// Lets one unit of time pass.
     pub(super) fn pass(&self, s: &State) -> State {
         let mut n = s.clone();
         let edf = self.system.policy == Policy::Edf && self.cores.is_some();
@@ -306,7 +307,7 @@ impl Interpreter<'_> {
         n
     }
 
-    /// Whether anything will ever happen after a state in which time passes.
+    /// Returns true if no event can follow a state in which time passes.
     pub(super) fn dead(&self, s: &State) -> bool {
         let timers = s.components.iter().flat_map(|it| &it.tasks);
         let executing = |c: usize| {
@@ -318,7 +319,7 @@ impl Interpreter<'_> {
             && !(0..s.clients.len()).any(|k| s.delay(self.system, k).is_some())
     }
 
-    /// A control task takes a request.
+    /// Takes a request.
     fn request(&self, s: &mut State, k: usize, next: usize, out: &mut Results) {
         let client = &self.system.clients[k];
         let at = s.clients[k].at.unwrap_or(client.end());
@@ -331,7 +332,7 @@ impl Interpreter<'_> {
     }
 }
 
-/// An automaton ends; the control task frees its slot, also that of a permanent activity.
+/// Ends an automaton; the control task frees its slot, also that of a permanent activity.
 fn end_instance(slot: &mut Option<Instance>, succeeded: bool) {
     if let Some(it) = slot {
         it.status = Status::Ended(succeeded);
@@ -340,7 +341,7 @@ fn end_instance(slot: &mut Option<Instance>, succeeded: bool) {
 }
 
 impl Who {
-    /// The task, if it is one.
+    /// Returns the task; `None` for the control task.
     pub(super) fn task(self) -> Option<usize> {
         match self {
             Who::Task(t) => Some(t),

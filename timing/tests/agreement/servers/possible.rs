@@ -1,4 +1,4 @@
-//! What may happen now.
+//! The possible steps.
 
 use dotgen_timing::scn::ast::Policy;
 use dotgen_timing::scn::semantics::LockRule;
@@ -7,20 +7,20 @@ use super::Interpreter;
 use super::model::{Action, Outcome};
 use super::state::{Control, Doing, First, Phase, State, Status, Tracked, Who};
 
-/// One atomic step.
+/// An atomic step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Step {
-    /// A client goes on to a node.
+    /// A client proceeds to a node.
     Proceed(usize, usize),
-    /// A control task takes the request of a client, which goes on to a node.
+    /// A control task takes the request of a client, which proceeds to a node.
     Request(usize, usize),
     Tick(usize, usize),
-    /// A task asks for a core, or finds nothing to do.
+    /// A task asks for a core, or finds no work.
     Ask(usize, usize),
     Grant(usize, usize),
     /// Under preemption, a thread that has become ready is listed.
     Queue((usize, Who)),
-    /// A ready thread takes a free core, or that of another one.
+    /// A ready thread takes a free core, or that of another thread.
     Give((usize, Who)),
     Swap((usize, Who), (usize, Who)),
     /// Beginning of a pass.
@@ -29,7 +29,7 @@ pub(super) enum Step {
     Leave(usize, Who),
     /// End of a codel of a machine.
     End(usize, usize, Outcome),
-    /// End of a codel of the control task; whether the request goes on.
+    /// End of a codel of the control task, and whether the request continues.
     Handled(usize, bool),
     /// A task wakes the others.
     Wake(usize, usize),
@@ -37,12 +37,12 @@ pub(super) enum Step {
     Rest(usize),
     /// Ended activities are reported.
     Report(usize),
-    /// A component that was killed gets on with its end.
+    /// A killed component proceeds with its shutdown.
     Die(usize),
 }
 
 impl Interpreter<'_> {
-    /// Steps that may happen now, and whether one of them has to before time passes.
+    /// Returns the possible steps, and whether one of them must happen before time passes.
     pub(super) fn possible(&self, s: &State) -> (Vec<Step>, bool) {
         let mut out = Vec::new();
         self.clients(s, &mut out);
@@ -53,7 +53,7 @@ impl Interpreter<'_> {
             let all = s.components.iter().enumerate();
             all.flat_map(|(c, it)| (0..it.tasks.len()).map(move |t| (c, t)))
         };
-        // On cores: insertions into the queue, then decisions, then everything else.
+        // Cores: first insertions into the queue, then decisions, then all other steps.
         out.extend(
             tasks()
                 .filter(|&(c, t)| self.asks_for_core(s, c, t) && self.wants(s, c, t))
@@ -82,8 +82,8 @@ impl Interpreter<'_> {
             {
                 out.push(Step::Begin(c, t));
             } else if self.wants(s, c, t) && !self.could_run(s, c, t) {
-                // Consuming a wake-up inserts nothing into the queue: it is a step like any other, and a
-                // request may be handled before it.
+                // A wake-up inserts nothing into the queue when it is consumed: the step is like any other,
+                // and a request may be handled before it.
                 out.push(Step::Ask(c, t));
             }
         }
@@ -131,7 +131,7 @@ impl Interpreter<'_> {
                 let codel = s.codel(self.system, c, who).expect("it executes one");
                 let codel = &it.codels[codel];
                 urgent |= elapsed == codel.upper;
-                // What has come to its end ends, whoever takes its core at that moment.
+                // A codel at its end does end, whichever thread takes its core at that moment.
                 if elapsed >= codel.lower && (self.has_core(s, c, who) || elapsed == codel.upper) {
                     self.ends(s, c, who, &mut out);
                 }
@@ -151,7 +151,7 @@ impl Interpreter<'_> {
         (out, urgent)
     }
 
-    /// The component that a client asks.
+    /// Returns the component that a client addresses.
     pub(super) fn asked(&self, s: &State, k: usize) -> Option<usize> {
         match self.system.clients[k].nodes[s.clients[k].at?].action {
             Action::Send(c, _) => Some(c),
@@ -165,7 +165,7 @@ impl Interpreter<'_> {
             let next = match it.at {
                 None => client.reach(&client.first),
                 Some(at) => {
-                    // How a request has ended; nothing was requested: as if it had succeeded.
+                    // Outcome of a request. Without a request, the outcome counts as success.
                     let end = |of: Option<(usize, usize)>| {
                         let mut asked = it.tracked.iter().rev();
                         match asked.find(|it| of.is_none_or(|of| of == (it.0, it.1))) {
@@ -201,7 +201,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Whether an idle task has something to begin a cycle for.
+    /// Returns true if an idle task has a reason to begin a cycle.
     pub(super) fn wants(&self, s: &State, c: usize, t: usize) -> bool {
         let it = &s.components[c].tasks[t];
         let woken = match self.system.components[c].tasks[t].period {
@@ -211,7 +211,7 @@ impl Interpreter<'_> {
         woken && !it.gone && it.phase == Phase::Idle && it.first != First::NotStarted && !it.wake
     }
 
-    /// Whether a cycle of a task could execute anything.
+    /// Returns true if a cycle of a task could execute any codel.
     pub(super) fn could_run(&self, s: &State, c: usize, t: usize) -> bool {
         let slots = s.components[c].tasks[t].slots.iter().flatten();
         slots.into_iter().any(|it| match it.status {
@@ -241,13 +241,13 @@ impl Interpreter<'_> {
         match self.system.policy {
             Policy::Fifo => out.extend(s.queue.first().map(grant)),
             Policy::Any => out.extend(s.queue.iter().map(grant)),
-            // The first of equals.
+            // The first of several equal deadlines.
             Policy::Edf => out.extend(s.queue.iter().min_by_key(|it| deadline(it)).map(grant)),
             Policy::Priority | Policy::Fair => unreachable!("cores are not granted for a cycle"),
         }
     }
 
-    /// Whether somebody who has a ticket may execute its codel now.
+    /// Returns true if a thread with a ticket may execute its codel now.
     pub(super) fn may_leave(&self, s: &State, c: usize, who: Who) -> bool {
         let codel = |c: usize, who: Who| {
             let at = s.codel(self.system, c, who);
@@ -259,7 +259,7 @@ impl Interpreter<'_> {
         let waits_for = |d: usize, it: Who| {
             codel(d, it).is_some_and(|it| match d == c {
                 true => own.waits_for.contains(&it.executed),
-                // Across components only ports exclude, where they do.
+                // Across components only ports can exclude each other.
                 false => own.ports.iter().any(|port| it.ports.contains(port)),
             })
         };

@@ -1,4 +1,4 @@
-//! Whether predicates hold, and since when obligations are open.
+//! The values of predicates, and the ages of obligations.
 
 use dotgen_timing::scn::ast::{Path, Pred};
 
@@ -54,7 +54,7 @@ pub(crate) enum Fact {
     Client(usize, Vec<usize>),
 }
 
-/// Whose machine.
+/// The owner of a machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Owner {
     Task(usize),
@@ -85,7 +85,7 @@ pub(crate) fn predicate(system: &System, it: &Pred) -> Predicate {
     }
 }
 
-/// A fact, and whether it or the contrary is meant.
+/// Returns a fact, and whether the fact or its negation is meant.
 fn fact(system: &System, path: &Path) -> (Fact, bool) {
     let names: Vec<&str> = path.names.iter().map(|it| it.value.as_str()).collect();
     if let Some(k) = system.clients.iter().position(|it| it.name == names[0]) {
@@ -142,8 +142,8 @@ fn fact(system: &System, path: &Path) -> (Fact, bool) {
         let all = (0..model.control.len()).collect();
         return (Fact::Control(c, s, all, at(word(2))), true);
     };
-    // `stop` and the like are states where the machine has them and a status follows, or as the last name a
-    // status.
+    // `stop` and similar words are states if the machine has them and a status follows. As the last name such
+    // a word is a status.
     let status = match word(2) {
         "waiting" => Some(ActivityIs::Waiting),
         "run" | "running" => Some(ActivityIs::Run),
@@ -160,8 +160,8 @@ fn fact(system: &System, path: &Path) -> (Fact, bool) {
 }
 
 impl Interpreter<'_> {
-    /// Every time the trigger becomes true begins an obligation of its own, which goes from response to
-    /// response.
+    /// Updates obligations. Every time the trigger becomes true an obligation begins, which proceeds from
+    /// response to response.
     pub(super) fn watch(&self, before: Option<&State>, now: &mut State) {
         for (i, (trigger, responses)) in self.within.iter().enumerate() {
             let value = |it: &Predicate| self.holds(before, now, it);
@@ -253,7 +253,7 @@ impl Interpreter<'_> {
 }
 
 impl First {
-    /// Whether jobs of the task are measured.
+    /// Returns true if jobs of the task are measured.
     pub(super) fn is_over(self) -> bool {
         self == First::Over
     }

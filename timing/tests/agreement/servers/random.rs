@@ -1,4 +1,4 @@
-//! Random small specifications and scenarios, as texts: what is compared goes through all that reads them.
+//! Random small specifications and scenarios, as text, so that the comparison includes all parsers.
 
 use std::fmt::Write;
 
@@ -10,7 +10,7 @@ pub(crate) struct Texts {
     pub(crate) scenario: String,
 }
 
-/// What predicates and clients can talk about.
+/// Names for predicates and clients.
 #[derive(Default)]
 struct Known {
     /// `c.t.x`: states of machines.
@@ -18,15 +18,15 @@ struct Known {
     activities: Vec<String>,
     tasks: Vec<String>,
     services: Vec<String>,
-    /// Everything is drawn: ports, priorities, and every point of the semantics; see [`varied`].
+    /// All points are random: ports, priorities, and every point of the semantics; see [`varied`].
     varied: bool,
-    /// Nothing is requested, and cores are given in order of asking.
+    /// There are no requests, and cores are granted in order of release.
     quiet: bool,
-    /// Nothing is requested, cores are given and kept in any way, and all tasks have periods.
+    /// There are no requests, any policy of cores applies, and all tasks have periods.
     periodic: bool,
-    /// Tasks without period come last, periods are long, and cores are given in any order.
+    /// Tasks without a period come last, periods are long, and any order of cores applies.
     occasional: bool,
-    /// Clients ask for what all components understand, and how requests end.
+    /// Clients make requests that all components accept, and wait for outcomes of requests.
     requests: bool,
     /// Data flow, through ports and through variables of activities.
     chains: bool,
@@ -34,13 +34,13 @@ struct Known {
     ports: &'static [&'static str],
 }
 
-/// A system of one or two components with one to three tasks each and all that the semantics of the servers
-/// has rules for.
+/// Returns a system of one or two components with one to three tasks each and all features of the semantics
+/// of the servers.
 pub(crate) fn texts(dice: &mut Dice) -> Texts {
     draw(dice, Known::default())
 }
 
-/// The same with single points of the semantics, cores that are taken away, ports, and permanent activities
+/// Returns such a system with single points of the semantics, preemption, ports, and permanent activities
 /// that throw.
 pub(crate) fn varied(dice: &mut Dice) -> Texts {
     let varied = Known {
@@ -50,7 +50,7 @@ pub(crate) fn varied(dice: &mut Dice) -> Texts {
     draw(dice, varied)
 }
 
-/// The same with clients that abort, kill and connect, and wait for success or failure.
+/// Returns such a system with clients that abort, kill and connect, and wait for success or failure.
 pub(crate) fn requests(dice: &mut Dice) -> Texts {
     let varied = dice.in_ten(4);
     let requests = Known {
@@ -61,8 +61,8 @@ pub(crate) fn requests(dice: &mut Dice) -> Texts {
     draw(dice, requests)
 }
 
-/// The same with data that flow through ports, members of `ids` and variables of activities, and chains that
-/// are asked for.
+/// Returns such a system with data that flow through ports, members of `ids` and variables of activities, and
+/// checks of chains.
 pub(crate) fn chained(dice: &mut Dice) -> Texts {
     let chains = Known {
         chains: true,
@@ -71,7 +71,8 @@ pub(crate) fn chained(dice: &mut Dice) -> Texts {
     asking_chains(dice, chains)
 }
 
-/// Chains through permanent activities of tasks with periods, of which no one waits for a core.
+/// Returns a system with chains through permanent activities of tasks with periods, none of which waits for a
+/// core.
 pub(crate) fn chained_steadily(dice: &mut Dice) -> Texts {
     let steady = Known {
         chains: true,
@@ -105,7 +106,7 @@ fn asking_chains(dice: &mut Dice, known: Known) -> Texts {
     out
 }
 
-/// Permanent activities alone, on few cores that are given in order of asking.
+/// Returns a system with permanent activities only, on few cores that are granted in order of release.
 pub(crate) fn quiet(dice: &mut Dice) -> Texts {
     let quiet = Known {
         quiet: true,
@@ -114,7 +115,7 @@ pub(crate) fn quiet(dice: &mut Dice) -> Texts {
     draw(dice, quiet)
 }
 
-/// Permanent activities alone, of tasks with periods.
+/// Returns a system with permanent activities only, of tasks with periods.
 pub(crate) fn periodic(dice: &mut Dice) -> Texts {
     let periodic = Known {
         quiet: true,
@@ -124,7 +125,7 @@ pub(crate) fn periodic(dice: &mut Dice) -> Texts {
     draw(dice, periodic)
 }
 
-/// Tasks with periods, some without behind them, and requests.
+/// Returns a system with tasks with periods, followed by some without, and requests.
 pub(crate) fn occasional(dice: &mut Dice) -> Texts {
     let occasional = Known {
         occasional: true,
@@ -143,7 +144,7 @@ fn draw(dice: &mut Dice, mut known: Known) -> Texts {
     let mut specifications: Vec<String> = specifications.collect();
     let scenario = scenario(dice, &known);
     if scenario.contains("pause turns") {
-        // An aperiodic task would go round in no time, and time would not pass for anybody.
+        // An aperiodic task would loop in no time, and time could not pass.
         for it in &mut specifications {
             *it = it.replace("wcet 0 ms", "wcet 1 ms");
         }
@@ -294,7 +295,7 @@ fn component(dice: &mut Dice, c: usize, of: usize, known: &mut Known) -> String 
         known.ports = ports;
     }
     out.push_str("};\n");
-    // An exception that nothing throws is no error, but the component would throw it.
+    // An exception that no codel throws is not an error, but the component would throw it.
     out.replace(
         " exception bad;\n",
         if out.contains("throw bad") {
@@ -316,7 +317,7 @@ fn time(dice: &mut Dice) -> u32 {
     dice.pick(&[0, 1, 1, 1, 2, 2, 3])
 }
 
-/// One to three states, and sometimes `stop`.
+/// Returns one to three states, and sometimes `stop`.
 fn machine(
     dice: &mut Dice,
     out: &mut String,
@@ -330,7 +331,7 @@ fn machine(
     for (i, state) in states.iter().enumerate() {
         let mut yields: Vec<String> = Vec::new();
         for first in [true, false] {
-            // The first one leads to the next state, so that all can be reached.
+            // The first yield leads to the next state, so that all states can be reached.
             let onwards = states.get(i + 1).filter(|_| first || dice.in_ten(4));
             let to = match onwards {
                 Some(next) if dice.in_ten(5) => (*next).to_owned(),
@@ -460,7 +461,7 @@ fn scenario(dice: &mut Dice, known: &Known) -> String {
     out
 }
 
-/// A request that all components understand.
+/// Adds a request that all components accept.
 fn asks(dice: &mut Dice, known: &Known, out: &mut String) {
     let component = &dice.pick(&known.tasks.iter().collect::<Vec<_>>())[..1];
     let activities: Vec<&str> = known.activities.iter().map(String::as_str).collect();
@@ -472,7 +473,7 @@ fn asks(dice: &mut Dice, known: &Known, out: &mut String) {
     };
 }
 
-/// Waits until a request has ended in some way, or does something else for each way.
+/// Adds a wait for an outcome of a request, or different steps for each outcome.
 fn outcome(dice: &mut Dice, known: &Known, sent: &str, out: &mut String) {
     let services: Vec<&str> = known.services.iter().map(String::as_str).collect();
     let other = dice.pick(&services);
@@ -492,7 +493,7 @@ fn outcome(dice: &mut Dice, known: &Known, sent: &str, out: &mut String) {
     };
 }
 
-/// Single points of the semantics.
+/// Adds single points of the semantics.
 fn points(dice: &mut Dice, known: &Known, (cores, policy): (&str, &str), out: &mut String) {
     let lines = [
         ("ticks", &["component", "task"][..]),

@@ -1,11 +1,11 @@
-//! Requests that every component understands (section 18).
+//! Requests that every component accepts (section 18).
 
 use super::Interpreter;
 use super::model::{Aborted, Builtin};
 use super::state::{Control, Instance, Kill, Phase, Request, State, Status};
 
 impl Interpreter<'_> {
-    /// The last codel of such a request has ended; whether it did what was asked.
+    /// Performs such a request, after its last codel. Returns true if the request succeeded.
     pub(super) fn builtin(&self, s: &mut State, c: usize, request: Request, it: Builtin) -> bool {
         match it {
             Builtin::Connect => true,
@@ -39,7 +39,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Whether the shutdown of a component gets on.
+    /// Returns true if the shutdown of a component can proceed.
     pub(super) fn dies(&self, s: &State, c: usize) -> bool {
         let it = &s.components[c];
         match it.kill {
@@ -75,7 +75,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// One step of it.
+    /// Performs one step of a shutdown.
     pub(super) fn die(&self, s: &mut State, c: usize) {
         let tasks = s.components[c].tasks.len();
         let next = match s.components[c].kill {

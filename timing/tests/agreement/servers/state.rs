@@ -1,4 +1,4 @@
-//! A state, and how it begins.
+//! States, and the initial state.
 
 use std::collections::BTreeSet;
 
@@ -6,19 +6,19 @@ use dotgen_timing::scn::semantics::TickRule;
 
 use super::model::{Action, System};
 
-/// Ages beyond this are taken for unbounded.
+/// Age above which a time counts as unbounded.
 pub(crate) const CAP: u32 = 150;
 
 /// An activity in its slot.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) struct Instance {
-    /// None: the permanent activity.
+    /// Service; `None` for the permanent activity.
     pub(super) service: Option<usize>,
     pub(super) status: Status,
     /// State of its machine.
     pub(super) at: usize,
     pub(super) paused: bool,
-    /// Interrupted, and not noticed yet.
+    /// The activity is interrupted, and has not noticed yet.
     pub(super) mark: bool,
 }
 
@@ -26,15 +26,15 @@ pub(super) struct Instance {
 pub(super) enum Status {
     /// Its request is being handled.
     Asked,
-    /// Waiting to begin; whether it may.
+    /// Waiting to begin. `true`: it may.
     Init(bool),
     Run,
     Stop,
-    /// Ended and not yet reported; whether it has succeeded.
+    /// Ended and not yet reported. `true`: it has succeeded.
     Ended(bool),
 }
 
-/// What a task or the control task does with its codel.
+/// The progress of a task or control task with its codel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Doing {
     /// It has no ticket yet.
@@ -49,11 +49,11 @@ pub(super) enum Phase {
     WaitingForCore,
     /// Between two passes of a cycle.
     Between,
-    /// The slots that have a turn in this pass, and which one has it.
+    /// The slots with a turn in this pass, and the one whose turn it is.
     Pass(Vec<usize>, usize, Doing),
 }
 
-/// Where a task is with its first cycle.
+/// The progress of a task with its first cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum First {
     NotStarted,
@@ -62,12 +62,12 @@ pub(super) enum First {
     Over,
 }
 
-/// A tick that was not served yet, or the one a job serves.
+/// A tick that was not served yet, or the tick that a job serves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub(super) struct Since {
-    /// Since the tick.
+    /// Time since the tick.
     pub(super) tick: u32,
-    /// What counts of it.
+    /// Measured part of this time.
     pub(super) measured: u32,
 }
 
@@ -76,32 +76,32 @@ pub(super) struct Task {
     /// Time to the next tick.
     pub(super) timer: Option<u32>,
     pub(super) flag: Option<Since>,
-    /// Of an aperiodic task.
+    /// Flag of an aperiodic task.
     pub(super) runnable: bool,
     pub(super) phase: Phase,
     pub(super) first: First,
     pub(super) job: Option<Since>,
     pub(super) slots: Vec<Option<Instance>>,
-    /// What happened in this pass: a transition without pause or an end; an activity that ended.
+    /// Events of this pass: a transition without a pause or an end; the end of an activity.
     pub(super) event: bool,
     pub(super) ended: bool,
     /// The permanent activity has thrown an exception in its first pass.
     pub(super) failed: bool,
-    /// The other tasks have to be woken.
+    /// The other tasks must be woken.
     pub(super) wake: bool,
-    /// It was granted a core, and its last pass and the wake-ups after it are not over.
+    /// The task was granted a core, and its last pass and the wake-ups after it are not over.
     pub(super) on_core: bool,
     /// It has ended with its component.
     pub(super) gone: bool,
 }
 
-/// Where the shutdown of a component is.
+/// The stage of the shutdown of a component.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Kill {
     No,
     /// The activities of a task are interrupted.
     Activities(usize),
-    /// The permanent activity of a task is to be interrupted; it was.
+    /// The permanent activity of a task must be interrupted, or has been.
     Permanent(usize),
     Stopping(usize),
     /// A task ends, and at last the control task.
@@ -117,7 +117,7 @@ pub(super) enum Control {
     Ready,
     /// At a codel of a request.
     Codel(Request, usize, Doing),
-    /// What follows the codels of a request.
+    /// The handling of a request after its codels.
     Rest(Request, Handled),
 }
 
@@ -125,9 +125,9 @@ pub(super) enum Control {
 pub(super) struct Request {
     pub(super) client: usize,
     pub(super) service: usize,
-    /// Of an activity: task and slot.
+    /// Task and slot of an activity.
     pub(super) slot: Option<(usize, usize)>,
-    /// The step by which it was sent, where that matters.
+    /// Step that sent the request, if it matters.
     pub(super) node: usize,
 }
 
@@ -137,7 +137,7 @@ pub(super) enum Handled {
     Refused,
 }
 
-/// Who takes tickets.
+/// A thread that takes tickets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) enum Who {
     Task(usize),
@@ -150,7 +150,7 @@ pub(super) struct Component {
     /// Some activity has ended.
     pub(super) signal: bool,
     pub(super) tickets: Vec<Who>,
-    /// By service.
+    /// Success of services, by service.
     pub(super) succeeded: Vec<bool>,
     pub(super) tasks: Vec<Task>,
     pub(super) kill: Kill,
@@ -159,7 +159,7 @@ pub(super) struct Component {
 /// A request whose end is awaited.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Tracked {
-    /// Whether it has succeeded; only where somebody asks.
+    /// The request has ended. `true`: with success, if a client depends on it.
     Over(bool),
     Handled,
     /// Task and slot.
@@ -168,11 +168,11 @@ pub(super) enum Tracked {
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) struct Client {
-    /// None: before the first step.
+    /// Node; `None` before the first step.
     pub(super) at: Option<usize>,
     pub(super) clock: u32,
     pub(super) outstanding: bool,
-    /// The last request for each service, and the last one of all.
+    /// The last request for each service, and the last request of all.
     pub(super) tracked: Vec<(usize, usize, Tracked)>,
     /// Instances that it may abort, in order of acceptance.
     pub(super) instances: Vec<Accepted>,
@@ -189,9 +189,9 @@ pub(crate) struct State {
     pub(super) queue: Vec<(usize, usize)>,
     /// Under preemption with priorities, threads in the order in which they became ready.
     pub(super) ready: Vec<(usize, Who)>,
-    /// Under preemption without, threads that have a core.
+    /// Under preemption without priorities, threads that have a core.
     pub(super) on: Vec<(usize, Who)>,
-    /// Of each observer, the open obligations: how many responses each has seen, and its age.
+    /// Open obligations of each observer: number of responses so far, and age.
     pub(super) obligations: Vec<BTreeSet<(usize, u32)>>,
 }
 
@@ -260,7 +260,7 @@ impl State {
         }
     }
 
-    /// What somebody of a component does with a codel.
+    /// Returns the progress of a thread of a component with its codel.
     pub(super) fn doing(&self, c: usize, who: Who) -> Option<Doing> {
         let it = &self.components[c];
         match who {
@@ -291,7 +291,7 @@ impl State {
         }
     }
 
-    /// The codel that somebody is at.
+    /// Returns the present codel of a thread.
     pub(super) fn codel(&self, system: &System, c: usize, who: Who) -> Option<usize> {
         let model = &system.components[c];
         match who {
@@ -312,7 +312,7 @@ impl State {
         }
     }
 
-    /// The slot whose turn a task executes.
+    /// Returns the slot whose turn a task executes.
     pub(super) fn slot(&self, c: usize, t: usize) -> Option<usize> {
         match &self.components[c].tasks[t].phase {
             Phase::Pass(slots, at, _) => slots.get(*at).copied(),
@@ -320,13 +320,13 @@ impl State {
         }
     }
 
-    /// Everybody of a component who may be at a codel.
+    /// Returns all threads of a component that may be at a codel.
     pub(super) fn everybody(&self, c: usize) -> impl Iterator<Item = Who> + use<> {
         let tasks = 0..self.components[c].tasks.len();
         tasks.map(Who::Task).chain([Who::Control])
     }
 
-    /// The delay that a client is at.
+    /// Returns the present delay of a client.
     pub(super) fn delay(&self, system: &System, k: usize) -> Option<(u32, u32)> {
         match system.clients[k].nodes[self.clients[k].at?].action {
             Action::Delay(lower, upper) => Some((lower, upper)),
@@ -335,7 +335,7 @@ impl State {
     }
 }
 
-/// The machine that an instance in a slot of a task executes.
+/// Returns the machine of an instance in a slot of a task.
 pub(super) fn machine<'s>(
     system: &'s System,
     c: usize,

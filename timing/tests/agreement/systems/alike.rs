@@ -1,4 +1,4 @@
-//! Random systems of parts that are alike, or nearly.
+//! Random systems of symmetric, or nearly symmetric, parts.
 
 use dotgen_timing::property::{Atom, Predicate};
 use dotgen_timing::system::{
@@ -8,8 +8,8 @@ use dotgen_timing::system::{
 
 use super::{Dice, automaton, client, empty, machine, predicate, service};
 
-/// Two or three copies of a component, or of what is in a component, with questions about them; sometimes
-/// something is not the same everywhere.
+/// Returns a system of two or three copies of a component, or of its contents, with pairs of predicates;
+/// sometimes the copies differ.
 pub(crate) fn alike(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate)>) {
     let one = part(dice);
     let copies = 2 + usize::from(dice.in_ten(4));
@@ -58,7 +58,7 @@ pub(crate) fn alike(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate)
     (system, asked)
 }
 
-/// A component with a task, at most two services and at most one client.
+/// Returns a component with a task, at most two services and at most one client.
 fn part(dice: &mut Dice) -> TimedSystem {
     let mut system = empty(dice);
     system.platform.policy = dice.pick(&[Policy::Fifo, Policy::Edf, Policy::Any]);
@@ -94,7 +94,7 @@ fn part(dice: &mut Dice) -> TimedSystem {
     system
 }
 
-/// Codels exclude each other and services interrupt each other in all copies alike.
+/// Adds equal exclusions and interruptions between the copies.
 fn between(
     system: &mut TimedSystem,
     dice: &mut Dice,

@@ -1,10 +1,10 @@
-//! Systems of periodic tasks that nobody asks for anything.
+//! Random systems of periodic tasks without requests.
 
 use dotgen_timing::system::{CodelSet, FOREVER, LockOrder, Policy, State, TimedSystem, Yield};
 
 use super::{Dice, automaton, codel, competing};
 
-/// Two to four periodic tasks that compete for locks and cores, and start up without taking time.
+/// Returns two to four periodic tasks that compete for locks and cores, and whose start-up takes no time.
 pub(crate) fn periodic(dice: &mut Dice) -> TimedSystem {
     let mut system = competing(dice);
     system.platform.policy = dice.pick(&[Policy::Fifo, Policy::Edf, Policy::Edf, Policy::Any]);
@@ -47,7 +47,7 @@ pub(crate) fn periodic(dice: &mut Dice) -> TimedSystem {
             it.upper += 1;
         }
     }
-    // What shares nothing but cores, and comes back to the same place, can be looked at as a whole.
+    // Tasks that share only cores, and return to the same place, can be treated in busy windows.
     let plain = dice.in_ten(4);
     if plain {
         for it in &mut system.codels {

@@ -1,4 +1,4 @@
-//! Random systems as they are when nothing is said of clients: anything may be requested at any time.
+//! Random systems with a default client: any request at any time.
 
 use dotgen_timing::system::{
     Client, ClientAction, ClientStep, Component, FOREVER, Policy, Task, TimedSystem,
@@ -6,8 +6,8 @@ use dotgen_timing::system::{
 
 use super::{Dice, automaton, empty, machine, service};
 
-/// A component or two with one or two tasks altogether, one to three services, and one or two clients that
-/// let any time pass before each request. Durations are mostly from 0 on.
+/// Returns one or two components with one or two tasks altogether, one to three services, and one or two
+/// clients that let any time pass before each request. Least durations are mostly 0.
 pub(crate) fn requests(dice: &mut Dice) -> TimedSystem {
     let mut system = empty(dice);
     system.platform.policy = dice.pick(&[Policy::Fifo, Policy::Edf, Policy::Any]);
@@ -71,7 +71,8 @@ pub(crate) fn requests(dice: &mut Dice) -> TimedSystem {
     system
 }
 
-/// Lets time pass, sends one of some requests, perhaps waits for its end, and again, or a few times.
+/// Returns a client that lets time pass, sends one of some requests, and possibly waits for its end, for ever
+/// or a few times.
 fn any(system: &TimedSystem, dice: &mut Dice, k: u32) -> Client {
     let services = system.services.len();
     let upper = if dice.in_ten(8) { FOREVER } else { 2 };

@@ -1,21 +1,21 @@
-//! Ample sets of what clients and activities do, see [`super`].
+//! Ample sets of clients and activities, see [`super`].
 //!
-//! * **A request** that is handled in no time and whose activity, if it is one, runs at once on a task that
-//!   is idle. Whoever could make a difference must not send a request at this moment: for a service that
-//!   interrupts this one or is interrupted by it, or on the same task, or one that keeps the control task
-//!   busy.
-//! * **The report of ended activities**, if nobody waits for their end in a slot. What ends later at this
-//!   moment is reported later at this moment: no other order leads anywhere else.
+//! * **A request** that is handled in no time and whose activity, if it is one, runs at once on an idle task.
+//!   No client may send another request at this moment that could make a difference: one for a service that
+//!   interrupts this one or is interrupted by it, for a service of the same task, or one that keeps the
+//!   control task busy.
+//! * **The report of ended activities**, if no activity waits for their end in a slot. Later ends of this
+//!   moment are reported later at this moment: no other order leads to another state.
 //! * **The end** of an activity's codel whose window is over, if the turn goes on, or if the activity ends
-//!   and nothing else is to be done by its task; again without requests at this moment that would make a
-//!   difference. (After a pause the turn of an aperiodic task may begin at once, and shows whether the
-//!   activity has been interrupted.)
+//!   and its task has nothing else to do; again without requests at this moment that would make a difference.
+//!   (After a pause the turn of an aperiodic task may begin at once, and shows whether the activity has been
+//!   interrupted.)
 //! * **The end of a codel of a control task** whose time is over, if the message has no other effect than
 //!   such a request.
 //! * **The end of a client's delay** whose time is over.
 //!
-//! They cannot follow each other for ever in no time if every round of a client has a delay that may take
-//! time.
+//! These actions cannot follow each other for ever in no time if every round of a client has a delay that may
+//! take time.
 
 use super::AmpleState;
 use crate::explore::reductions::facts::{Parts, loops_in_no_time};
@@ -29,25 +29,24 @@ use crate::system::{Client, ClientAction, Yield};
 /// A set of services.
 type Services = u128;
 
-/// What is known beforehand about clients and services.
+/// Known facts about clients and services.
 #[derive(Debug)]
 pub(super) struct Requests {
     enabled: bool,
-    /// Why they make no difference.
+    /// Reason why they have no ample sets.
     pub(super) off: Option<Reason>,
-    /// Per client and step, what can be requested in no time once it is done.
+    /// By client and step, the services that can be requested in no time after the step.
     after: Vec<Vec<Services>>,
-    /// Per service those that make a difference to it: they interrupt it, are interrupted by it or run on the
-    /// same task.
+    /// By service, the services that make a difference to it: they interrupt it, are interrupted by it or run
+    /// on the same task.
     related: Vec<Services>,
-    /// Those handled in no time.
+    /// Services handled in no time.
     instant: Services,
-    /// Those of each component.
+    /// Services of each component.
     of_component: Vec<Services>,
-    /// Automata of activities whose turns take time sooner or later, of tasks that execute everything
-    /// themselves.
+    /// Automata of activities whose turns eventually take time, on tasks without separate threads.
     ordinary: Vec<bool>,
-    /// Predicates say something about what goes on in these.
+    /// Parts that predicates observe.
     visible: Parts,
 }
 
@@ -119,7 +118,7 @@ impl Requests {
     }
 }
 
-/// Whether every round of a client has a delay that may take time.
+/// Returns true if every round of a client has a delay that may take time.
 fn takes_time(client: &Client) -> bool {
     let hasty = |step: usize| {
         let it = &client.steps[step];
@@ -142,7 +141,8 @@ fn takes_time(client: &Client) -> bool {
         })
 }
 
-/// What a client can request in no time after each step, if everything it waits for has happened.
+/// Returns, by step, the services that a client can request in no time after it, if every awaited event has
+/// happened.
 fn after(client: &Client) -> Vec<Services> {
     let mut out: Vec<Services> = vec![0; client.steps.len()];
     loop {
@@ -166,7 +166,7 @@ fn after(client: &Client) -> Vec<Services> {
 }
 
 impl AmpleState<'_, '_> {
-    /// Whether a request can be handled before anything else.
+    /// Returns true if a request can be handled before anything else.
     pub(super) fn request_alone(&self, client: usize) -> bool {
         let known = &self.ample.requests;
         let l = self.layout();
@@ -189,8 +189,8 @@ impl AmpleState<'_, '_> {
             && self.accepted_alone(service)
     }
 
-    /// Whether it makes no difference what else comes before the acceptance of a request: it interrupts
-    /// nothing that is there, keeps nothing waiting, and an activity runs at once, on a task that is idle.
+    /// Returns true if no other action before the acceptance of a request makes a difference: the request
+    /// interrupts no present activity, keeps none waiting, and its activity runs at once, on an idle task.
     fn accepted_alone(&self, service: usize) -> bool {
         let known = &self.ample.requests;
         let l = self.layout();
@@ -213,8 +213,8 @@ impl AmpleState<'_, '_> {
             })
     }
 
-    /// Whether nothing of a task can happen at this moment before something is requested of it, and nobody
-    /// else has to wait for a core.
+    /// Returns true if no action of a task can happen at this moment before a request, and no other task
+    /// waits for a core.
     fn is_free(&self, task: usize) -> bool {
         let l = self.layout();
         let it = &self.system().tasks[task];
@@ -227,7 +227,7 @@ impl AmpleState<'_, '_> {
             && (!self.system().needs_core(task) || self.cores_for_all())
     }
 
-    /// What clients may request at this moment.
+    /// Returns the services that clients may request at this moment.
     fn requested_now(&self, counts: impl Fn(usize) -> bool) -> Services {
         let known = &self.ample.requests;
         let l = self.layout();
@@ -261,7 +261,7 @@ impl AmpleState<'_, '_> {
         clients.fold(0, |set, it| set | of(it))
     }
 
-    /// Whether the ends of activities can be reported before anything else.
+    /// Returns true if the ends of activities can be reported before anything else.
     pub(super) fn report_alone(&self, component: usize) -> bool {
         let known = &self.ample.requests;
         let l = self.layout();
@@ -283,7 +283,7 @@ impl AmpleState<'_, '_> {
             && (0..system.clients.len()).all(|it| !known.visible.clients[it] || !ended(it))
     }
 
-    /// Whether the end of an activity's codel can come before anything else.
+    /// Returns true if the end of an activity's codel can come before anything else.
     pub(super) fn activity_end_alone(&self, executor: usize) -> bool {
         let known = &self.ample.requests;
         let l = self.layout();
@@ -309,7 +309,7 @@ impl AmpleState<'_, '_> {
         }
         let it = &system.tasks[task];
         let component = it.component;
-        // Whether it has been interrupted is seen when its next turn begins.
+        // The beginning of the next turn shows whether the activity has been interrupted.
         let ends = (it.period.is_some()
             || state.yields.iter().all(|it| !matches!(it, Yield::Pause(_))))
             && !known.visible.slots[service];
@@ -336,8 +336,8 @@ impl AmpleState<'_, '_> {
             && requested & !known.instant == 0
     }
 
-    /// Whether a slot of the task of an activity stays as it is, as far as the task sees it, until that
-    /// activity has ended, if nobody requests anything related.
+    /// Returns true if a slot of the activity's task does not change, as the task sees it, until that
+    /// activity has ended, provided that no client requests a related service.
     fn cannot_change(&self, slot: usize, activity: usize) -> bool {
         let system = self.system();
         let automaton = &system.automata[slot];
@@ -352,7 +352,7 @@ impl AmpleState<'_, '_> {
         }
     }
 
-    /// Whether the end of a codel of a control task can come before anything else.
+    /// Returns true if the end of a codel of a control task can come before anything else.
     pub(super) fn control_end_alone(&self, executor: usize) -> bool {
         let known = &self.ample.requests;
         let l = self.layout();
@@ -376,14 +376,14 @@ impl AmpleState<'_, '_> {
         let validates = l.control(self.s, component) == control::VALIDATE;
         let next = l.simple(self.s, component) as usize + 1;
         let goes_on = !validates && next < system.services[service].simple.len();
-        // What it interrupts has been interrupted before its own codels.
+        // Interruptions take place before the service's own codels.
         let ends = !validates && self.reports_nothing(component);
         goes_on
             || ends
             || (validates && self.reports_nothing(component) && self.accepted_alone(service))
     }
 
-    /// Whether the end of a message changes nothing in slots.
+    /// Returns true if the end of a message changes nothing in slots.
     fn reports_nothing(&self, component: usize) -> bool {
         let l = self.layout();
         let mut services = self.system().components[component].services.iter();
@@ -395,8 +395,8 @@ impl AmpleState<'_, '_> {
         })
     }
 
-    /// Whether an acquisition by an activity or a control task changes nothing that is observed, and cannot
-    /// be repeated for ever in no time.
+    /// Returns true if an acquisition by an activity or a control task changes nothing that is observed, and
+    /// cannot be repeated for ever in no time.
     pub(super) fn may_acquire_for_request(&self, executor: usize) -> bool {
         let known = &self.ample.requests;
         if !known.enabled {
@@ -416,7 +416,7 @@ impl AmpleState<'_, '_> {
         }
     }
 
-    /// Whether a task with activities may want a lock of a codel at this moment.
+    /// Returns true if a task with activities may want a lock of a codel at this moment.
     pub(super) fn task_may_want(&self, task: usize, codel: usize) -> bool {
         let l = self.layout();
         let system = self.system();
@@ -425,7 +425,7 @@ impl AmpleState<'_, '_> {
         let separate = system.platform.async_free
             && automata().any(|a| system.machine_of(a).states.iter().any(|it| it.is_async));
         let settled = self.started_up(task);
-        // Nothing else of a task can happen while it executes a codel that does not end yet.
+        // While a task executes a codel that does not end yet, no other action of the task is possible.
         let turn = match l.turn(self.s, task) as usize {
             0 => None,
             1 => it.permanent,
@@ -447,7 +447,7 @@ impl AmpleState<'_, '_> {
         })
     }
 
-    /// Whether a control task may want a lock of a codel at this moment.
+    /// Returns true if a control task may want a lock of a codel at this moment.
     pub(super) fn control_may_want(&self, component: usize, codel: usize) -> bool {
         let l = self.layout();
         let executor = l.control_executor(component);
@@ -473,7 +473,7 @@ impl AmpleState<'_, '_> {
         })
     }
 
-    /// Whether the end of a client's delay can come before anything else.
+    /// Returns true if the end of a client's delay can come before anything else.
     pub(super) fn delay_alone(&self, executor: usize) -> bool {
         let l = self.layout();
         let client = executor.checked_sub(l.automata + l.components);

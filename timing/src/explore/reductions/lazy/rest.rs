@@ -1,25 +1,24 @@
 //! Resting places: states in which an endless activity waits for the outside world.
 //!
-//! A polling loop `poll → work → poll` whose `poll` takes at least *l* and has no upper bound is
-//! never ready earlier by having gone round: a `poll` that has lasted longer can end whenever a later
-//! one can. So while it rests there, rounds before the next hard moment *m* need not be followed. If
-//! the loop is back at rest at *m*, it might as well have stayed (all other codels of its group have
-//! lower bound 0, and rounds only took locks that can delay nobody before *m*: whoever could want
-//! them would first have to end something, which waits as well). If it is elsewhere at *m*, the way
-//! there can be gone at *m* in no time.
+//! A polling loop `poll → work → poll` whose `poll` takes at least *l* and has no upper bound is never ready
+//! earlier after another round: a `poll` that has lasted longer can end whenever a later one can. So while
+//! the loop rests there, rounds before the next hard moment *m* need not be followed. If the loop is back at
+//! rest at *m*, it might as well have stayed: all other codels of its group have lower bound 0, and the
+//! rounds only took locks that can delay no other executor before *m*. (An executor that could want these
+//! locks would first have to end a codel, which is postponed as well.) If the loop is elsewhere at *m*, it
+//! can go there at *m* in no time.
 //!
-//! What this needs: the other states of the machine have lower bound 0; nobody else wants what the
-//! resting codel locks (after start-up); and visits counted for a loop limit are always the same
-//! there.
+//! The conditions are: the other states of the machine have lower bound 0; no other executor wants the locks
+//! of the resting codel (after start-up); and the visits counted for a loop limit are always the same there.
 
 use rustc_hash::FxHashSet;
 
 use crate::system::{FOREVER, Machine, TimedSystem, Yield};
 
-/// More combinations of state and visits than this are not looked at.
+/// Upper limit on the combinations of state and visits that are examined.
 const COMBINATIONS: usize = 10_000;
 
-/// The resting place of the machine of an automaton. `owner` tells who executes each codel.
+/// Returns the resting place of the machine of an automaton. `owner` gives the thread of each codel.
 pub(in super::super) fn place(
     system: &TimedSystem,
     automaton: usize,
@@ -46,7 +45,7 @@ pub(in super::super) fn place(
     .then_some(place)
 }
 
-/// Whether a codel is executed when its task starts and never again. Nothing is lazy before that is over.
+/// Returns true if a codel is executed only at the start of its task. Nothing is lazy before that is over.
 pub(in super::super) fn start_up_only(system: &TimedSystem, codel: usize) -> bool {
     let mut uses = (0..system.automata.len()).flat_map(|a| {
         let machine = system.machine_of(a);
@@ -64,7 +63,7 @@ pub(in super::super) fn start_up_only(system: &TimedSystem, codel: usize) -> boo
     })
 }
 
-/// Whether the visits counted are the same whenever the machine enters `place`.
+/// Returns true if the counted visits are the same whenever the machine enters `place`.
 fn always_same_visits(machine: &Machine, place: usize) -> bool {
     let Some(limit) = machine.loop_limit else {
         return true;

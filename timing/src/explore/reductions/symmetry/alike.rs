@@ -1,23 +1,23 @@
-//! Which units are alike: exchanges that change neither the system nor what is asked.
+//! Symmetric units: exchanges that change neither the system nor the watched properties.
 //!
-//! An exchange is found by following what belongs to two components, clients or tasks, in step. It is
-//! believed only after the whole system has been compared with itself under it.
+//! An exchange is found by pairing the parts of two components, clients or tasks, step by step. It is
+//! accepted only after a comparison of the whole system with the exchanged system.
 
 use super::Unit;
 use crate::explore::reductions::Watched;
 use crate::property::{Atom, Predicate};
 use crate::system::{ClientAction, CodelSet, TimedSystem};
 
-/// What is asked of a task.
+/// The watched properties of a task.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(crate) struct Label {
-    /// Which lists it is in.
+    /// Membership in the lists of the watch.
     pub(crate) watched: [bool; 2],
-    /// Limits, and whether times are measured at present.
+    /// Limits in base units, and whether the times are measured at present.
     pub(crate) measured: Vec<(Option<u32>, Option<u32>, bool)>,
 }
 
-/// Classes of units that are alike, each of at least two.
+/// Returns classes of symmetric units, each of at least two.
 pub(super) fn classes(system: &TimedSystem, asked: &Watched) -> Vec<Vec<Unit>> {
     let seeds = (0..system.components.len())
         .map(Seed::Component)
@@ -56,7 +56,7 @@ pub(super) fn classes(system: &TimedSystem, asked: &Watched) -> Vec<Vec<Unit>> {
     out
 }
 
-/// Whether the clients of each unit only send requests to its own services or to those of none.
+/// Returns true if the clients of each unit only send requests to services of their unit, or of no unit.
 fn closed(system: &TimedSystem, class: &[Unit]) -> bool {
     class.iter().all(|unit| {
         let foreign = |service: usize| {
@@ -75,7 +75,7 @@ fn closed(system: &TimedSystem, class: &[Unit]) -> bool {
     })
 }
 
-/// Where to begin.
+/// The starting point of an exchange.
 #[derive(Debug, Clone, Copy)]
 enum Seed {
     Component(usize),
@@ -84,7 +84,7 @@ enum Seed {
 }
 
 impl Seed {
-    /// Whether it is worth while to compare two seeds: a quick look, as there are many pairs.
+    /// Returns true if two seeds are worth a comparison: a quick test, as there are many pairs.
     fn resembles(self, other: Seed, system: &TimedSystem) -> bool {
         let task = |it: usize| {
             let it = &system.tasks[it];
@@ -107,7 +107,7 @@ impl Seed {
     }
 }
 
-/// The two units around two seeds, if exchanging them changes nothing.
+/// Returns the two units around two seeds, if exchanging them changes nothing.
 fn exchange(system: &TimedSystem, asked: &Watched, one: Seed, other: Seed) -> Option<(Unit, Unit)> {
     let mut it = Exchange::new(system);
     match (one, other) {
@@ -140,7 +140,7 @@ impl Unit {
     }
 }
 
-/// An exchange: what every part of the system is called after it.
+/// An exchange: the new name of every part of the system.
 struct Exchange<'s> {
     system: &'s TimedSystem,
     tasks: Vec<usize>,
@@ -154,8 +154,8 @@ struct Exchange<'s> {
     other: Unit,
 }
 
-/// Exchanges two parts of a kind: `None` if either is exchanged with something else, or has to stay. Gives
-/// whether there was anything to do.
+/// Pairs two parts of a kind. Returns `None` if either is already paired with another part, or must keep its
+/// name. Otherwise returns true if the pair is new.
 macro_rules! pair {
     ($self:ident, $kind:ident, $x:expr, $y:expr) => {{
         let (x, y) = ($x, $y);
@@ -195,7 +195,7 @@ impl<'s> Exchange<'s> {
         }
     }
 
-    // ---- What belongs together -------------------------------------------------------------
+    // ---- The parts of units ----------------------------------------------------------------
 
     fn each(
         &mut self,
@@ -301,7 +301,7 @@ impl<'s> Exchange<'s> {
         Some(())
     }
 
-    // ---- Whether it changes anything -------------------------------------------------------
+    // ---- The comparison of the systems ------------------------------------------------------
 
     fn changes_nothing(&self, asked: &Watched) -> bool {
         let parts = [
@@ -331,7 +331,8 @@ impl<'s> Exchange<'s> {
                 &system.components[c],
                 &system.components[self.components[c]],
             );
-            // Tasks are started one after the other; those without permanent activity with the one before.
+            // Tasks are started one after the other; a task without a permanent activity is started with the
+            // previous one.
             let blocks = |tasks: &mut dyn Iterator<Item = usize>| {
                 let mut blocks: Vec<Vec<usize>> = vec![Vec::new()];
                 for task in tasks {
@@ -484,7 +485,7 @@ fn same_list(from: &[usize], to: &[usize], names: &[usize]) -> bool {
     from.iter().map(|&it| names[it]).eq(to.iter().copied())
 }
 
-/// A predicate in words, whatever the order of what is connected by `and` and by `or`.
+/// Returns a predicate in words, whatever the order of the operands of `and` and `or`.
 fn words(it: &Predicate, atom: &dyn Fn(&Atom) -> String) -> String {
     fn parts(it: &Predicate, and: bool, atom: &dyn Fn(&Atom) -> String, out: &mut Vec<String>) {
         match (it, and) {

@@ -1,4 +1,4 @@
-//! What the published rules make of the atoms of predicates.
+//! The values of atoms under the published rules.
 
 use super::Published;
 use super::layout::{control, slot};
@@ -6,7 +6,7 @@ use crate::explore::state::{State, TaskStatus, phase};
 use crate::property::{Atom, SlotStatus, StatePhase, TaskState};
 
 impl Published<'_> {
-    /// The value of an atom.
+    /// Returns the value of an atom.
     pub(super) fn value_of(&self, s: &State, atom: &Atom) -> bool {
         let l = &self.layout;
         match *atom {

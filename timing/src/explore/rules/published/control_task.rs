@@ -1,4 +1,4 @@
-//! What the control task does with requests and with the end of activities (section 7).
+//! The control task: handling of requests and of the end of activities (section 7).
 
 use super::Published;
 use super::layout::{control, slot, tracker};
@@ -65,7 +65,7 @@ impl Published<'_> {
         }
     }
 
-    /// The request being handled has passed validation.
+    /// Accepts the request, which has passed validation.
     fn accept(&self, s: &mut State, component: usize) {
         let l = &self.layout;
         let number = l.handled(s, component) as usize;
@@ -116,8 +116,8 @@ impl Published<'_> {
         }
     }
 
-    /// The request being handled is accepted or refused; what it is waited for by that name is over
-    /// unless it occupies a slot.
+    /// Ends the message: the request is accepted or refused. Its trackers are reset, unless the request
+    /// occupies a slot.
     fn end_of_message(&self, s: &mut State, component: usize) {
         let l = &self.layout;
         let client = l.requester(s, component) as usize;
@@ -130,7 +130,7 @@ impl Published<'_> {
         self.finish_message(s, component);
     }
 
-    /// Reports ended activities, lets held ones run, and gets ready for the next message.
+    /// Reports ended activities, lets waiting ones run, and prepares for the next message.
     pub(super) fn finish_message(&self, s: &mut State, component: usize) {
         let l = &self.layout;
         l.set_requester(s, component, 0);

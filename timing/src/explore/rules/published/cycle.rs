@@ -1,5 +1,5 @@
-//! The cycle of a task: its start, its release, the turns of its automata, and what the end of a codel
-//! leads to.
+//! The cycle of a task: its start, its release, the turns of its automata, and the consequences of the end of
+//! a codel.
 
 use super::Published;
 use super::layout::{control, mode, slot};
@@ -7,8 +7,8 @@ use crate::explore::state::{State, TaskStatus, phase};
 use crate::system::{FOREVER, Policy, Yield};
 
 impl Published<'_> {
-    /// Starts tasks of a component from the one in `starting` on, up to one that has to run its
-    /// first codel (section 3).
+    /// Starts tasks of a component, from the one in `starting` up to one that has to run its first codel
+    /// (section 3).
     pub(super) fn start_tasks(&self, s: &mut State, component: usize) {
         let l = &self.layout;
         let tasks = &self.system.components[component].tasks;
@@ -46,7 +46,7 @@ impl Published<'_> {
         };
         let position = match (position, self.system.platform.policy) {
             (Some(position), _) => position,
-            // Any of them may be chosen: their order means nothing.
+            // Any of the tasks may be chosen, so their order is irrelevant.
             (None, Policy::Any) => l.queue(s).partition_point(|&it| (it as usize) < task),
             (None, _) => l.queue(s).len(),
         };
@@ -54,13 +54,13 @@ impl Published<'_> {
         l.set_slack(s, task, deadline);
     }
 
-    /// A task has its core (or needs none) and gives the first turn.
+    /// Gives the first turn, after a task has got its core (or needs none).
     pub(super) fn run(&self, s: &mut State, task: usize) {
         self.layout.set_status(s, task, TaskStatus::Running);
         self.give_turn(s, task, 0);
     }
 
-    /// The first position at or after `from` whose automaton has something to do.
+    /// Returns the first position at or after `from` whose automaton has work.
     pub(super) fn next_turn(&self, s: &State, task: usize, from: usize) -> Option<usize> {
         let l = &self.layout;
         let it = &self.system.tasks[task];
@@ -126,7 +126,7 @@ impl Published<'_> {
         }
     }
 
-    /// Enters a codel state: waits for locks if its codel excludes any other.
+    /// Enters a codel state: the automaton waits for locks if its codel excludes any other codel.
     fn enter(&self, s: &mut State, automaton: usize, state: usize) {
         let l = &self.layout;
         if let Some(base) = l.visits[automaton] {
@@ -159,8 +159,8 @@ impl Published<'_> {
 
         l.set_phase(s, a, phase::REST);
         match it {
-            // An aperiodic task has a core for all but its start-up codel (section 8): what follows
-            // is its first cycle.
+            // An aperiodic task has a core for all but its start-up codel (section 8): its first cycle
+            // follows.
             Yield::Next(state)
                 if first_codel && self.system.tasks[automaton.task].period.is_none() =>
             {
@@ -216,7 +216,7 @@ impl Published<'_> {
         self.layout.set_mode(s, a, slot::ETHER);
     }
 
-    /// Void, and ready to begin at `start`.
+    /// Resets a slot: void, and ready to begin at `start`.
     pub(super) fn reset_slot(&self, s: &mut State, a: usize) {
         let l = &self.layout;
         self.clear_visits(s, a);

@@ -1,4 +1,4 @@
-//! Where the published rules keep what in a state.
+//! The places of the published rules in a state.
 
 use std::ops::Deref;
 
@@ -10,7 +10,7 @@ pub(crate) mod mode {
     // 0: its task is not started.
     /// First codel of the start-up.
     pub(crate) const FIRST_CODEL: u16 = 1;
-    /// Still in its first run, past the first codel.
+    /// In its first run, past the first codel.
     pub(crate) const FIRST_RUN: u16 = 2;
     /// Runs with its task.
     pub(crate) const NORMAL: u16 = 3;
@@ -49,10 +49,10 @@ pub(crate) mod tracker {
 const PENDING: u16 = 4;
 const STARTED: u16 = 8;
 
-/// Where everything is in the arrays of a [`State`].
+/// The places in the arrays of a [`State`].
 #[derive(Debug, Clone)]
 pub(crate) struct Layout {
-    /// What is the same under all rules.
+    /// Places common to all rules.
     frame: Frame,
     pub(crate) tasks: usize,
     pub(crate) automata: usize,
@@ -88,7 +88,7 @@ impl Deref for Layout {
 }
 
 impl Layout {
-    /// The layout for a system, with these clocks.
+    /// Returns the layout for a system with these clocks.
     pub(crate) fn new(system: &TimedSystem, clocks: &Clocks) -> Layout {
         let mut places = Places::default();
         let task_base = places.discrete(2 * system.tasks.len());
@@ -139,8 +139,8 @@ impl Layout {
         }
     }
 
-    /// Where a state says what goes on in some parts of a system: numbers of the discrete part, then of the
-    /// times. What names other parts (queues, trackers, requests being handled) is not among them.
+    /// Returns the places of some parts of a system: indices in the discrete part, then in the times. Places
+    /// that refer to other parts (queues, trackers, requests under way) are not included.
     pub(crate) fn places(
         &self,
         tasks: &[usize],
@@ -204,11 +204,11 @@ macro_rules! fields {
 }
 
 fields! {
-    /// 0 between turns, else 1 + position: 0 the permanent activity, 1 + k slot k.
+    /// 0 between turns; else 1 + position: 0 for the permanent activity, 1 + k for slot k.
     turn set_turn (self, i) self.task_base + 2 * i + 1;
     /// See [`mode`] and [`slot`].
     mode set_mode (self, i) self.automaton_base + 2 * i;
-    /// Codel state where it is or resumes.
+    /// Codel state in which the automaton is or resumes.
     at set_at (self, i) self.automaton_base + 2 * i + 1;
     /// Position in the component's tasks of the task being started.
     starting set_starting (self, i) self.component_base + 6 * i;
@@ -216,15 +216,15 @@ fields! {
     control set_control (self, i) self.component_base + 6 * i + 1;
     /// Service being handled.
     handled set_handled (self, i) self.component_base + 6 * i + 2;
-    /// Its simple codel being executed.
+    /// Simple codel of the service being executed.
     simple set_simple (self, i) self.component_base + 6 * i + 3;
     /// Client whose request is handled.
     requester set_requester (self, i) self.component_base + 6 * i + 4;
     /// An end of activity is signalled.
     signal set_signal (self, i) self.component_base + 6 * i + 5;
-    /// Step a client is at.
+    /// Step of a client.
     position set_position (self, i) self.client_base[i];
-    /// Its last request is neither accepted nor refused yet.
+    /// The client's last request is neither accepted nor refused yet.
     outstanding set_outstanding (self, i) self.client_base[i] + 1;
 }
 
@@ -278,7 +278,7 @@ impl Layout {
         s.t[task] = value;
     }
 
-    /// Time to the deadline of a waiting task (EDF), at least 0.
+    /// Returns the time to the deadline of a waiting task (EDF), at least 0, in base units.
     #[inline]
     pub(crate) fn slack(&self, s: &State, task: usize) -> Ticks {
         self.slack_base.map_or(0, |base| s.t[base + task])
@@ -311,7 +311,7 @@ impl Layout {
         &s.d[base..base + self.trackers[client]]
     }
 
-    /// Gives other names to what waits for cores and for locks.
+    /// Renames the tasks and executors that wait for cores and for locks.
     pub(crate) fn rename_queues(
         &self,
         s: &mut State,
@@ -332,7 +332,7 @@ impl Layout {
         list_mut(s, self.queue_base).sort_unstable();
     }
 
-    /// Tasks waiting for a core, in the order in which they get one.
+    /// Returns the tasks that wait for a core, in the order in which they get one.
     #[inline]
     pub(crate) fn queue<'s>(&self, s: &'s State) -> &'s [u16] {
         list(s, self.queue_base)
@@ -346,7 +346,7 @@ impl Layout {
         list_remove(s, self.queue_base, position);
     }
 
-    /// Executors waiting for locks in order of arrival; empty with free locks.
+    /// Returns the executors that wait for locks in order of arrival; empty with free locks.
     pub(crate) fn lock_queue<'s>(&self, s: &'s State) -> &'s [u16] {
         self.lock_queue_base.map_or(&[], |base| list(s, base))
     }

@@ -1,4 +1,4 @@
-//! What an action does, as far as it is a matter neither of a task's cycle nor of the control task.
+//! The effects of actions, except those of a task's cycle and of the control task.
 
 use super::Published;
 use crate::explore::rules::Action;
@@ -41,7 +41,7 @@ impl Published<'_> {
                 self.finish_message(s, component);
             }
             Action::Request { client, next } => self.request(s, client, next),
-            // Never enabled: steps of other rules.
+            // Never enabled: actions of other rules.
             Action::Begin { .. }
             | Action::Preempt { .. }
             | Action::Ready { .. }
@@ -66,7 +66,7 @@ impl Published<'_> {
         }
     }
 
-    /// The codel an executor is at begins.
+    /// Begins the present codel of an executor.
     pub(super) fn execute(&self, s: &mut State, executor: usize) {
         let l = &self.layout;
         let codel = self.codel(s, executor).expect("only codels are executed");

@@ -1,5 +1,5 @@
-//! What is possible in a state: clients that go on, tasks that ask for a core, grants, and the rest, in this
-//! order.
+//! The possible actions in a state: clients that proceed, tasks that ask for a core, grants, and the rest, in
+//! this order.
 
 use super::Published;
 use super::layout::{control, tracker};
@@ -47,7 +47,7 @@ impl Published<'_> {
                 let satisfied = match &step.action {
                     ClientAction::AwaitAccepted => l.outstanding(s, k) == 0,
                     &ClientAction::AwaitEnded(t) => l.tracker(s, k, t) == tracker::NONE,
-                    // (How something ended is not known here: such scenarios are refused.)
+                    // (These rules do not record the outcome of requests: such scenarios are refused.)
                     ClientAction::Send { .. }
                     | ClientAction::Delay(..)
                     | ClientAction::AwaitAny
@@ -62,7 +62,7 @@ impl Published<'_> {
         }
     }
 
-    /// Whether a task is to be released now (section 4, with the rule for idle ticks).
+    /// Returns true if a task is released now (section 4, with the rule for idle ticks).
     fn asks_for_core(&self, s: &State, task: usize) -> bool {
         let l = &self.layout;
         if l.status(s, task) != TaskStatus::Idle {
@@ -85,7 +85,7 @@ impl Published<'_> {
             Policy::Fifo | Policy::Edf => out.push(Action::Grant {
                 task: queue[0] as usize,
             }),
-            // Preemptive policies are those of the servers alone.
+            // Only the servers have preemptive policies.
             Policy::Any | Policy::Priority | Policy::Fair => {
                 out.extend(queue.iter().map(|&task| Action::Grant {
                     task: task as usize,
@@ -163,7 +163,7 @@ impl Published<'_> {
         out.urgent = urgent;
     }
 
-    /// The ways in which an executing codel may end.
+    /// Adds the possible ends of an executing codel.
     fn outcomes(&self, s: &State, executor: usize, out: &mut Vec<Action>) {
         let l = &self.layout;
         let mut push = |outcome| out.push(Action::Finish { executor, outcome });
@@ -209,7 +209,7 @@ impl Published<'_> {
         }
     }
 
-    /// Whether a codel that waits for its locks can take them.
+    /// Returns true if a codel that waits for its locks can take them.
     pub(crate) fn can_acquire(&self, s: &State, executor: usize) -> bool {
         let Some(codel) = self.codel(s, executor) else {
             return false;

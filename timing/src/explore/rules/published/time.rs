@@ -1,13 +1,13 @@
-//! How time passes.
+//! The passage of time.
 
 use super::Published;
 use crate::explore::state::{State, TaskStatus};
 use crate::system::{FOREVER, Ticks};
 
 impl Published<'_> {
-    /// How long nothing needs to be looked at after a state without urgent actions: until the next
-    /// moment at which something may happen, or, for executors whose end `can_wait`, has to. `None`:
-    /// forever.
+    /// Returns the time after a state without urgent actions for which no state needs to be examined, in base
+    /// units: until the next moment at which an action may become possible or, for executors whose end
+    /// `can_wait`, must happen. `None`: for ever.
     pub(super) fn until_next(&self, s: &State, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks> {
         let l = &self.layout;
         let mut least = FOREVER;

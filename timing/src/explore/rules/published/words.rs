@@ -1,4 +1,4 @@
-//! Steps under the published rules, for readers.
+//! Descriptions of actions under the published rules.
 
 use super::Published;
 use super::layout::control;
@@ -9,7 +9,7 @@ use crate::explore::state::{State, TaskStatus, phase};
 use crate::system::{ClientAction, Yield};
 
 impl Published<'_> {
-    /// What an action did; without one, what goes on at the beginning.
+    /// Describes the effects of an action; without an action, those of the initial state.
     pub(super) fn in_words(
         &self,
         before: &State,
@@ -155,7 +155,7 @@ impl Published<'_> {
                 }
             }
             Action::Proceed { .. } | Action::Acquire { .. } => {}
-            // Steps of other rules.
+            // Actions of other rules.
             Action::Begin { .. }
             | Action::Preempt { .. }
             | Action::Ready { .. }
@@ -167,7 +167,7 @@ impl Published<'_> {
         }
     }
 
-    /// A codel begins, or begins to wait.
+    /// Describes a codel that begins, or begins to wait.
     fn executor_in_words(
         &self,
         (before, after): (&State, &State),
@@ -191,7 +191,7 @@ impl Published<'_> {
             return;
         };
         let path = &system.codels[codel].path;
-        // Locks that were free for a moment, and were taken by somebody else.
+        // Locks that were free for a moment, and were taken by another executor.
         let faster = match action {
             Some(Action::Acquire { executor: it }) if it != executor => self.blocker(after, it),
             _ => None,
@@ -211,7 +211,7 @@ impl Published<'_> {
         } else if now == phase::EXECUTING {
             (MomentKind::Begin, format!("{path} begins"), About::Nothing)
         } else {
-            // Free locks are taken in a step of their own at the same moment: not worth a line.
+            // Free locks are taken in a step of their own at the same moment, which needs no line.
             let holders: Vec<Blocker> = (0..l.automata + l.components)
                 .filter(|&e| self.layout.phase(after, e) & !phase::ASYNC == phase::EXECUTING)
                 .filter_map(|e| self.blocker(after, e))
@@ -242,7 +242,7 @@ impl Published<'_> {
         });
     }
 
-    /// What an executor executes, as what keeps somebody waiting.
+    /// Returns the work of an executor, as a codel that keeps others waiting.
     fn blocker(&self, s: &State, executor: usize) -> Option<Blocker> {
         let automata = self.layout.automata;
         Some(Blocker {

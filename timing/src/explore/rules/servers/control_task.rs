@@ -1,4 +1,4 @@
-//! The control task: requests, and what becomes of activities.
+//! The control task: requests, and the interruption, release and end of activities.
 
 use super::Servers;
 use super::layout::{control, slot, tracker};
@@ -6,7 +6,7 @@ use crate::explore::state::{State, phase};
 use crate::system::ClientAction;
 
 impl Servers<'_> {
-    /// The control task takes a request: a slot for an activity, then `after` and `before`.
+    /// Takes a request: assigns a slot to an activity, then checks `after` and `before`.
     pub(super) fn request(&self, s: &mut State, client: usize, next: usize) {
         let l = &self.layout;
         let at = l.position(s, client) as usize;
@@ -34,7 +34,7 @@ impl Servers<'_> {
             let task = self.system.automata[automaton].task;
             let free = l.slots(task).find(|&it| l.status(s, it) == slot::VOID);
             let Some(free) = free else {
-                // Rejected: nothing is validated, and nothing is woken.
+                // Rejected: nothing is validated, and no task is woken.
                 self.rejected[service].set(true);
                 l.set_refused(s, component, 1);
                 l.set_control(s, component, control::REST);
@@ -59,7 +59,7 @@ impl Servers<'_> {
         self.codels_done(s, component);
     }
 
-    /// Goes on to the control codel with the present number, if there is one.
+    /// Proceeds to the control codel with the present number, if there is one.
     fn next_codel(&self, s: &mut State, component: usize) {
         let l = &self.layout;
         let service = &self.system.services[l.handled(s, component) as usize];
@@ -71,7 +71,7 @@ impl Servers<'_> {
         }
     }
 
-    /// A control codel has ended, by an exception (or a refusal) if the outcome is 1.
+    /// Ends a control codel: by an exception (or a refusal) if the outcome is 1.
     pub(super) fn finish_control(&self, s: &mut State, component: usize, outcome: usize) {
         let l = &self.layout;
         if outcome == 1 {
@@ -89,7 +89,7 @@ impl Servers<'_> {
         self.next_codel(s, component);
     }
 
-    /// After the last control codel all tasks are made runnable, also for a refused request.
+    /// Makes all tasks runnable after the last control codel, also for a refused request.
     fn codels_done(&self, s: &mut State, component: usize) {
         for &task in &self.system.components[component].tasks {
             self.make_runnable(s, task);
@@ -98,8 +98,8 @@ impl Servers<'_> {
         self.layout.set_control(s, component, control::REST);
     }
 
-    /// The rest of the handling: a function interrupts and has succeeded; the reply; then all activities are
-    /// looked at.
+    /// Performs the rest of the handling: a function interrupts and succeeds; the control task replies; then
+    /// it examines all activities.
     pub(super) fn reply(&self, s: &mut State, component: usize) {
         let l = &self.layout;
         let service = l.handled(s, component) as usize;
@@ -147,7 +147,8 @@ impl Servers<'_> {
         }
     }
 
-    /// Marks all other instances of the services that a service interrupts; whether some of them still run.
+    /// Marks all other instances of the services that a service interrupts. Returns true if some of them
+    /// still run.
     fn interrupt(&self, s: &mut State, service: usize, itself: usize) -> bool {
         let l = &self.layout;
         let it = &self.system.services[service];
@@ -167,7 +168,7 @@ impl Servers<'_> {
         delay
     }
 
-    /// Marks an instance of a task as interrupted; whether it still runs.
+    /// Marks an instance of a task as interrupted. Returns true if the instance still runs.
     pub(super) fn mark(&self, s: &mut State, task: usize, it: usize) -> bool {
         let l = &self.layout;
         let mode = l.mode(s, it);
@@ -214,7 +215,7 @@ impl Servers<'_> {
         }
     }
 
-    /// Notes services that interrupt themselves of which two instances wait, both interrupted: both end.
+    /// Records services that interrupt themselves, if two interrupted instances wait: both end.
     fn note_restarts(&self, s: &State, task: usize) {
         let l = &self.layout;
         let waits_marked = |it: usize| {
@@ -235,7 +236,7 @@ impl Servers<'_> {
         }
     }
 
-    /// Frees a slot; whoever awaits its end goes on.
+    /// Frees a slot, and ends all waits for its activity.
     fn make_void(&self, s: &mut State, it: usize) {
         let l = &self.layout;
         self.clear_visits(s, it);

@@ -1,25 +1,26 @@
-//! Cores as an operating system gives them (section 22): preemptive policies.
+//! Cores granted by an operating system (section 22): preemptive policies.
 //!
-//! A thread is *ready* if it can do something: it is neither idle nor waits in the lock queue for somebody
-//! else. The ready threads are listed in the state, in the order in which they became ready; those that do
-//! not fit on the cores neither act nor execute, and what remains of their codels stays. A codel that has
-//! come to its end ends, whoever comes at that moment.
+//! A thread is *ready* if it can act: it is neither idle nor waits in the lock queue for another thread. The
+//! state lists the ready threads, in the order in which they became ready. Ready threads beyond the number of
+//! cores neither act nor execute, and the rest of their codels remains. A codel at its end does end, whatever
+//! thread becomes ready at that moment.
 //!
 //! * `priority`: at each moment the ready threads of highest priority have the cores; ties in order of the
 //!   list. A control task has the highest priority of its component.
-//! * `fair`: any of them, as long as no core idles. The list begins with those that have a core; a swap with
-//!   another one is an action, which is possible at any moment. ([`Action::Preempt`])
+//! * `fair`: any ready threads have the cores, as long as no core idles. The list begins with the threads
+//!   that have a core. A swap with another thread is an action ([`Action::Preempt`]), which is possible at
+//!   any moment.
 
 use super::layout::{control, flag, thread};
 use super::{Action, Enabled, Servers};
 use crate::explore::state::{State, phase};
 use crate::system::{ClientAction, Policy};
 
-/// Executors as bits.
+/// A set of executors, as bits.
 pub(super) type Threads = u128;
 
 impl Servers<'_> {
-    /// Whether cores are given and taken away by an operating system.
+    /// Returns true if an operating system grants cores and preempts threads.
     pub(crate) fn preempts(&self) -> bool {
         self.system.preempts()
     }
@@ -28,7 +29,7 @@ impl Servers<'_> {
         executor >= self.layout.tasks || self.system.needs_core(executor)
     }
 
-    /// Whether a thread can do something, given a core.
+    /// Returns true if a thread can act, given a core.
     fn is_ready(&self, s: &State, executor: usize) -> bool {
         let l = &self.layout;
         if executor < l.tasks {
@@ -51,7 +52,7 @@ impl Servers<'_> {
         }
     }
 
-    /// Whether a client has a request for a component that is not taken.
+    /// Returns true if a client has a request for a component that is not taken yet.
     fn asks(&self, s: &State, client: usize, component: usize) -> bool {
         let l = &self.layout;
         let steps = &self.system.clients[client].steps;
@@ -63,7 +64,7 @@ impl Servers<'_> {
             })
     }
 
-    /// The threads that have a core, or need none. All, unless the policy preempts.
+    /// Returns the threads that have a core, or need none: all threads, unless the policy preempts.
     pub(super) fn running(&self, s: &State) -> Threads {
         if !self.preempts() {
             return Threads::MAX;
@@ -83,8 +84,8 @@ impl Servers<'_> {
         out
     }
 
-    /// Whether a task has a tick to serve, but no core to begin its cycle on. (Under the other policies tasks
-    /// ask for a core as they clear their flag.)
+    /// Returns true if a task has a tick to serve, but no core to begin its cycle on. (Under the other
+    /// policies tasks ask for a core as they clear their flag.)
     pub(super) fn waits_to_begin(&self, s: &State, task: usize) -> bool {
         let l = &self.layout;
         self.preempts()
@@ -93,7 +94,7 @@ impl Servers<'_> {
             && self.running(s) >> task & 1 == 0
     }
 
-    /// The first of a list that fit on the cores.
+    /// Returns the first threads of a list that fit on the cores.
     fn chosen(&self, order: &[usize]) -> Vec<usize> {
         let cores = self.system.platform.cores.unwrap_or(u32::MAX) as usize;
         let core = |it: usize| (self.system.tasks.get(it)).and_then(|task| task.affinity);
@@ -108,7 +109,8 @@ impl Servers<'_> {
         chosen
     }
 
-    /// After a step: who is ready no more leaves the list, who has become ready is added.
+    /// Updates the list after a step: threads that are no longer ready leave, threads that have become ready
+    /// are added.
     pub(super) fn list_ready(&self, s: &mut State) {
         if !self.preempts() {
             return;
@@ -134,7 +136,8 @@ impl Servers<'_> {
         self.normalize(s);
     }
 
-    /// Whether the order in which some threads have become ready at the same moment matters for one of them.
+    /// Returns true if the order in which some threads became ready at the same moment matters for one of
+    /// them.
     fn has_rival(&self, new: &[usize], executor: usize) -> bool {
         let own = self.priorities[executor];
         let mut others = new.iter().filter(|&&it| it != executor);
@@ -142,7 +145,7 @@ impl Servers<'_> {
             && others.any(|&it| self.priorities[it] == own)
     }
 
-    /// Threads that have become ready at the same moment, of which any may be the next.
+    /// Adds the actions that select the next one of the threads that became ready at the same moment.
     pub(super) fn becomes_ready(&self, s: &State, out: &mut Enabled) {
         let l = &self.layout;
         for executor in 0..l.tasks + l.components {
@@ -153,7 +156,7 @@ impl Servers<'_> {
         }
     }
 
-    /// Puts the list in an order that depends on nothing that does not matter.
+    /// Puts the list in a normal form: only orders that matter remain.
     fn normalize(&self, s: &mut State) {
         let l = &self.layout;
         let mut order: Vec<usize> = (l.core_queue(s).iter()).map(|&it| it as usize).collect();
@@ -161,14 +164,14 @@ impl Servers<'_> {
             let chosen = self.chosen(&order);
             order.sort_by_key(|&it| (!chosen.contains(&it), it));
         } else {
-            // Between different priorities the order means nothing.
+            // Between different priorities the order is irrelevant.
             order.sort_by_key(|&it| self.priorities[it]);
         }
         order.iter().for_each(|&it| l.core_queue_remove(s, it));
         order.iter().for_each(|&it| l.core_queue_push(s, it, false));
     }
 
-    /// The swaps that the policy `fair` allows.
+    /// Adds the swaps that the policy `fair` allows.
     pub(super) fn swaps(&self, s: &State, running: Threads, out: &mut Enabled) {
         if !self.preempts() || self.system.platform.policy != Policy::Fair {
             return;
@@ -185,7 +188,7 @@ impl Servers<'_> {
         }
     }
 
-    /// One thread takes the core of another.
+    /// Gives the core of one thread to another.
     pub(super) fn preempt(&self, s: &mut State, executor: usize, by: usize) {
         let l = &self.layout;
         let order: Vec<usize> = (l.core_queue(s).iter())
@@ -202,14 +205,14 @@ impl Servers<'_> {
         self.normalize(s);
     }
 
-    /// Whether a thread that is ready has no core: then everything may change at any moment with `fair`.
+    /// Returns true if a ready thread has no core: then a swap is possible at any moment with `fair`.
     pub(super) fn may_swap(&self, s: &State, running: Threads) -> bool {
         self.system.platform.policy == Policy::Fair
             && self.preempts()
             && (self.layout.core_queue(s).iter()).any(|&it| running >> it & 1 == 0)
     }
 
-    /// Whether an executor gets on with its codel.
+    /// Returns true if an executor makes progress with its codel.
     pub(super) fn executes_on(&self, s: &State, running: Threads, executor: usize) -> bool {
         let client = executor >= self.layout.tasks + self.layout.components;
         self.layout.phase(s, executor) == phase::EXECUTING

@@ -1,4 +1,4 @@
-//! Where everything is in a [`State`] of the servers.
+//! The places of the servers in a [`State`].
 
 use std::ops::Deref;
 
@@ -6,7 +6,7 @@ use crate::explore::state::{Clocks, Frame, Places, State};
 use crate::scn::semantics::{LockRule, Semantics};
 use crate::system::{Builtin, Client, ClientAction, Policy, Ticks, TimedSystem};
 
-/// Where the thread of a task is.
+/// The position of a task's thread.
 pub(super) mod thread {
     /// Not started.
     pub(in super::super) const OFF: u16 = 0;
@@ -30,15 +30,15 @@ pub(super) mod thread {
 pub(super) mod flag {
     /// A tick has come since the last cycle began.
     pub(in super::super) const TICK: u16 = 1;
-    /// Paused automata are to be resumed (aperiodic tasks).
+    /// Paused automata must be resumed (aperiodic tasks).
     pub(in super::super) const RUNNABLE: u16 = 2;
-    /// The other tasks are to be woken before anything else.
+    /// The other tasks must be woken before any other action.
     pub(in super::super) const WAKE: u16 = 4;
     /// The first cycle is not over.
     pub(in super::super) const FIRST: u16 = 8;
-    /// In this pass some automaton goes on without a pause.
+    /// In this pass some automaton continues without a pause.
     pub(in super::super) const GOES_ON: u16 = 16;
-    /// In this pass an activity has ended, and is to be signalled.
+    /// In this pass an activity has ended, and must be signalled.
     pub(in super::super) const ENDED: u16 = 32;
     /// In this pass there was an event.
     pub(in super::super) const EVENT: u16 = 64;
@@ -47,7 +47,7 @@ pub(super) mod flag {
     pub(in super::super) const LATE: u16 = 128;
     /// The task holds a core: from the grant until its thread has made the wake-ups after its last pass.
     pub(in super::super) const CORE: u16 = 256;
-    /// What a pass leaves behind.
+    /// Flags of a pass.
     pub(in super::super) const OF_PASS: u16 = GOES_ON | ENDED | EVENT;
 }
 
@@ -60,7 +60,7 @@ pub(super) mod slot {
     pub(in super::super) const STOP: u16 = 3;
     /// Ended, not reported.
     pub(in super::super) const ETHER: u16 = 4;
-    /// The status.
+    /// Mask of the status.
     pub(in super::super) const STATUS: u16 = 7;
     /// Released: it may begin.
     pub(in super::super) const START: u16 = 8;
@@ -82,7 +82,7 @@ pub(super) mod control {
     pub(in super::super) const TICKET: u16 = 2;
     pub(in super::super) const QUEUED: u16 = 3;
     pub(in super::super) const EXECUTING: u16 = 4;
-    /// Codels are done: before it replies and looks at all activities.
+    /// Codels are done: before the reply and the examination of all activities.
     pub(in super::super) const REST: u16 = 5;
 }
 
@@ -91,7 +91,7 @@ pub(super) mod tracker {
     pub(in super::super) const NONE: u16 = 0;
     /// Sent, not accepted yet.
     pub(in super::super) const HANDLED: u16 = 1;
-    /// It is over, without success; only where somebody asks.
+    /// The request has ended without success; only if a client depends on the outcome.
     pub(in super::super) const FAILED: u16 = 2;
     pub(in super::super) const SLOT: u16 = 3;
 }
@@ -102,7 +102,7 @@ const OF_SLOT: usize = 3;
 /// Numbers per component.
 const OF_COMPONENT: usize = 8;
 
-/// The places. What all rules have in common is in the [`Frame`].
+/// The places in a state. The [`Frame`] has those common to all rules.
 #[derive(Debug, Clone)]
 pub(super) struct Layout {
     frame: Frame,
@@ -110,27 +110,28 @@ pub(super) struct Layout {
     pub(super) components: usize,
     /// Per task three: thread, flags, slot of its pass.
     task_base: usize,
-    /// First of the slots of each task, among all; then their number.
+    /// First slot of each task, among all; then the number of slots.
     pub(super) first_slot: Vec<usize>,
     slot_base: usize,
-    /// Of each slot, how often states were entered; the first place, and how many.
+    /// For each slot, the first place and number of its counters of entered states.
     pub(super) visits: Vec<(usize, usize)>,
     component_base: usize,
     client_base: Vec<usize>,
     core_queue: Option<usize>,
     /// Length, then executors, of each component.
     lock_queue: Vec<Option<usize>>,
-    /// Where the shutdown of each component is that a client may kill; 0: it was not killed.
+    /// Place of the shutdown stage of each component that a client may kill; 0: not killed.
     pub(super) shutdown: Vec<Option<usize>>,
-    /// By client, whether it matters by which step a request was sent.
+    /// Clients for which the step that sent a request matters.
     pub(super) follows: Vec<bool>,
-    /// By client and tracker, whether it matters how a request has ended.
+    /// By client and tracker, whether the outcome of a request matters.
     pub(super) outcomes: Vec<Vec<bool>>,
-    /// Whether a service has succeeded, where it matters.
+    /// Place of the success of each service, if it matters.
     pub(super) success: Vec<Option<usize>>,
-    /// Time since the tick of a waiting task, then since the tick kept, for each; with EDF.
+    /// Places of the time since the tick of a waiting task, then since its kept tick, for each task; with
+    /// EDF.
     pub(super) ages: Option<usize>,
-    /// Clock of the time since a tick that is kept in a cycle.
+    /// Clock of the time since a tick that is kept during a cycle.
     kept: Vec<Option<usize>>,
 }
 
@@ -231,7 +232,7 @@ impl Layout {
         }
     }
 
-    /// Numbers of the slots of a task, among all.
+    /// Returns the numbers of the slots of a task, among all.
     pub(super) fn slots(&self, task: usize) -> std::ops::Range<usize> {
         self.first_slot[task]..self.first_slot[task + 1]
     }
@@ -260,12 +261,12 @@ impl Layout {
         s.t[task] = value;
     }
 
-    /// The clock of a tick kept, if the task is measured.
+    /// Returns the clock of a kept tick, if the task is measured.
     pub(super) fn kept(&self, task: usize) -> Option<usize> {
         self.kept.get(task).copied().flatten()
     }
 
-    /// Whether a task has a flag.
+    /// Returns true if a task has a flag.
     pub(super) fn has(&self, s: &State, task: usize, flag: u16) -> bool {
         self.flags(s, task) & flag != 0
     }
@@ -280,12 +281,12 @@ impl Layout {
         self.set_flags(s, task, flags & !flag);
     }
 
-    /// The status of a slot.
+    /// Returns the status of a slot.
     pub(super) fn status(&self, s: &State, slot: usize) -> u16 {
         self.mode(s, slot) & slot::STATUS
     }
 
-    /// Tasks that wait for a core, in order.
+    /// Returns the tasks that wait for a core, in order.
     pub(super) fn core_queue<'s>(&self, s: &'s State) -> &'s [u16] {
         self.core_queue.map_or(&[], |base| list(s, base))
     }
@@ -303,7 +304,7 @@ impl Layout {
         }
     }
 
-    /// Executors that wait for their turn in a component, in order.
+    /// Returns the executors that wait in the lock queue of a component, in order.
     pub(super) fn lock_queue<'s>(&self, s: &'s State, component: usize) -> &'s [u16] {
         self.lock_queue[component].map_or(&[], |base| list(s, base))
     }
@@ -321,7 +322,7 @@ impl Layout {
     }
 }
 
-/// Whether some instances that a client has requested can be aborted by it.
+/// Returns true if a client can abort instances that it has requested.
 fn follows(client: &Client) -> bool {
     client.steps.iter().any(|it| match &it.action {
         ClientAction::Send {
@@ -331,8 +332,8 @@ fn follows(client: &Client) -> bool {
     })
 }
 
-/// How many activities a task can have at the same time: as many as it has places, and no more than are
-/// requested.
+/// Returns the greatest number of activities of a task at the same time: at most its places, and at most the
+/// requests.
 fn most_slots(system: &TimedSystem, task: usize) -> usize {
     let places = system.tasks[task].places as usize;
     let of_task = |service: usize| {
@@ -398,11 +399,11 @@ macro_rules! fields {
 }
 
 fields! {
-    /// Where a task is, see [`thread`].
+    /// Position of the thread, see [`thread`].
     thread_of set_thread (self, task) self.task_base + 3 * task;
     /// See [`flag`].
     flags set_flags (self, task) self.task_base + 3 * task + 1;
-    /// The slot whose codel is executed, among all; only while there is one.
+    /// Slot whose codel is executed, among all slots; only while there is one.
     turn set_turn (self, task) self.task_base + 3 * task + 2;
     /// See [`slot`].
     mode set_mode (self, slot) self.slot_base + OF_SLOT * slot;
@@ -410,7 +411,7 @@ fields! {
     automaton set_automaton (self, slot) self.slot_base + OF_SLOT * slot + 1;
     /// State of its machine; the number of states for the default `stop`.
     at set_at (self, slot) self.slot_base + OF_SLOT * slot + 2;
-    /// Number of the task being started, among those of the component.
+    /// Number of the task being started, among the tasks of the component.
     starting set_starting (self, component) self.component_base + OF_COMPONENT * component;
     /// See [`control`].
     control set_control (self, component) self.component_base + OF_COMPONENT * component + 1;
@@ -418,9 +419,9 @@ fields! {
     handled set_handled (self, component) self.component_base + OF_COMPONENT * component + 2;
     /// Number of its control codel.
     codel_number set_codel_number (self, component) self.component_base + OF_COMPONENT * component + 3;
-    /// Client that sent it, plus one.
+    /// Client that sent the request, plus one.
     sender set_sender (self, component) self.component_base + OF_COMPONENT * component + 4;
-    /// Slot that it was given, plus one.
+    /// Slot of the request, plus one.
     given set_given (self, component) self.component_base + OF_COMPONENT * component + 5;
     /// The request is refused.
     refused set_refused (self, component) self.component_base + OF_COMPONENT * component + 6;
@@ -428,7 +429,7 @@ fields! {
     signal set_signal (self, component) self.component_base + OF_COMPONENT * component + 7;
     /// Step of a client; one past the end: before the first.
     position set_position (self, client) self.client_base[client];
-    /// Whether a client has a request that was not answered: 0, or, where it matters by which step it was
-    /// sent, the number of the step plus one.
+    /// Request of the client without an answer: 0 for none. If the sending step matters, the number of the
+    /// step plus one.
     outstanding set_outstanding (self, client) self.client_base[client] + 1;
 }

@@ -1,4 +1,4 @@
-//! Passes: in each, every automaton that runs and is not paused executes one codel, in the order of the
+//! Passes: in each pass, every automaton that runs and is not paused executes one codel, in the order of the
 //! slots.
 
 use super::Servers;
@@ -8,8 +8,8 @@ use crate::scn::semantics::{PauseRule, TurnRule};
 use crate::system::{Machine, Yield};
 
 impl Servers<'_> {
-    /// Begins a pass, up to its first codel. `first`: of its cycle. Only that of a periodic task begins
-    /// activities and resumes paused automata.
+    /// Begins a pass, up to its first codel. `first`: the first pass of a cycle. Only the first pass of a
+    /// periodic task begins activities and resumes paused automata.
     pub(super) fn begin_pass(&self, s: &mut State, task: usize, first: bool) {
         let l = &self.layout;
         let runnable = match self.is_periodic(task) {
@@ -24,7 +24,7 @@ impl Servers<'_> {
         self.go_on(s, task, l.slots(task).start);
     }
 
-    /// What happened to an activity since the last pass: it was released, interrupted, or is to be resumed.
+    /// Updates an activity that was released, interrupted or resumed since the last pass.
     fn notice(&self, s: &mut State, task: usize, it: usize, runnable: bool) {
         let l = &self.layout;
         let mode = l.mode(s, it);
@@ -41,7 +41,8 @@ impl Servers<'_> {
         match mode & slot::STATUS {
             slot::INIT if marked && flags & slot::PERMANENT != 0 => to_stop(s),
             slot::INIT if marked => {
-                // Ends with the exception "interrupted": no codel is executed, and it is no event.
+                // The activity ends with the exception "interrupted": no codel is executed, and there is no
+                // event.
                 self.clear_visits(s, it);
                 l.set_at(s, it, 0);
                 l.set_mode(s, it, slot::ETHER);
@@ -62,7 +63,7 @@ impl Servers<'_> {
         }
     }
 
-    /// Goes on with the first automaton of a pass from a slot on; ends the pass if there is none.
+    /// Proceeds to the first automaton of a pass from a slot on; ends the pass if there is none.
     fn go_on(&self, s: &mut State, task: usize, from: usize) {
         let l = &self.layout;
         for it in from..l.slots(task).end {
@@ -93,7 +94,7 @@ impl Servers<'_> {
         l.raise(s, task, flag::ENDED | flag::EVENT);
     }
 
-    /// A codel has ended: its automaton moves on, and the pass with it.
+    /// Ends a codel: its automaton moves on, and the pass with it.
     pub(super) fn finish_codel(&self, s: &mut State, task: usize, outcome: usize) {
         let l = &self.layout;
         let it = l.turn(s, task) as usize;
@@ -122,7 +123,7 @@ impl Servers<'_> {
         self.go_on(s, task, it + 1);
     }
 
-    /// The end of a pass: the flag of the task itself, and the signal to the control task.
+    /// Ends a pass: sets the flag of the task itself, and signals the control task.
     fn end_pass(&self, s: &mut State, task: usize) {
         let l = &self.layout;
         let component = self.system.tasks[task].component;
@@ -154,7 +155,7 @@ impl Servers<'_> {
         let tasks = &self.system.components[component].tasks;
         let first = l.mode(s, l.slots(task).start);
         let begun = first & slot::STATUS != slot::INIT || first & slot::PERMANENT == 0;
-        // Nobody handles the end of a permanent activity that fails in its first pass: its component never
+        // The end of a permanent activity that fails in its first pass is never handled: its component never
         // starts.
         let ended = slot::ETHER | slot::PERMANENT;
         let failed = first & (slot::STATUS | slot::PERMANENT | slot::SUCCESS) == ended;
@@ -170,7 +171,7 @@ impl Servers<'_> {
         l.lower(s, task, flag::FIRST);
         self.free_core(s, task);
         if let (Some(clock), Some(kept)) = (l.response[task], l.kept(task)) {
-            // A tick kept begins the next job; one kept from the first cycle counts from now.
+            // A kept tick begins the next job; a tick kept from the first cycle counts from now.
             s.t[clock] = if first { 0 } else { s.t[kept] };
             s.t[kept] = 0;
         }
@@ -183,7 +184,7 @@ impl Servers<'_> {
             .machine(s, it)
             .is_some_and(|it| it.loop_limit.is_some());
         let at = self.layout.at(s, it) as usize;
-        // How often it was entered means nothing where it is never entered from another state.
+        // The number of entries is irrelevant if the state is never entered from another state.
         let entered = |it: &Machine| {
             let mut yields = it.states.iter().flat_map(|it| &it.yields);
             yields.any(|it| *it == Yield::Next(at))

@@ -1,4 +1,4 @@
-//! What an action does, as far as it is a matter neither of passes nor of the control task.
+//! The effects of actions, except those of passes and of the control task.
 
 use super::layout::{control, flag, thread};
 use super::{Action, Servers};
@@ -61,7 +61,7 @@ impl Servers<'_> {
         }
     }
 
-    /// The clock raises the flag of a task, whatever the task does; several ticks while busy are one.
+    /// Raises the flag of a task at a tick of the clock. Several ticks while the task is busy count as one.
     fn tick(&self, s: &mut State, task: usize) {
         let l = &self.layout;
         l.set_timer(s, task, self.system.tasks[task].period.unwrap_or(0));
@@ -71,31 +71,32 @@ impl Servers<'_> {
         l.raise(s, task, flag::TICK);
     }
 
-    /// A task clears its flag.
+    /// Clears the flag of a task.
     fn take_flag(&self, s: &mut State, task: usize) {
         let l = &self.layout;
         if self.is_periodic(task) {
             l.lower(s, task, flag::TICK | flag::LATE);
         }
         if let Some(base) = l.ages {
-            // The tick that was kept is the one of this cycle.
+            // The kept tick is the tick of this cycle.
             let kept = base + l.tasks + task;
             s.t[base + task] = s.t[kept];
             s.t[kept] = 0;
         }
     }
 
-    /// A task clears its flag and asks for a core. (An aperiodic one is still runnable when it gets it.)
+    /// Releases a task: it clears its flag and asks for a core. (An aperiodic task is still runnable when it
+    /// gets the core.)
     fn release(&self, s: &mut State, task: usize) {
         let l = &self.layout;
         self.take_flag(s, task);
         l.set_thread(s, task, thread::WAITING);
-        // In which order tasks wait means nothing where any of them may be next.
+        // The order of waiting tasks is irrelevant if any of them may be next.
         let sorted = self.system.platform.policy == crate::system::Policy::Any;
         l.core_queue_push(s, task, sorted);
     }
 
-    /// A thread that has nothing left to do in its cycle frees its core: no pass, and no wake-up.
+    /// Frees the core of a thread that has neither a pass nor a wake-up left in its cycle.
     pub(super) fn free_core(&self, s: &mut State, task: usize) {
         let l = &self.layout;
         if l.thread_of(s, task) == thread::IDLE && !l.has(s, task, flag::WAKE) {
@@ -103,8 +104,8 @@ impl Servers<'_> {
         }
     }
 
-    /// Paused automata of an aperiodic task are to be resumed. (To those of a periodic one only ticks do
-    /// that.)
+    /// Makes the paused automata of an aperiodic task runnable. (Those of a periodic task are resumed by
+    /// ticks only.)
     pub(super) fn make_runnable(&self, s: &mut State, task: usize) {
         if !self.is_periodic(task) {
             self.layout.raise(s, task, flag::RUNNABLE);
@@ -125,7 +126,7 @@ impl Servers<'_> {
         l.lock_queue_push(s, component, executor);
     }
 
-    /// An executor leaves the queue and executes its codel.
+    /// Lets an executor leave the queue and execute its codel.
     fn execute(&self, s: &mut State, executor: usize) {
         let l = &self.layout;
         let (Some(component), Some(codel)) = (self.component_of(executor), self.codel(s, executor))

@@ -1,4 +1,4 @@
-//! What is possible in a state.
+//! The possible actions in a state.
 
 use super::layout::{control, flag, slot, thread, tracker};
 use super::{Action, Enabled, Servers};
@@ -46,7 +46,7 @@ impl Servers<'_> {
         }
     }
 
-    /// Leaves out what threads without a core cannot do.
+    /// Removes the actions of threads without a core.
     fn without_core(&self, s: &State, out: &mut Enabled) {
         let l = &self.layout;
         let running = self.running(s);
@@ -95,7 +95,7 @@ impl Servers<'_> {
                     }
                     ClientAction::AwaitOutcome(t, success) => self.has_outcome(s, k, t, success),
                     ClientAction::AwaitAny => {
-                        // It goes on to what has nothing to wait for.
+                        // The client proceeds to a step that has nothing to wait for.
                         let steps = &client.steps;
                         let over = |next: &&usize| match steps.get(**next).map(|it| &it.action) {
                             Some(&ClientAction::AwaitOutcome(t, success)) => {
@@ -120,7 +120,7 @@ impl Servers<'_> {
         }
     }
 
-    /// Whether a request that is followed has ended in this way.
+    /// Returns true if a tracked request has ended with this outcome.
     fn has_outcome(&self, s: &State, client: usize, tracker: usize, success: bool) -> bool {
         let wanted = match success {
             true => tracker::NONE,
@@ -129,7 +129,7 @@ impl Servers<'_> {
         self.layout.tracker(s, client, tracker) == wanted
     }
 
-    /// Whether the thread of a task goes on by beginning a cycle.
+    /// Returns true if the next action of a task's thread is to begin a cycle.
     pub(super) fn begins(&self, s: &State, task: usize) -> bool {
         let l = &self.layout;
         let wanted = match self.is_periodic(task) {
@@ -141,10 +141,10 @@ impl Servers<'_> {
             && !l.has(s, task, flag::WAKE)
     }
 
-    /// Whether a cycle needs a core: unless nothing could run in it.
+    /// Returns true if a cycle needs a core: unless no codel could run in it.
     pub(super) fn asks_for_core(&self, s: &State, task: usize) -> bool {
         let l = &self.layout;
-        // With a timer of its own a task is started without a core.
+        // A task with a timer of its own starts without a core.
         let start_up = self.semantics.ticks == TickRule::Task && l.has(s, task, flag::FIRST);
         let could_run = |it: usize| {
             let mode = l.mode(s, it);
@@ -181,7 +181,7 @@ impl Servers<'_> {
                 out.actions.extend(first.map(|&it| grant(it)));
             }
             Policy::Fifo => out.actions.push(grant(queue[0])),
-            // Those give cores in another way.
+            // Preemptive policies grant cores in another way.
             Policy::Priority | Policy::Fair => {}
         }
     }
@@ -220,7 +220,7 @@ impl Servers<'_> {
             self.list_component(s, component, out);
         }
         self.requests(s, out);
-        // All so far must happen before time passes.
+        // All actions so far must happen before time passes.
         out.urgent = !out.actions.is_empty();
         for (executor, &phase) in l.phases(s).iter().enumerate() {
             if phase == phase::EXECUTING {
@@ -273,7 +273,7 @@ impl Servers<'_> {
         }
     }
 
-    /// Whether an executor that waits for its turn has it.
+    /// Returns true if an executor in the lock queue may leave it.
     pub(super) fn may_leave(&self, s: &State, executor: usize) -> bool {
         let Some(component) = self.component_of(executor) else {
             return false;
@@ -293,7 +293,7 @@ impl Servers<'_> {
         turn && self.is_free(s, executor)
     }
 
-    /// Whether nothing executes that the codel of an executor has to wait for.
+    /// Returns true if no executing codel blocks the codel of an executor.
     fn is_free(&self, s: &State, executor: usize) -> bool {
         let Some(codel) = self.codel(s, executor) else {
             return true;
@@ -319,7 +319,7 @@ impl Servers<'_> {
         }
     }
 
-    /// The ways in which an executing codel, or a delay, may end.
+    /// Adds the possible ends of an executing codel or a delay.
     fn outcomes(&self, s: &State, executor: usize, out: &mut Enabled) {
         let l = &self.layout;
         let mut push = |outcome| out.actions.push(Action::Finish { executor, outcome });
@@ -363,8 +363,8 @@ impl Servers<'_> {
         }
     }
 
-    /// Whether an exception makes a difference: not where the activity may end as well and nobody asks how it
-    /// ended.
+    /// Returns true if an exception makes a difference: not if the activity may end as well and no client
+    /// depends on the outcome.
     fn tells_throwing(&self, s: &State, slot: usize, yields: &[Yield]) -> bool {
         let outcomes = || self.layout.outcomes.iter().flatten().any(|it| *it);
         match self.service(s, slot) {

@@ -1,4 +1,4 @@
-//! How far actions reach: what reductions have to know.
+//! The range of actions, for reductions.
 
 use super::layout::{control, flag, slot, thread};
 use super::{Action, Servers};
@@ -7,7 +7,7 @@ use crate::explore::state::{State, phase};
 use crate::system::ClientAction;
 
 impl Servers<'_> {
-    /// The component an action is one of; `None` for those of clients alone.
+    /// Returns the component of an action; `None` for actions of clients alone.
     pub(crate) fn component_of_action(&self, s: &State, action: Action) -> Option<usize> {
         match action {
             Action::Signal { component }
@@ -30,7 +30,7 @@ impl Servers<'_> {
         }
     }
 
-    /// The client that an action is one of.
+    /// Returns the client of an action.
     pub(crate) fn client_of_action(&self, action: Action) -> Option<usize> {
         match action {
             Action::Proceed { client, .. } | Action::Request { client, .. } => Some(client),
@@ -42,7 +42,7 @@ impl Servers<'_> {
         }
     }
 
-    /// Whether an action must be performed before time passes.
+    /// Returns true if an action must be performed before time passes.
     pub(crate) fn has_to_act(&self, s: &State, action: Action) -> bool {
         match action {
             Action::Finish { executor, .. } => self.layout.window(s, executor).1 == 0,
@@ -51,7 +51,7 @@ impl Servers<'_> {
         }
     }
 
-    /// Whether a client may still have something to do with components.
+    /// Returns true if a client may still interact with components.
     pub(crate) fn is_active(&self, s: &State, client: usize) -> bool {
         let l = &self.layout;
         let it = &self.system.clients[client];
@@ -60,18 +60,18 @@ impl Servers<'_> {
             || (0..it.trackers).any(|t| l.tracker(s, client, t) != 0)
     }
 
-    /// Whether some task of these components waits for a core.
+    /// Returns true if some task of these components waits for a core.
     pub(crate) fn waits_for_core(&self, s: &State, of: impl Fn(usize) -> bool) -> bool {
         let mut queue = self.layout.core_queue(s).iter();
         queue.any(|&task| of(self.system.tasks[task as usize].component))
     }
 
-    /// Whether an action frees a core, or lets a task ask for one.
+    /// Returns true if an action frees a core, or lets a task ask for one.
     pub(crate) fn is_about_cores(&self, s: &State, action: Action) -> bool {
         if self.system.platform.cores.is_none() {
             return false;
         }
-        // A step of a client alone changes nothing at the cores.
+        // An action of a client alone changes nothing at the cores.
         let Some(component) = self.component_of_action(s, action) else {
             return false;
         };
@@ -89,7 +89,7 @@ impl Servers<'_> {
         at_cores(&next) != before
     }
 
-    /// Whether one of these tasks has a tick that is kept from its first cycle.
+    /// Returns true if one of these tasks has a tick that is kept from its first cycle.
     pub(crate) fn keeps_first_tick(&self, s: &State, of: impl Fn(usize) -> bool) -> bool {
         let both = |task: usize| {
             let flags = self.layout.flags(s, task);
@@ -98,7 +98,7 @@ impl Servers<'_> {
         (0..self.layout.tasks).any(|task| of(task) && both(task))
     }
 
-    /// Whether the permanent activity of a task executes the codel of a state, or has ended (by an
+    /// Returns true if the permanent activity of a task executes the codel of a state, or has ended (by an
     /// exception), and its component is up.
     pub(crate) fn rests(&self, s: &State, task: usize, state: usize) -> bool {
         let l = &self.layout;

@@ -1,4 +1,4 @@
-//! What can be seen of a state: atoms of predicates.
+//! The values of atoms under the rules of the servers.
 
 use super::Servers;
 use super::layout::{control, slot, thread};
@@ -6,7 +6,7 @@ use crate::explore::state::State;
 use crate::property::{Atom, SlotStatus, StatePhase, TaskState};
 
 impl Servers<'_> {
-    /// The value of an atom.
+    /// Returns the value of an atom.
     pub(super) fn holds(&self, s: &State, atom: &Atom) -> bool {
         let l = &self.layout;
         match *atom {

@@ -1,23 +1,23 @@
-//! Requests that every component understands (section 18): `abort`, and what `kill` sets going.
+//! Requests that every component accepts (section 18): `abort`, and the shutdown by `kill`.
 //!
-//! A component that is shut down is at a *stage*: first its tasks in order of declaration, while their
-//! activities are interrupted; then in reverse order, while their permanent activities stop; then in order
-//! again, as they end; and at last its control task. The thread that does this needs no core and takes no
-//! time, and each of its steps is an action.
+//! The shutdown of a component has *stages*: first its tasks in order of declaration, while their activities
+//! are interrupted; then in reverse order, while their permanent activities stop; then in order again, as
+//! they end; and at last its control task. The thread of the shutdown needs no core and takes no time, and
+//! each of its steps is an action.
 
 use super::Servers;
 use super::layout::{control, flag, slot, thread, tracker};
 use crate::explore::state::State;
 use crate::system::{Builtin, ClientAction};
 
-/// Where the shutdown of a component is. Tasks are numbered among all.
+/// The stage of a shutdown. Tasks are numbered among all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Stage {
     /// Activities of a task are interrupted.
     Activities(usize),
-    /// The permanent activity of a task is to be interrupted.
+    /// The permanent activity of a task must be interrupted.
     Permanent(usize),
-    /// It was.
+    /// The permanent activity of a task has been interrupted.
     Stopping(usize),
     /// A task ends.
     Task(usize),
@@ -26,7 +26,8 @@ enum Stage {
 }
 
 impl Servers<'_> {
-    /// The last codel of a request that all components understand has ended; whether it did what was asked.
+    /// Performs a request that all components accept, after its last codel. Returns true if the request
+    /// succeeded.
     pub(super) fn do_builtin(&self, s: &mut State, component: usize, which: Builtin) -> bool {
         match which {
             Builtin::Abort => self.abort(s, component),
@@ -42,7 +43,7 @@ impl Servers<'_> {
         }
     }
 
-    /// Marks the instance that a client names; whether there is one.
+    /// Marks the instance that a client names. Returns true if there is one.
     fn abort(&self, s: &mut State, component: usize) -> bool {
         let l = &self.layout;
         let client = l.sender(s, component) as usize - 1;
@@ -61,14 +62,14 @@ impl Servers<'_> {
         true
     }
 
-    /// The step by which a client sent the request that is being handled, where that matters.
+    /// Returns the step by which a client sent the present request, if the step matters.
     pub(super) fn sent(&self, s: &State, client: usize) -> Option<&ClientAction> {
         let at = (self.layout.outstanding(s, client) as usize).checked_sub(1)?;
         let step = self.system.clients[client].steps.get(at)?;
         self.layout.follows[client].then_some(&step.action)
     }
 
-    /// The stage of a component that is being shut down.
+    /// Returns the stage of a component that is being shut down.
     fn stage(&self, s: &State, component: usize) -> Option<Stage> {
         let place = self.layout.shutdown[component]?;
         let number = (s.d[place] as usize).checked_sub(1)?;
@@ -92,7 +93,8 @@ impl Servers<'_> {
         }
     }
 
-    /// The place of the permanent activity of a task, unless it has ended and that was handled.
+    /// Returns the place of the permanent activity of a task, unless the activity has ended and the end was
+    /// handled.
     fn permanent(&self, s: &State, task: usize) -> Option<usize> {
         let l = &self.layout;
         let mut slots = l.slots(task);
@@ -102,14 +104,14 @@ impl Servers<'_> {
         })
     }
 
-    /// Activities of a task but its permanent one, with their modes.
+    /// Returns the activities of a task except its permanent one, with their modes.
     fn activities(&self, s: &State, task: usize) -> impl Iterator<Item = (usize, u16)> {
         let l = &self.layout;
         let all = l.slots(task).map(|it| (it, l.mode(s, it)));
         all.filter(|it| it.1 & slot::PERMANENT == 0)
     }
 
-    /// Whether the shutdown of a component gets on.
+    /// Returns true if the shutdown of a component can proceed.
     pub(super) fn shuts(&self, s: &State, component: usize) -> bool {
         let l = &self.layout;
         match self.stage(s, component) {
@@ -138,7 +140,7 @@ impl Servers<'_> {
         }
     }
 
-    /// One step of a shutdown.
+    /// Performs one step of a shutdown.
     pub(super) fn shut(&self, s: &mut State, component: usize) {
         let l = &self.layout;
         let (Some(stage), Some(place)) = (self.stage(s, component), l.shutdown[component]) else {

@@ -1,4 +1,4 @@
-//! How time passes.
+//! The passage of time.
 
 use super::Servers;
 use super::layout::{flag, thread};
@@ -8,7 +8,7 @@ use crate::scn::semantics::TickRule;
 use crate::system::{FOREVER, Ticks};
 
 impl Servers<'_> {
-    /// Whether the timer of a task counts.
+    /// Returns true if the timer of a task runs.
     fn counts(&self, s: &State, task: usize) -> bool {
         let starts = match self.semantics.ticks {
             _ if self.layout.thread_of(s, task) == thread::ENDED => false,
@@ -18,7 +18,7 @@ impl Servers<'_> {
         starts && self.is_periodic(task)
     }
 
-    /// How long nothing can become possible, except by ends that can wait.
+    /// Returns the time in base units for which no action can become possible, except by ends that can wait.
     pub(super) fn until_next(&self, s: &State, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks> {
         let l = &self.layout;
         let mut least = FOREVER;
@@ -49,7 +49,7 @@ impl Servers<'_> {
             let job = self.job(s, task);
             let tick = l.has(s, task, flag::TICK);
             if let (Some(base), Some(period)) = (l.ages, it.period) {
-                // Deadlines that are this long past are all alike.
+                // Deadlines that are this long past need not be distinguished.
                 let most = period.saturating_mul(16);
                 let waits = l.thread_of(s, task) == thread::WAITING;
                 let mut grow = |at: usize| s.t[at] = (s.t[at] + time).min(most);

@@ -1,4 +1,4 @@
-//! Steps under the rules of the servers, for readers.
+//! Descriptions of actions under the rules of the servers.
 
 use super::layout::{flag, slot, thread};
 use super::{Action, Servers};
@@ -8,7 +8,7 @@ use crate::explore::state::{State, phase};
 use crate::system::{ClientAction, Yield};
 
 impl Servers<'_> {
-    /// What an action did; without one, what goes on at the beginning.
+    /// Describes the effects of an action; without an action, those of the initial state.
     pub(super) fn moments(
         &self,
         (before, after): (&State, &State),
@@ -24,7 +24,7 @@ impl Servers<'_> {
             self.executor_in_words((before, after), executor, time, out);
         }
         for task in 0..l.tasks {
-            // A pass in which nothing is executed begins and ends in one step.
+            // A pass without codels begins and ends in one step.
             let begun = self.in_cycle(before, task)
                 || (matches!(action, Some(Action::Begin { task: it }) if it == task)
                     && self.is_periodic(task));
@@ -224,7 +224,7 @@ impl Servers<'_> {
         }
     }
 
-    /// What the beginning of a pass did to activities without executing anything.
+    /// Describes the effects of the beginning of a pass on activities that execute nothing.
     fn passing(
         &self,
         before: &State,
@@ -248,7 +248,7 @@ impl Servers<'_> {
         }
     }
 
-    /// Activities that are interrupted, released or reported while all are looked at.
+    /// Describes activities that are interrupted, released or reported by the control task.
     fn reported(
         &self,
         before: &State,
@@ -323,7 +323,7 @@ impl Servers<'_> {
         out.push(self.of_codel(codel, executor, time, MomentKind::End, what));
     }
 
-    /// A codel begins, or begins to wait.
+    /// Describes a codel that begins, or begins to wait.
     fn executor_in_words(
         &self,
         (before, after): (&State, &State),
@@ -345,7 +345,8 @@ impl Servers<'_> {
             out.push(self.of_codel(codel, executor, time, MomentKind::Begin, what));
             return;
         }
-        // Whoever need not wait leaves the queue in a step of its own at the same moment: not worth a line.
+        // An executor without a wait leaves the queue in a step of its own at the same moment, which needs no
+        // line.
         let blocker = |it: usize, ahead: bool| {
             Some(Blocker {
                 codel: self.codel(after, it)?,
@@ -381,7 +382,7 @@ impl Servers<'_> {
         }
     }
 
-    /// Who an executor is: a task, or a control task.
+    /// Returns the thread of an executor: a task, or a control task.
     fn executing(&self, executor: usize) -> Executing {
         match executor.checked_sub(self.layout.tasks) {
             None => Executing::Task(executor),

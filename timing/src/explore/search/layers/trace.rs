@@ -1,4 +1,4 @@
-//! Runs to what was seen: found again, backwards from node to node.
+//! The reconstruction of runs, backwards from node to node.
 
 use std::cell::RefCell;
 
@@ -17,7 +17,7 @@ use crate::explore::state::State;
 use crate::explore::store::{Encoded, encode, holds};
 use crate::system::Ticks;
 
-/// What a state that was sighted looks like.
+/// The description of a state that was seen.
 pub(in crate::explore::search) enum Target<'g> {
     Goal(Goal<'g>),
     Lasts(Timing, Ticks),
@@ -25,23 +25,24 @@ pub(in crate::explore::search) enum Target<'g> {
     Deadlock,
 }
 
-/// Runs by what was seen and where: what was told once is not looked for again, and does not change.
+/// Reconstructed runs, by goal and place. A run that was reported is not reconstructed again, and does not
+/// change.
 pub(in crate::explore::search) type Traced = RefCell<FxHashMap<(GoalId, NodeId, u64), Run>>;
 
-/// How a state is like the target.
+/// A match of a state with the target.
 #[derive(Default)]
 struct Hit {
-    /// The task of which it is true, of those that are not told apart.
+    /// Task for which it holds, among the tasks of an orbit.
     task: Option<usize>,
-    /// How it was put in order.
+    /// Renaming that puts the state in order.
     order: Option<Renaming>,
 }
 
-/// Remaining time of each executing executor at some point of a run.
+/// The remaining times of all executing executors at a point of a run, in base units.
 type Point = Vec<Option<Ticks>>;
 
 impl<R: Reduced> Layers<'_, R> {
-    /// The run to a goal, if it was seen.
+    /// Returns the run to a goal, if the goal was reached.
     pub(in crate::explore::search) fn run_to(&self, goal: GoalId) -> Option<Run> {
         let at = self.watching.seen.goals[goal]?;
         let key = (goal, at.parent, at.time);
@@ -53,8 +54,9 @@ impl<R: Reduced> Layers<'_, R> {
         }))
     }
 
-    /// A run to what was seen, without steps if there is no time or memory to find them: segments from node
-    /// to node, found backwards with the remaining times that the later part of the run needs.
+    /// Returns a run to a sight. The run has no steps if there is no time or memory to find them. Its
+    /// segments lead from node to node, and are found backwards, with the remaining times that the later part
+    /// of the run needs.
     pub(in crate::explore::search) fn trace(&self, at: Sight<NodeId>, goal: &Target) -> Run {
         let left_out = || Run {
             end: at.time,
@@ -78,10 +80,12 @@ impl<R: Reduced> Layers<'_, R> {
             if let Some(segment) = segments.last() {
                 point = self.point_before(node, segment, &point);
             }
-            // A part of a run would be of no use.
+            // A part of a run is useless.
             let Some((parent, actions, order)) = self.segment_to(node, &point) else {
                 return left_out();
             };
+            // The state was put in order here. Later actions have the names after that, and the run has the
+            // names before.
             if let Some(back) = order.map(|it| it.inverse()) {
                 for (_, later) in &mut segments {
                     later.iter_mut().for_each(|it| *it = back.action(*it));
@@ -116,12 +120,14 @@ impl<R: Reduced> Layers<'_, R> {
             .map(|e| {
                 let executing = self.watching.rules.frame().is_executing(s, e);
                 let (a, b) = self.watching.rules.frame().window(s, e);
+                // Any end within the window is possible. The latest end is chosen, or the earliest if there
+                // is no upper bound.
                 executing.then_some(if b == crate::system::FOREVER { a } else { b })
             })
             .collect()
     }
 
-    /// The remaining times in a node, given a segment that starts there and those at its end.
+    /// Returns the remaining times in a node, given those at the end of a segment that starts there.
     fn point_before(
         &self,
         node: NodeId,
@@ -138,7 +144,7 @@ impl<R: Reduced> Layers<'_, R> {
                 let ended = actions
                     .iter()
                     .any(|it| matches!(it, Action::Finish { executor, .. } if *executor == e));
-                // What has no core stays as it is.
+                // The remaining time of an executor without a core does not change.
                 let progress = if self.watching.rules.gets_on(&s, e) {
                     jump
                 } else {
@@ -153,8 +159,8 @@ impl<R: Reduced> Layers<'_, R> {
             .collect()
     }
 
-    /// A way from one of the parents of a node to the given point of it, and how the state there is put in
-    /// order.
+    /// Returns a segment from one of the parents of a node to the given point of the node, and the renaming
+    /// that puts the state there in order.
     fn segment_to(
         &self,
         node: NodeId,
@@ -179,7 +185,7 @@ impl<R: Reduced> Layers<'_, R> {
         })
     }
 
-    /// Actions at one moment after the jump of a node, up to a state like the goal.
+    /// Returns the actions at one moment after the jump of a node, up to a state that matches the target.
     fn segment(
         &self,
         parent: NodeId,
@@ -199,7 +205,7 @@ impl<R: Reduced> Layers<'_, R> {
         };
         self.watching.clamp_waiting(&mut start);
         let mut seen = rustc_hash::FxHashSet::default();
-        // Breadth first, for short runs: (state, predecessor, action).
+        // Breadth-first search, for short runs: (state, predecessor, action).
         let mut found: Vec<(State, usize, Option<Action>)> = vec![(start, usize::MAX, None)];
         let mut enabled = Enabled::default();
         let mut followed = Vec::new();
@@ -209,7 +215,7 @@ impl<R: Reduced> Layers<'_, R> {
         let room = self.room_for_run() / self.bytes_of_found();
         let mut at = 0;
         while at < found.len() {
-            // A list that grows is there twice; a set that grows likewise.
+            // A list that grows exists twice meanwhile, and so does a set.
             let full = found.len() * 2 > room;
             if full || at % LOOKS == 0 && self.cancel.is_too_late() {
                 return None;
@@ -245,7 +251,7 @@ impl<R: Reduced> Layers<'_, R> {
                     .reductions
                     .order(&self.watching.rules, &mut ordered);
                 encode(self.watching.rules.frame(), &ordered, &mut it);
-                // What is left, or answered at once, is seen in a step, not in the state it leads to.
+                // Such a target is seen in a step, not in the state after the step.
                 let by_step = matches!(
                     goal,
                     Target::Goal(Goal::Reached(_)) | Target::Lasts(Timing::Within(_), 0)
@@ -259,7 +265,7 @@ impl<R: Reduced> Layers<'_, R> {
         None
     }
 
-    /// Bytes of a state that is found again, in the list and in the set.
+    /// Returns the bytes of a state during the reconstruction, in the list and in the set.
     fn bytes_of_found(&self) -> usize {
         let list = size_of::<(usize, Option<Action>)>();
         let set = size_of::<(Encoded, bool)>() + size_of::<usize>();
@@ -325,7 +331,7 @@ impl<R: Reduced> Layers<'_, R> {
 }
 
 impl Target<'_> {
-    /// The task it is about.
+    /// Returns the task of the target.
     fn task(&self) -> Option<usize> {
         match *self {
             Target::Goal(goal) => goal.task(),

@@ -1,9 +1,8 @@
-//! Hunts for times that have no bound.
+//! Depth-first search for times without a bound.
 //!
-//! A search in order of time comes to the proof that a job can take for ever only after everything that can
-//! happen until then. Going straight on, mostly with codels that take as long as they can, a job that is kept
-//! from ending soon takes longer than any plausible one; if the run repeats itself meanwhile, it can go on
-//! like that.
+//! Breadth-first search finds the proof that a job can take for ever only after all earlier events. In
+//! depth-first search, mostly with codels that take their longest time, a job that is kept from ending soon
+//! exceeds any plausible time. If the run repeats itself meanwhile, it can continue like that for ever.
 
 use super::Supervisor;
 use crate::explore::measure::{Diverging, Gauge, How, Timing};
@@ -15,11 +14,11 @@ use crate::explore::search::watching::Watching;
 use crate::explore::watch::{ResponseTime, Watch, Within};
 use crate::system::Ticks;
 
-/// How often a chase is prolonged that goes on but does not repeat itself.
+/// Number of times that a chase without a repetition is prolonged.
 const DOUBLED: u32 = 5;
 
 impl<'a, R: Reduced> Supervisor<'a, R> {
-    /// The time whose turn it is, of those that may have no bound as far as is known.
+    /// Returns the next time to examine, among those that may have no bound.
     pub(super) fn next_endless(&self, layers: &Layers<'a, R>) -> Option<usize> {
         let hunt = self.hunt.as_ref().ok()?;
         let gauges = layers.watching.gauges.iter().enumerate();
@@ -31,7 +30,7 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
         open.get(turn as usize % open.len().max(1)).copied()
     }
 
-    /// Some chases for a time without bound.
+    /// Runs some chases for a time without a bound.
     pub(super) fn hunt_endless(
         &mut self,
         layers: &Layers<'a, R>,
@@ -59,7 +58,7 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
                 return None;
             }
             let order = self.hunt.as_mut().ok()?.next_order().steady();
-            // A run that repeats itself may do so only after it has gone on for some time.
+            // A repetition may begin only after some time.
             for doubled in 0..DOUBLED {
                 chase.lasts = Some(layers.patience.saturating_mul(1 << doubled));
                 self.run_chase(layers, &mut chase, order, None);
@@ -85,8 +84,8 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
     }
 }
 
-/// Of a run at whose end something has lasted so long, and repeats itself: one in which it has just lasted
-/// longer than a limit.
+/// Returns the part of a run in which a time has just exceeded the limit. At the end of the given run, the
+/// time has lasted for `value` base units, and the run repeats itself.
 fn exceeding(run: &Run, value: Ticks, limit: Ticks, cycle: (u64, u64)) -> Option<Run> {
     let Some(more) = limit.checked_sub(value) else {
         let end = run.end - u64::from(value - limit - 1);

@@ -1,14 +1,13 @@
-//! Hunts: what a single state shows is also looked for depth first.
+//! Hunts: randomised depth-first search for properties of single states.
 //!
-//! In order of time the runs found are short, but whatever can happen earlier is looked at before: what goes
-//! wrong late, or at a moment at which very much can happen, is found late. So beside a search in order of
-//! time, and with a small part of its effort, others go straight on (see [`Chase`]): many short ones, in
-//! different orders, as one that has begun wrongly hardly ever recovers. They prove nothing; what they catch
-//! is a run like any other.
+//! Breadth-first search finds short runs, but it examines all earlier events first. A failure that comes
+//! late, or at a crowded moment, is found late. So a small part of the effort goes to depth-first searches
+//! (see [`Chase`]): many short ones, in different orders, because a search that has begun badly hardly ever
+//! recovers. They prove nothing; their runs are as valid as any others.
 //!
-//! Such runs are longer than they have to be. So before they are told, the search in order of time goes on,
-//! and ones that end earlier are chased: both for as long as everything has taken so far, if that is not very
-//! long. What was told is final. In a search that takes long it is told on the way.
+//! Such runs are longer than necessary. So before they are reported, breadth-first search continues, and
+//! chases look for runs that end earlier. Both take as long as all steps so far, up to a limit. A reported
+//! run is final. In a long search, runs are reported before its end.
 
 use rustc_hash::FxHashSet;
 
@@ -21,48 +20,48 @@ use crate::explore::search::layers::Layers;
 use crate::explore::search::watching::Watching;
 use crate::explore::watch::{Limits, Stop, Watch};
 
-/// Steps after which a search is not small any more.
+/// Steps after which a search counts as large.
 const SMALL: u64 = 1000;
 
 /// Steps of a short chase.
 const SHORT: u64 = 1500;
 
-/// Steps for each of the two ways to an earlier end, at most.
+/// Upper limit on the steps for each of the two searches for an earlier end.
 const FURTHER: u64 = 200_000;
 
-/// What was caught so far, and what it has cost.
+/// The catches so far, and the effort.
 #[derive(Debug, Default)]
 pub(super) struct Hunt {
     caught: PerGoal<Option<Catch>>,
-    /// Chases so far.
+    /// Number of chases.
     pub(super) chases: u64,
     /// Steps of all chases.
     pub(super) steps: u64,
-    /// States that were looked at in them.
+    /// States examined by all chases.
     pub(super) states: usize,
-    /// Bytes used, together with the search, in the largest.
+    /// Greatest number of bytes used by a chase, including the breadth-first search.
     pub(super) bytes: usize,
-    /// Services of which a request was refused.
+    /// Services with a refused request.
     pub(super) refused: Vec<usize>,
-    /// Everything that there is was looked at.
+    /// All states have been examined.
     over: bool,
-    /// There is no room for more.
+    /// The memory limit is reached.
     full: bool,
-    /// Nothing is left to be caught late.
+    /// Chases with longest times can catch nothing more.
     not_late: bool,
-    /// Something was caught late.
+    /// A chase with longest times has caught something.
     late: bool,
-    /// Gauges of which everything was looked at.
+    /// Gauges of which all states have been examined.
     pub(super) bounded: FxHashSet<usize>,
-    /// Steps of the search at which to tell what was caught.
+    /// Number of steps of the search at which catches are reported.
     tell_at: Option<u64>,
 }
 
-/// What was caught.
+/// A run of randomised search.
 #[derive(Debug)]
 pub(super) struct Catch {
     pub(super) run: Run,
-    /// It is told, and stays: none that ends earlier is looked for any more.
+    /// The run was reported: it is not replaced by a shorter one.
     pub(super) is_final: bool,
 }
 
@@ -74,20 +73,20 @@ impl Hunt {
         }
     }
 
-    /// Steps of the next chase: mostly few, as those that are lucky need few.
+    /// Returns the number of steps of the next chase: mostly few, because a lucky chase needs few.
     fn length(&self) -> u64 {
         SHORT * luby(self.chases / Order::KINDS + 1)
     }
 
-    /// Whether there should be one more beside a search that has taken so many steps, at `crowded` moments or
-    /// not.
+    /// Returns true if another chase is due, after this many steps of the breadth-first search, at `crowded`
+    /// moments or not.
     fn is_due(&self, steps: u64, crowded: bool) -> bool {
         let more = if crowded { steps / 4 } else { steps / 128 };
         let share = SHORT + (steps / 4).min(SHORT) + more;
         steps >= SMALL && !self.over && !self.full && self.steps + self.length() <= share
     }
 
-    /// In which order the next chase looks at things.
+    /// Returns the order of the next chase.
     pub(super) fn next_order(&mut self) -> Order {
         self.chases += 1;
         let mut order = Order::numbered(self.chases - 1);
@@ -95,7 +94,7 @@ impl Hunt {
         order
     }
 
-    /// Notes what a chase for some goals has caught, if it is new or ends earlier. Whether any of it does.
+    /// Records the runs of a chase for some goals that are new or end earlier. Returns true if there are any.
     fn note(&mut self, goals: &[GoalId], caught: impl Iterator<Item = Option<Run>>) -> bool {
         let mut any = false;
         for (&goal, run) in goals.iter().zip(caught) {
@@ -113,18 +112,18 @@ impl Hunt {
         any
     }
 
-    /// The end of the run to some of them that ends last.
+    /// Returns the latest end of the runs to some goals.
     fn last_end(&self, goals: &[GoalId]) -> Option<u64> {
         let runs = goals.iter().filter_map(|&it| self.caught[it].as_ref());
         runs.map(|it| it.run.end).max()
     }
 
-    /// What was caught.
+    /// Returns the catch for a goal.
     pub(super) fn caught(&self, goal: GoalId) -> Option<&Catch> {
         self.caught[goal].as_ref()
     }
 
-    /// The hunt beside another exploration of the same system: what was seen by this one is known already.
+    /// Returns the hunt for the next exploration of the same system, including the runs seen by this one.
     pub(super) fn handed_on<R: Reduced>(mut self, layers: &Layers<'_, R>) -> Hunt {
         self.steps = 0;
         self.tell_at = None;
@@ -140,7 +139,11 @@ impl Hunt {
     }
 }
 
-/// Whether a randomised search depth first may find something that is asked.
+/// Checks that randomised depth-first search may find something.
+///
+/// # Errors
+///
+/// Returns the reason why it cannot.
 pub(super) fn suits(watch: &Watch, limits: Limits) -> Result<(), Reason> {
     if limits.without.contains(Kind::RandomSearch) {
         Err(Reason::SwitchedOff)
@@ -152,8 +155,7 @@ pub(super) fn suits(watch: &Watch, limits: Limits) -> Result<(), Reason> {
 }
 
 impl<'a, R: Reduced> Supervisor<'a, R> {
-    /// Goals that are not seen yet, nor settled otherwise, as far as they are `wanted`, given what was caught
-    /// of them.
+    /// Returns the `wanted` goals that are neither seen nor settled otherwise, depending on their catch.
     fn unseen(
         &self,
         layers: &Layers<'a, R>,
@@ -168,13 +170,13 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
         })
     }
 
-    /// Whether everything that a single state shows was seen or caught.
+    /// Returns true if all properties of single states were seen or caught.
     pub(super) fn all_caught(&self, layers: &Layers<'a, R>) -> bool {
         let mut left = self.unseen(layers, |caught| caught.is_none());
         left.next().is_none()
     }
 
-    /// Whether something was only caught, and may still be seen earlier.
+    /// Returns true if some goal was only caught, and may still be reached earlier.
     pub(super) fn may_end_earlier(&self, layers: &Layers<'a, R>) -> bool {
         let now = layers.now;
         let mut left = self.unseen(layers, |caught| caught.is_some_and(|it| it.end > now));
@@ -186,19 +188,19 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
         hunt.is_ok_and(|it| it.is_due(layers.steps, layers.is_crowded()))
     }
 
-    /// Steps for each of the two ways to an earlier end of what was caught.
+    /// Returns the number of steps for each of the two searches for an earlier end.
     pub(super) fn further(&self, layers: &Layers<'a, R>) -> u64 {
         self.effort(layers).min(FURTHER)
     }
 
-    /// Leaves telling to the end, which is near.
+    /// Postpones reports to the end, which is near.
     pub(super) fn tell_later(&mut self) {
         if let Ok(hunt) = &mut self.hunt {
             hunt.tell_at = None;
         }
     }
 
-    /// Settles what was caught, if the search has gone on for long enough without seeing it.
+    /// Makes catches final, if the search has continued for long enough without seeing the goals.
     fn settle_if_due(&mut self, layers: &Layers<'a, R>) {
         let due = self.hunt.as_ref().ok().and_then(|it| it.tell_at);
         if due.is_none_or(|it| layers.steps < it) {
@@ -212,7 +214,7 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
         }
     }
 
-    /// Hunts for what has not been seen, if it is time to.
+    /// Hunts for goals that have not been seen, if a hunt is due.
     pub(super) fn hunt_if_due(&mut self, layers: &mut Layers<'a, R>) {
         self.settle_if_due(layers);
         while layers.diverging.is_none() && self.is_hunt_due(layers) {
@@ -247,8 +249,8 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
         }
     }
 
-    /// For so many steps, looks for runs that end earlier than those that were caught: soon after the moment
-    /// up to which everything is known, then up to moments that are further and further away.
+    /// Searches, for this many steps, for runs that end earlier than the catches: first up to moments soon
+    /// after the present one, then up to later and later moments.
     pub(super) fn chase_earlier(&mut self, layers: &Layers<'a, R>, further: u64) {
         let goals: Vec<GoalId> = self.unseen(layers, |it| it.is_some()).collect();
         let watch = layers.watching.goals.only(&goals);
@@ -276,7 +278,7 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
         }
     }
 
-    /// One chase, of a length and up to a moment. Whether it has caught anything new.
+    /// Runs one chase of a given length, up to a moment. Returns true if it has caught anything new.
     fn chase(
         &mut self,
         layers: &Layers<'a, R>,
@@ -288,7 +290,7 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
             return false;
         };
         let mut order = hunt.next_order();
-        // Late ones are no use for what others have caught.
+        // A chase with longest times cannot improve the catches of others.
         order.late &= bounds.is_none() || hunt.late;
         self.run_chase(layers, chase, order, bounds);
         let caught = chase.caught();
@@ -303,7 +305,7 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
         any
     }
 
-    /// One chase.
+    /// Runs one chase.
     pub(super) fn run_chase(
         &mut self,
         layers: &Layers<'a, R>,
@@ -311,7 +313,7 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
         order: Order,
         bounds: Option<(u64, u64)>,
     ) {
-        // After the end of a search for want of room only few more are looked at.
+        // If the memory limit has ended the search, only few more states are examined.
         let states = match layers.stopped {
             Some(_) => 0,
             None => layers.states_now() + self.states_beside(),
@@ -332,15 +334,16 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
     }
 }
 
-/// A chase for something in the same system as that of layers, within the same limits.
+/// Returns a chase for the system of some layers, within the same limits.
 fn beside<'w, R: Reduced>(layers: &Layers<'w, R>, watch: &'w Watch) -> Chase<'w, R> {
     let rules = &layers.watching.rules;
     let watching = Watching::new(rules, watch, &[], layers.limits.without);
     Chase::new(watching, layers.limits, layers.cancel)
 }
 
-/// 1 1 2 1 1 2 4 1 1 2 1 1 2 4 8 …: how often to begin anew where luck decides how long something takes (M.
-/// Luby, A. Sinclair and D. Zuckerman, *Optimal speedup of Las Vegas algorithms*, 1993).
+/// Returns element `i` of the sequence 1 1 2 1 1 2 4 1 1 2 1 1 2 4 8 …: the lengths of restarts for
+/// randomised searches (M. Luby, A. Sinclair and D. Zuckerman, *Optimal speedup of Las Vegas algorithms*,
+/// 1993).
 fn luby(i: u64) -> u64 {
     let power = (i + 1).next_power_of_two();
     match power == i + 1 {

@@ -1,4 +1,4 @@
-//! What has been seen, or is proved, for good while the exploration goes on: told at once.
+//! Intermediate findings: final answers, reported while the exploration goes on.
 
 use super::Supervisor;
 use crate::explore::findings::{Findings, Found};
@@ -7,15 +7,15 @@ use crate::explore::run::Run;
 use crate::explore::search::goals::{GoalId, PerGoal};
 use crate::explore::search::layers::Layers;
 
-/// Whom to tell.
+/// Receiver of findings.
 pub(in crate::explore::search) type Teller<'a> = &'a mut dyn FnMut(&Findings);
 
-/// Whom to tell, and what was told already.
+/// The receiver of findings, and the goals already reported.
 pub(super) struct News<'a> {
     teller: Teller<'a>,
-    /// `None`: nothing yet.
+    /// Goals already reported; `None` if there was no report yet.
     told: Option<PerGoal<bool>>,
-    /// What zones have proved was told.
+    /// The result of zones was reported.
     proved: bool,
 }
 
@@ -30,8 +30,8 @@ impl<'a> News<'a> {
 }
 
 impl<'a, R: Reduced> Supervisor<'a, R> {
-    /// Tells what is new: what fails, is reached, or never is. What comes later does not change that, nor the
-    /// run that shows it.
+    /// Reports new final answers: failures, reached predicates, and predicates that are never reached. Later
+    /// findings change neither the answers nor their runs.
     pub(super) fn tell_news(&mut self, layers: &Layers<'a, R>) {
         let Some(mut news) = self.news.take() else {
             return;
@@ -63,18 +63,18 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
         self.news = Some(news);
     }
 
-    /// The run that was caught, if it is final.
+    /// Returns the run of a catch, if the catch is final.
     fn final_catch(&self, goal: GoalId) -> Option<&Run> {
         let caught = self.hunt.as_ref().ok()?.caught(goal)?;
         caught.is_final.then_some(&caught.run)
     }
 
-    /// Whether something was seen, or caught for good.
+    /// Returns true if a goal was seen, or has a final catch.
     fn is_known(&self, layers: &Layers<'a, R>, goal: GoalId) -> bool {
         layers.watching.seen.goals[goal].is_some() || self.final_catch(goal).is_some()
     }
 
-    /// The run that shows it.
+    /// Returns the run to a goal.
     fn known_run(&self, layers: &Layers<'a, R>, goal: GoalId) -> Option<Run> {
         let caught = self.final_catch(goal).cloned();
         caught.or_else(|| layers.run_to(goal))

@@ -1,10 +1,10 @@
 //! Sets of remaining times.
 //!
-//! A *zone* is the set of all values, not negative, for the remaining times of some executors that satisfy
-//! upper bounds on each and on their differences: a difference bound matrix (D. Dill, *Timing assumptions and
-//! verification of finite-state concurrent systems*, 1989). What usual zones say about the time since
-//! something began, these say about the time until it ends. Time passing only takes away from it, down to 0,
-//! so that nothing has to be extrapolated: there are finitely many.
+//! A *zone* is the set of all nonnegative values for the remaining times of some executors that satisfy upper
+//! bounds on each and on their differences: a difference bound matrix (D. Dill, *Timing assumptions and
+//! verification of finite-state concurrent systems*, 1989). Usual zones describe the time since an event;
+//! these zones describe the time until the end of an execution. Remaining times only decrease, down to 0, so
+//! that no extrapolation is needed: there are finitely many zones.
 
 use smallvec::SmallVec;
 
@@ -13,21 +13,21 @@ use crate::system::{FOREVER, Ticks};
 /// Greatest bound that zones can have.
 pub(super) const GREATEST: Ticks = 1 << 29;
 
-/// No bound.
+/// The absence of a bound.
 const NONE: i32 = i32::MAX;
 
-/// Some remaining times, never none.
+/// A nonempty set of remaining times.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Zone {
-    /// Whose times they are, ascending.
+    /// Executors, in ascending order.
     executors: SmallVec<[u16; 12]>,
-    /// Row by row, upper bounds of differences: of 0 and the executors, less 0 and the executors. As tight as
-    /// they can be.
+    /// Upper bounds of differences, row by row: of 0 and the executors, less 0 and the executors. They are as
+    /// tight as possible.
     bounds: Vec<i32>,
 }
 
 impl Zone {
-    /// Of nobody.
+    /// Returns the zone of no executor.
     pub(super) fn new() -> Self {
         Zone {
             executors: SmallVec::new(),
@@ -35,7 +35,7 @@ impl Zone {
         }
     }
 
-    /// Rows of the matrix.
+    /// Returns the number of rows of the matrix.
     fn rows(&self) -> usize {
         self.executors.len() + 1
     }
@@ -50,7 +50,7 @@ impl Zone {
         self.bounds[row * self.rows() + column]
     }
 
-    /// Shortest and longest time of each executor.
+    /// Returns the shortest and longest time of each executor, in base units.
     pub(super) fn windows(&self) -> impl Iterator<Item = (usize, (Ticks, Ticks))> {
         self.executors.iter().enumerate().map(|(i, &executor)| {
             let longest = match self.at(i + 1, 0) {
@@ -61,16 +61,16 @@ impl Zone {
         })
     }
 
-    /// Lets any time pass that can.
+    /// Lets any possible time pass.
     pub(super) fn pass(&mut self) {
         for i in 1..self.rows() {
-            // None of the others can become less than 0.
+            // No other remaining time can become less than 0.
             let least = (1..self.rows()).map(|j| self.at(j, i)).fold(0, i32::min);
             self.bounds[i] = least;
         }
     }
 
-    /// Keeps the times with which an executor ends now, of which there have to be some, and forgets about it.
+    /// Keeps the times with which an executor ends now, and removes the executor. There must be such times.
     pub(super) fn end(&mut self, executor: usize) {
         let Some(row) = self.row(executor) else {
             return;
@@ -89,8 +89,7 @@ impl Zone {
         self.set_executors(&rest, |_| unreachable!("all of them were there"));
     }
 
-    /// Makes it about these executors, ascending. Of those it knows nothing of, any time in the `window` is
-    /// left.
+    /// Changes the executors, which must be in ascending order. A new executor gets any time of its `window`.
     pub(super) fn set_executors(
         &mut self,
         executors: &[usize],
@@ -104,7 +103,7 @@ impl Zone {
         {
             return;
         }
-        // The row of each in the old matrix, or its window.
+        // The row of each executor in the old matrix, or its window.
         let known = |&it: &usize| self.row(it).ok_or_else(|| window(it));
         let rows: SmallVec<[Result<usize, (Ticks, Ticks)>; 12]> = std::iter::once(Ok(0))
             .chain(executors.iter().map(known))
@@ -132,7 +131,7 @@ impl Zone {
         self.executors = executors.iter().map(|&it| it as u16).collect();
     }
 
-    /// The same with executors called otherwise.
+    /// Returns the zone with renamed executors.
     pub(super) fn renamed(&self, name: impl Fn(usize) -> usize) -> Zone {
         let named = self.executors.iter().enumerate();
         let mut named: SmallVec<[(u16, usize); 12]> = named
@@ -149,20 +148,20 @@ impl Zone {
         }
     }
 
-    /// Whether all values of another zone of the same executors are in this one.
+    /// Returns true if the zone contains all values of another zone of the same executors.
     pub(super) fn covers(&self, other: &Zone) -> bool {
         debug_assert_eq!(self.executors, other.executors);
         let mut bounds = self.bounds.iter().zip(&other.bounds);
         bounds.all(|(wide, narrow)| wide >= narrow)
     }
 
-    /// Bytes in use.
+    /// Returns the bytes in use.
     pub(super) fn memory(&self) -> usize {
         size_of::<Zone>() + self.bounds.capacity() * size_of::<i32>()
     }
 }
 
-/// The sum of two bounds.
+/// Returns the sum of two bounds.
 fn sum(one: i32, other: i32) -> i32 {
     if one == NONE || other == NONE {
         NONE
@@ -214,7 +213,7 @@ mod tests {
         let (wide, narrow) = (zone(&[(0, 9), (0, 9)]), zone(&[(2, 5), (0, 9)]));
         assert!(wide.covers(&narrow));
         assert!(!narrow.covers(&wide));
-        // The same windows, but one of both with a distance between the two.
+        // The same windows, but one zone has a distance between the two times.
         let mut apart = zone(&[(0, 0), (9, 9)]);
         apart.pass();
         let free = zone(&[(0, 0), (9, 9)]);
