@@ -6,9 +6,18 @@ use crate::system::TimedSystem;
 /// Upper limit on the steps of the run.
 const STEPS: usize = 10_000;
 
-/// Returns, by task, whether one pseudo-random run of the system has a job of the task.
+/// By task: true if a run of the system has a job of it. Three runs are tried, with choices that have no
+/// pattern: codels end as early as they may, as late, and now early, now late.
 pub(super) fn seen_released(system: &TimedSystem) -> Vec<bool> {
     let mut released = vec![false; system.tasks.len()];
+    let late: [fn(usize) -> bool; 3] = [|_| false, |_| true, |step| mixed(step) & 0x80 == 0];
+    for late in late {
+        run(system, late, &mut released);
+    }
+    released
+}
+
+fn run(system: &TimedSystem, late: fn(usize) -> bool, released: &mut [bool]) {
     let mut stepper = Stepper::new(system, &Watched::default());
     let (mut seen, mut possible) = (Vec::new(), Possible::default());
     stepper.begin(&mut seen);
@@ -16,26 +25,27 @@ pub(super) fn seen_released(system: &TimedSystem) -> Vec<bool> {
         for (task, released) in released.iter_mut().enumerate() {
             *released |= stepper.job(task).is_some();
         }
-        stepper.possible(&mut possible);
-        let actions = possible.actions();
-        let choices = actions.len() + usize::from(possible.may_wait());
-        if choices == 0 || !released.contains(&false) {
-            break;
-        }
-        match actions.get(mixed(step) % choices) {
-            Some(&action) => stepper.perform(action, &mut seen),
-            None => match stepper.next_moment_but(&|_| true) {
-                Some(time) => stepper.pass(time, &mut seen),
-                None if actions.is_empty() => break,
-                None => {}
-            },
+        if !released.contains(&false) {
+            return;
         }
         seen.clear();
+        stepper.possible(&mut possible);
+        let actions = possible.actions();
+        if actions.is_empty() || late(step) && possible.may_wait() {
+            let moment = stepper.next_moment();
+            if let Some(time) = moment.filter(|&it| it > 0) {
+                stepper.pass(time, &mut seen);
+                continue;
+            }
+        }
+        match actions.get(mixed(step) % actions.len().max(1)) {
+            Some(&action) => stepper.perform(action, &mut seen),
+            None => return,
+        }
     }
-    released
 }
 
-/// Returns a pseudo-random number that depends only on the step.
+/// A number without a pattern, the same for the same step.
 fn mixed(step: usize) -> usize {
     (step.wrapping_mul(0x9e37_79b9) >> 12) & 0xffff
 }
