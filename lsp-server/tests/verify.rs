@@ -553,7 +553,7 @@ fn a_specification_alone_is_answered_step_by_step() {
     assert_eq!(
         first,
         [
-            r#""permanent activities only, no requests": "proved""#,
+            r#""permanent activities only, no requests": "vacuous""#,
             r#""lift.go alone, requested again at any time after it has ended": "refuted""#,
             r#""lift.rest alone, requested again at any time after it has ended": "proved""#,
         ]
