@@ -27,6 +27,7 @@ mod trace;
 mod tree;
 mod verify;
 mod wcet;
+mod width;
 
 use std::process::ExitCode;
 

@@ -544,6 +544,9 @@ fn plain_repairs_are_made_and_the_rest_is_reported() {
 
     let fixed = it.run(&["check", "--fix", "--format", "json", "c.gen"]);
     assert_eq!(status(&fixed), 1);
+    let told = stderr(&fixed);
+    assert!(told.contains("note: fixed `c.gen`: "), "{told}");
+    assert!(told.contains("insert `;`"), "{told}");
     let right = SLIPS
         .replace("version \"1\"", "version \"1\";")
         .replace("bool", "boolean")

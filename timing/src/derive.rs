@@ -1,7 +1,7 @@
 //! Questions that are answered by verifying variations: how many cores, how much slack.
 //!
 //! Only `schedulable` is asked, of the tasks that the checks of the scenario name (all of them if none
-//! does). Every value reported was verified itself. The largest WCET is exact when durations are
+//! does). A value with which a task is never released, because a start-up never completes, fails. Every value reported was verified itself. The largest WCET is exact when durations are
 //! intervals, as a larger upper bound only adds behaviour; smallest periods and fixed durations are
 //! not monotonic, and the result says so.
 
@@ -454,8 +454,9 @@ impl<'v> Variation<'v> {
         let open = tasks
             .into_iter()
             .filter(|&task| !meets_deadlines(&built.system, task, bounds[task]));
+        let open: Vec<usize> = open.collect();
         let watch = Watch {
-            schedulable: open.collect(),
+            schedulable: open.clone(),
             stop_at_first: true,
             ..Watch::default()
         };
@@ -463,10 +464,14 @@ impl<'v> Variation<'v> {
             return Verdict::Proved;
         }
         let found = asked.explore(&built.system, &watch);
+        let never_starts = |task| (found.absent.job(task)).is_some_and(|it| it.start_up.is_some());
         if found.missed.iter().any(Option::is_some) {
             Verdict::Refuted
         } else if found.stopped.is_some_and(|it| it != Stop::Answered) {
             Verdict::Unknown
+        } else if open.iter().any(|&it| never_starts(it)) {
+            // Deadlines are kept only because no job is ever released.
+            Verdict::Refuted
         } else {
             Verdict::Proved
         }

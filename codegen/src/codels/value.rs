@@ -54,7 +54,7 @@ fn unknown<T>(at: &str, what: &str, name: &str, known: &[&str]) -> Result<T, Wro
     let advice = match (nearest(name, known.iter().copied()), known) {
         (Some(near), _) => format!("did you mean `{near}`?"),
         (None, []) => "there are none".to_owned(),
-        (None, [_]) => format!("there is {}", known_names.concat()),
+        (None, [_]) => format!("the only one is {}", known_names.concat()),
         (None, _) => format!("there are {}", known_names.join(", ")),
     };
     Err(Wrong {

@@ -347,14 +347,11 @@ fn write_trace(path: &Utf8Path, answers: &[Answer]) -> anyhow::Result<()> {
 /// One per scenario, and one for all specifications named. What cannot be used is told, and the others are
 /// there.
 pub(super) fn problems(
-    files: &[Utf8PathBuf],
+    arguments: &[Utf8PathBuf],
     reading: &Reading,
 ) -> (Vec<(Session, Problem)>, Trouble) {
-    let (files, mut trouble) = {
-        let (found, trouble) = session::usable(files, &["gen"]);
-        session::note_unused_scenarios(files, &found);
-        (found, trouble)
-    };
+    let (files, mut trouble) = session::usable(arguments, &["gen"]);
+    session::note_unused_scenarios(arguments, &files);
     // Without one of its parts it would be another system.
     let mut whole = !trouble.any();
     let mut out = Vec::new();
