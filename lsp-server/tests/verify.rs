@@ -528,6 +528,30 @@ fn how_far_a_system_is_from_missing_a_deadline() {
     }
 }
 
+/// On one core, `high` keeps the core for ever, and `low` never completes its start-up: no job of `t` is late,
+/// because there is none.
+#[test]
+fn deadlines_of_jobs_that_never_come_are_not_met_with_fewer_cores() {
+    let it = Directory::new(&[
+        (
+            "c.gen",
+            "component c {\n  task low { period 10 ms; priority 9; codel<start> l() yield pause::start wcet 1 ms; };\n  task t { period 10 ms; priority 1; codel<start> a() yield pause::start wcet 1 ms; };\n};\n",
+        ),
+        (
+            "d.gen",
+            "component d {\n  task high { priority 2; codel<start> p() yield wait wcet 1 ms; codel<wait> w() yield start wcet 1 ms; };\n};\n",
+        ),
+        (
+            "s.scn",
+            "scenario s { use \"c.gen\"; use \"d.gen\"; unit 1 ms; durations fixed; cores 2; policy priority; check schedulable c.t; }\n",
+        ),
+    ]);
+    let output = it.run(&["verify", "--sensitivity", "--format", "json", "s.scn"]);
+    let cores = &json_of(&output)["sensitivity"]["minimum-cores"];
+    assert_eq!(cores["cores"], 2, "{cores}");
+    assert_eq!(cores["tried"][0][1], "refuted", "{cores}");
+}
+
 #[test]
 fn a_reason_that_checks_share_is_said_once() {
     let it = Directory::new(&[

@@ -164,7 +164,8 @@ fn print(it: &Needs, out: &mut impl Write) -> std::io::Result<()> {
 
 /// A path for people. The interfaces that come with dotgen are in a cache, whose path says nothing.
 fn place(path: &Utf8Path) -> String {
-    match vfs::include_of_own_interface(path) {
+    let absolute = camino::absolute_utf8(path).unwrap_or_else(|_| path.to_owned());
+    match vfs::include_of_own_interface(&absolute) {
         Some(include) => format!("<own interfaces>/{}", terminal::name(include.as_str())),
         None => terminal::name(path.as_str()).into_owned(),
     }

@@ -7,7 +7,7 @@ use crate::system::TimedSystem;
 const STEPS: usize = 10_000;
 
 /// By task, whether one run of the system, which does now this and now that of what is possible, has a job of it.
-pub(super) fn seen_released(system: &TimedSystem) -> Vec<bool> {
+pub(crate) fn seen_released(system: &TimedSystem) -> Vec<bool> {
     let mut released = vec![false; system.tasks.len()];
     let mut stepper = Stepper::new(system, &Watched::default());
     let (mut seen, mut possible) = (Vec::new(), Possible::default());
