@@ -54,8 +54,10 @@ pub struct NewPort {
 /// Why a component cannot be made of the answers.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum NewComponentError {
-    /// It is no name in C.
+    /// The name is not an identifier of C.
     Name(String),
+    /// The name is a keyword of specifications.
+    Keyword(String),
     /// Two tasks have this name.
     Twice(String),
     /// It is no period: that of a task.
@@ -77,12 +79,16 @@ impl fmt::Display for NewComponentError {
         match self {
             Name(name) => write!(
                 f,
-                "`{name}` is no name: write a letter or `_`, then letters, digits and `_`"
+                "`{name}` is not a valid name: write a letter or `_`, then letters, digits and `_`"
+            ),
+            Keyword(name) => write!(
+                f,
+                "`{name}` is a keyword of specifications: choose another name"
             ),
             Twice(name) => write!(f, "two tasks are called `{name}`: give one another name"),
             Period { task, period } => write!(
                 f,
-                "`{period}` is no period of task `{task}`: write a number above 0 and its unit, as in `10 ms`"
+                "`{period}` is not a valid period of task `{task}`: write a number above 0 and its unit, as in `10 ms`"
             ),
             NoTask => write!(f, "a component needs a task: give at least one"),
             Template(why) => write!(f, "the specification cannot be written: {why}"),
@@ -143,16 +149,26 @@ fn is_name(text: &str) -> bool {
         && chars.all(|it| it.is_ascii_alphanumeric() || it == '_')
 }
 
+/// Returns `true` if a text is a word that specifications reserve.
+fn is_keyword(text: &str) -> bool {
+    let tokens = dotgen_syntax::lexer::lex(text);
+    let kind = tokens.kinds().first();
+    kind.is_some_and(|it| it.is_reserved_word())
+}
+
 impl NewComponent {
     /// Its texts.
     ///
     /// # Errors
     /// Answers of which no component can be made.
     pub fn texts(&self) -> Result<NewTexts, NewComponentError> {
-        use NewComponentError::{Name, NoTask, Period, Template, Twice};
+        use NewComponentError::{Keyword, Name, NoTask, Period, Template, Twice};
         let names = std::iter::once(&self.name).chain(self.tasks.iter().map(|it| &it.name));
         if let Some(wrong) = names.clone().find(|it| !is_name(it)) {
             return Err(Name(wrong.clone()));
+        }
+        if let Some(keyword) = names.clone().find(|it| is_keyword(it)) {
+            return Err(Keyword(keyword.clone()));
         }
         if self.tasks.is_empty() {
             return Err(NoTask);
@@ -238,9 +254,19 @@ mod tests {
         };
         let say = |it: NewComponent| it.texts().err().map(|it| it.to_string());
         for (given, part) in [
-            (with("2d", vec![task("t", None)]), "`2d` is no name"),
-            (with("", vec![task("t", None)]), "`` is no name"),
-            (with("c", vec![task("t u", None)]), "`t u` is no name"),
+            (
+                with("2d", vec![task("t", None)]),
+                "`2d` is not a valid name",
+            ),
+            (with("", vec![task("t", None)]), "`` is not a valid name"),
+            (
+                with("c", vec![task("t u", None)]),
+                "`t u` is not a valid name",
+            ),
+            (
+                with("struct", vec![task("t", None)]),
+                "`struct` is a keyword",
+            ),
             (with("c", Vec::new()), "needs a task"),
             (
                 with("c", vec![task("t", None), task("t", None)]),
@@ -248,15 +274,24 @@ mod tests {
             ),
             (
                 with("c", vec![task("t", Some("soon"))]),
-                "`soon` is no period",
+                "`soon` is not a valid period",
             ),
-            (with("c", vec![task("t", Some("10"))]), "`10` is no period"),
+            (
+                with("c", vec![task("t", Some("10"))]),
+                "`10` is not a valid period",
+            ),
             (
                 with("c", vec![task("t", Some("0 ms"))]),
-                "`0 ms` is no period",
+                "`0 ms` is not a valid period",
             ),
-            (with("c", vec![task("t", Some("1.2.3 ms"))]), "is no period"),
-            (with("c", vec![task("t", Some("10 years"))]), "is no period"),
+            (
+                with("c", vec![task("t", Some("1.2.3 ms"))]),
+                "is not a valid period",
+            ),
+            (
+                with("c", vec![task("t", Some("10 years"))]),
+                "is not a valid period",
+            ),
         ] {
             let said = say(given.clone());
             assert!(

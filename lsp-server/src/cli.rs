@@ -22,10 +22,12 @@ mod replay;
 mod report;
 mod run;
 mod session;
+mod suggestion;
 mod trace;
 mod tree;
 mod verify;
 mod wcet;
+mod width;
 
 use std::process::ExitCode;
 
@@ -152,7 +154,7 @@ pub fn main() -> ExitCode {
     if let Some(status) = generate::intercept() {
         return status;
     }
-    let cli = Cli::parse();
+    let cli = Cli::try_parse().unwrap_or_else(|error| suggestion::improved(error).exit());
     cli.color.set();
     if let Err(message) = crate::config::release_of_environment() {
         failure(&anyhow::Error::msg(message));

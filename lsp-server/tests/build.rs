@@ -79,9 +79,15 @@ fn stubs_compile_in_both_languages() {
             stderr(&output)
         );
         assert!(
-            stderr(&output).contains("valve.so` is up to date"),
+            stderr(&output).contains("compiled 2 files into"),
             "{}",
             stderr(&output)
+        );
+        let again = it.run(&["codels", "build", "valve.gen"]);
+        assert!(
+            stderr(&again).contains("valve.so` is up to date"),
+            "{}",
+            stderr(&again)
         );
         let library =
             std::fs::read(it.path().join(".dotgen/run/valve/valve.so")).expect("a library");

@@ -225,7 +225,12 @@ component c {
 
 #[test]
 fn wrong_usage_and_files_that_cannot_be_read() {
-    let it = Directory::new(&[("empty/readme", "")]);
+    let it = Directory::new(&[
+        ("empty/readme", ""),
+        ("two/a.gen", ""),
+        ("two/b.gen", ""),
+        ("codels.c", ""),
+    ]);
     it.write("latin.gen", b"// caf\xe9\n");
     for (arguments, message) in [
         (&["check"][..], "required arguments were not provided"),
@@ -239,7 +244,21 @@ fn wrong_usage_and_files_that_cannot_be_read() {
             "cannot read `missing.gen`: no such file or directory",
         ),
         (&["check", "empty"], "no .gen file below `empty`"),
-        (&["tree", "empty"], "`empty` is a directory; name a file"),
+        (&["tree", "empty"], "no .gen file below `empty`"),
+        (&["model", "two"], "`two` has 2 specifications; name one: "),
+        (
+            &["check", "codels.c"],
+            "`codels.c` is a source of codels, not a specification; `dotgen codels check`",
+        ),
+        (
+            &["diagram", "fsm", "latin.gen", "-o", "x.jpg"],
+            "there is no picture format `jpg`",
+        ),
+        (&["check", "--fxi", "x.gen"], "'--fix'"),
+        (
+            &["wcet", "stats", "x.out"],
+            "cannot read `x.out`: no such file or directory",
+        ),
         (&["model", "missing.gen"], "cannot read `missing.gen`"),
     ] {
         let output = it.run(arguments);
@@ -525,6 +544,9 @@ fn plain_repairs_are_made_and_the_rest_is_reported() {
 
     let fixed = it.run(&["check", "--fix", "--format", "json", "c.gen"]);
     assert_eq!(status(&fixed), 1);
+    let told = stderr(&fixed);
+    assert!(told.contains("note: fixed `c.gen`: "), "{told}");
+    assert!(told.contains("insert `;`"), "{told}");
     let right = SLIPS
         .replace("version \"1\"", "version \"1\";")
         .replace("bool", "boolean")

@@ -140,7 +140,15 @@ fn values_cross_between_codels_ports_and_a_client_in_python() {
         let failed = call("fail", "{\"code\": 2}");
         assert_eq!(status(&failed), 1);
         assert!(stderr(&failed).contains("::echo::e_bad {\"code\":2}"));
-        assert_eq!(status(&call("count", "{\"m\": 3}")), 2);
+        let unknown = call("count", "{\"m\": 3}");
+        assert_eq!(status(&unknown), 2);
+        assert!(
+            stderr(&unknown).contains("`m` is not an input of the service; the only one is `n`"),
+            "{}",
+            stderr(&unknown)
+        );
+        assert!(stderr(&call("count", "3")).contains("as in `{\"n\":"));
+        assert!(stderr(&call("cuont", "{}")).contains("did you mean `count`?"));
         let watched = directory.run(&["watch", "--socket", "s", "echo/each", "-n", "2"]);
         assert_eq!(stdout(&watched), "{\"a\":30}\n{\"a\":30}\n");
         drop(run);

@@ -48,6 +48,12 @@ fn a_fresh_clone_has_nothing_open() {
     );
     assert!(!shown.contains("wait for"), "{shown}");
 
+    let listed = stdout(&run(&it, &["deps", "fly.gen"]));
+    let line = "include or/pose/pose_estimator.gen: <own interfaces>/or/pose/pose_estimator.gen\n";
+    assert!(listed.contains(line), "{listed}");
+    let listed = stdout(&run(&it, &["deps", "--format", "json", "fly.gen"]));
+    assert!(!listed.contains("<own interfaces>"), "{listed}");
+
     // For those who want what is installed only.
     let output = run(&it, &["check", "--deny", "missing", "fly.gen"]);
     assert_eq!(status(&output), 1);

@@ -58,7 +58,8 @@ fn a_new_component_is_sound_in_step_and_proved() {
 fn wrong_answers_are_refused_with_what_to_do() {
     let directory = Directory::new(&[]);
     for (arguments, part) in [
-        (&["new", "2d"][..], "`2d` is no name"),
+        (&["new", "2d"][..], "`2d` is not a valid name"),
+        (&["new", "struct"][..], "`struct` is a keyword"),
         (&["new", "c", "--task", "t=soon"][..], "as in `10 ms`"),
         (
             &["new", "c", "--uses", "x.gen:x"][..],

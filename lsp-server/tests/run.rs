@@ -81,6 +81,41 @@ fn the_same_seed_gives_the_same_run() {
 }
 
 #[test]
+fn a_response_time_beyond_the_period_exceeds_it() {
+    let directory = Directory::new(&[
+        (
+            "late.gen",
+            "component late {\n  task t { period 10 ms; codel<start> f() yield pause::start wcet 15 ms; };\n};\n",
+        ),
+        (
+            "late.scn",
+            "scenario late { use \"late.gen\"; check response *; }\n",
+        ),
+    ]);
+    let run = [
+        "run",
+        "late.scn",
+        "--simulate",
+        "all",
+        "--durations",
+        "worst",
+    ];
+    let words = stdout(&directory.run(&run));
+    let row = words.lines().find(|it| it.contains("response late.t"));
+    let row: Vec<&str> = row.unwrap_or_default().split_whitespace().collect();
+    assert_eq!(row[..3], ["exceeds", "response", "late.t"], "{words}");
+    assert_eq!(row[row.len() - 2..], ["10", "ms"], "{words}");
+    let output = directory.run(&[&run[..], &["--format", "json"]].concat());
+    let report: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    let check = &report["checks"][0];
+    assert_eq!(check["verdict"], "kept");
+    assert_eq!(
+        (&check["limit"], &check["exceeded"]),
+        (&10.into(), &true.into())
+    );
+}
+
+#[test]
 fn a_run_in_words() {
     let output = pump(&[
         "--until",

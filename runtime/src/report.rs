@@ -102,10 +102,20 @@ pub struct OfCheck {
     /// Greatest time measured for the check.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub greatest: Option<Value>,
+<<<<<<< HEAD
     /// Limit of this time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit: Option<Value>,
     /// First moment at which the verdict was known.
+=======
+    /// The limit of that: the stated one, or else the period of the task.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit: Option<Value>,
+    /// Whether the greatest time is beyond the limit. Beyond a period, nothing is violated.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub exceeded: bool,
+    /// When the verdict was known first.
+>>>>>>> 27c41eaee38a4fbec098bb1310ff239f4b136471
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at: Option<At>,
     /// Number of violations.
@@ -272,15 +282,20 @@ impl Maker<'_> {
 
     fn checks(&self, outcome: &Outcome) -> Vec<OfCheck> {
         let checks = self.prepared.checks.iter().zip(&outcome.judge.answers);
-        let checks = checks.map(|(asked, answer)| OfCheck {
-            name: asked.report.name.clone(),
-            check: asked.report.kind,
-            of: asked.report.of.clone(),
-            verdict: answer.verdict,
-            greatest: answer.greatest.map(|it| self.value(it)),
-            limit: asked.report.bound,
-            at: answer.at.map(|it| self.at(it)),
-            violations: answer.violations,
+        let checks = checks.map(|(asked, answer)| {
+            let greatest = answer.greatest.map(|it| self.value(it));
+            let limit = asked.report.limit;
+            OfCheck {
+                name: asked.report.name.clone(),
+                check: asked.report.kind,
+                of: asked.report.of.clone(),
+                verdict: answer.verdict,
+                greatest,
+                limit: limit.map(|it| Value::Time(it.time())),
+                exceeded: (limit.zip(greatest)).is_some_and(|it| it.0.is_exceeded_by(it.1)),
+                at: answer.at.map(|it| self.at(it)),
+                violations: answer.violations,
+            }
         });
         checks.collect()
     }

@@ -1,9 +1,16 @@
 //! Questions answered by verifying variations of a system: the fewest cores, the slack of times.
 //!
+<<<<<<< HEAD
 //! Each question asks only for `schedulable`, of the tasks that the checks of the scenario name, or of all
 //! tasks if they name none. Every value reported was verified itself. The largest WCET is exact when
 //! durations are intervals, because a larger upper bound only adds behaviour. Smallest periods and fixed
 //! durations are not monotonic, and the result says so.
+=======
+//! Only `schedulable` is asked, of the tasks that the checks of the scenario name (all of them if none
+//! does). A value with which a task is never released, because a start-up never completes, fails. Every value reported was verified itself. The largest WCET is exact when durations are
+//! intervals, as a larger upper bound only adds behaviour; smallest periods and fixed durations are
+//! not monotonic, and the result says so.
+>>>>>>> 27c41eaee38a4fbec098bb1310ff239f4b136471
 
 mod sensitivity;
 
@@ -24,6 +31,7 @@ use crate::system::TimedSystem;
 use crate::system::build::build;
 use crate::system::built::not_a;
 use crate::system::settings::Settings;
+use crate::verify::released::seen_released;
 use crate::verify::{Cancel, Options, SystemInput, settings, to_f64};
 pub use sensitivity::{NextToBreak, Progress, Quantity, Sensitivity, Told, sensitivity};
 
@@ -452,11 +460,13 @@ impl<'v> Variation<'v> {
         }
         let tasks: Vec<usize> = self.tasks.iter().map(|it| built.tasks[it]).collect();
         let bounds = response_bounds(&built.system);
-        let open = tasks
-            .into_iter()
-            .filter(|&task| !meets_deadlines(&built.system, task, bounds[task]));
+        // A bound proves nothing of a task that may have no job.
+        let released = seen_released(&built.system);
+        let proved =
+            |task: usize| released[task] && meets_deadlines(&built.system, task, bounds[task]);
+        let open: Vec<usize> = tasks.into_iter().filter(|&it| !proved(it)).collect();
         let watch = Watch {
-            schedulable: open.collect(),
+            schedulable: open.clone(),
             stop_at_first: true,
             ..Watch::default()
         };
@@ -464,10 +474,14 @@ impl<'v> Variation<'v> {
             return Verdict::Proved;
         }
         let found = asked.explore(&built.system, &watch);
+        let never_starts = |task| (found.absent.job(task)).is_some_and(|it| it.start_up.is_some());
         if found.missed.iter().any(Option::is_some) {
             Verdict::Refuted
         } else if found.stopped.is_some_and(|it| it != Stop::Answered) {
             Verdict::Unknown
+        } else if open.iter().any(|&it| never_starts(it)) {
+            // Deadlines are kept only because no job is ever released.
+            Verdict::Refuted
         } else {
             Verdict::Proved
         }

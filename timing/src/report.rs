@@ -129,6 +129,14 @@ impl Limit {
             Limit::Stated(it) | Limit::Period(it) => it,
         }
     }
+
+    /// Returns `true` if a time, in the unit of the report, is beyond the limit.
+    pub fn is_exceeded_by(self, time: Value) -> bool {
+        match time {
+            Value::Unbounded => true,
+            Value::Time(time) => time > self.time(),
+        }
+    }
 }
 
 /// The answer to one check.
@@ -490,11 +498,8 @@ impl CheckReport {
 
     /// Returns true if the value certainly exceeds the limit, stated or not.
     pub fn exceeds(&self) -> bool {
-        let beyond = match (self.value, self.limit) {
-            (Some(Value::Unbounded), Some(_)) => true,
-            (Some(Value::Time(value)), Some(limit)) => value > limit.time(),
-            _ => false,
-        };
+        let limit = self.limit.zip(self.value);
+        let beyond = limit.is_some_and(|(limit, value)| limit.is_exceeded_by(value));
         beyond && self.soundness != Soundness::UpperBound && !self.rounded
     }
 }

@@ -9,7 +9,7 @@ mod groups;
 mod nothing;
 mod prepared;
 mod reason;
-mod released;
+pub(crate) mod released;
 mod rounding;
 mod soon;
 mod units;

@@ -15,6 +15,7 @@ use dotgen_analysis::model::{
     InitValue, Initializer, Label, Param, ParamDir, PathElement, Service, Spec, TypeId, TypeKind,
     Value as Constant,
 };
+use dotgen_syntax::near::nearest;
 use serde_json::{Map, Value};
 
 /// Levels of types within types before a value is refused.
@@ -25,15 +26,15 @@ pub(super) const DEPTH: usize = 64;
 pub struct Wrong {
     /// Where in the value: `.pos[2].x`.
     pub at: String,
-    /// What is wanted there.
-    pub wanted: String,
+    /// What is wrong there, as a predicate: `has to be a number`.
+    pub what: String,
 }
 
 impl std::fmt::Display for Wrong {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self.at.is_empty() {
-            true => write!(f, "{} is wanted", self.wanted),
-            false => write!(f, "`{}` has to be {}", self.at, self.wanted),
+            true => write!(f, "the value {}", self.what),
+            false => write!(f, "`{}` {}", self.at, self.what),
         }
     }
 }
@@ -43,7 +44,22 @@ impl std::error::Error for Wrong {}
 pub(super) fn wrong<T>(at: &str, wanted: impl Into<String>) -> Result<T, Wrong> {
     Err(Wrong {
         at: at.to_owned(),
-        wanted: wanted.into(),
+        what: format!("has to be {}", wanted.into()),
+    })
+}
+
+/// An unknown name, with the known one that is near, or else all known ones.
+fn unknown<T>(at: &str, what: &str, name: &str, known: &[&str]) -> Result<T, Wrong> {
+    let known_names: Vec<String> = known.iter().map(|it| format!("`{it}`")).collect();
+    let advice = match (nearest(name, known.iter().copied()), known) {
+        (Some(near), _) => format!("did you mean `{near}`?"),
+        (None, []) => "there are none".to_owned(),
+        (None, [_]) => format!("the only one is {}", known_names.concat()),
+        (None, _) => format!("there are {}", known_names.join(", ")),
+    };
+    Err(Wrong {
+        at: at.to_owned(),
+        what: format!("is not {what}; {advice}"),
     })
 }
 
@@ -71,11 +87,7 @@ impl<'s> Values<'s> {
             .find(|key| !inputs().any(|it| it.name == key.as_str()))
         {
             let known: Vec<&str> = inputs().map(|it| it.name.as_str()).collect();
-            let wanted = match known.is_empty() {
-                true => "left out: the service has no inputs".to_owned(),
-                false => format!("one of {}", known.join(", ")),
-            };
-            return wrong(unknown, wanted);
+            return self::unknown(unknown, "an input of the service", unknown, &known);
         }
         let mut out = Vec::new();
         for param in inputs() {
@@ -449,10 +461,9 @@ impl<'s> Values<'s> {
                 let known = |key: &&String| members.iter().any(|&it| self.name(it) == **key);
                 if let Some(unknown) = given.and_then(|it| it.keys().find(|it| !known(it))) {
                     let names: Vec<String> = members.iter().map(|&it| self.name(it)).collect();
-                    return wrong(
-                        &format!("{at}.{unknown}"),
-                        format!("one of {}", names.join(", ")),
-                    );
+                    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+                    let place = format!("{at}.{unknown}");
+                    return self::unknown(&place, "a member of the structure", unknown, &names);
                 }
                 for &member in members {
                     let name = self.name(member);

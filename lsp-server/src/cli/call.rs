@@ -40,7 +40,7 @@ pub(super) struct Call {
 
 /// Print the values of an output port, one JSON value per line
 ///
-/// Ends when the run or the component ends, or on Ctrl-C.
+/// Begins with the newest value, if the port has been written. Ends when the run or the component ends, or on Ctrl-C.
 ///
 /// Exit status: 0 if the run ended or N values were printed, 1 if the component ended, 2 if the port could
 /// not be watched.
@@ -52,6 +52,10 @@ pub(super) struct Watch {
     /// End after N values
     #[arg(short = 'n', long, value_name = "N")]
     count: Option<u64>,
+
+    /// Leave out the value that was written before
+    #[arg(long)]
+    only_new: bool,
 
     /// Socket of the run [default: the only run on this machine]
     #[arg(long, value_name = "PATH")]
@@ -123,7 +127,7 @@ pub(super) fn call(arguments: &Call) -> anyhow::Result<Outcome> {
 
 pub(super) fn watch(arguments: &Watch) -> anyhow::Result<Outcome> {
     let mut talk = Talk::begin(arguments.socket.as_ref())?;
-    talk.say(&json!({"id": 1, "watch": arguments.port}))?;
+    talk.say(&json!({"id": 1, "watch": arguments.port, "newest": !arguments.only_new}))?;
     let mut left = arguments.count;
     while left != Some(0) {
         let Some(it) = talk.hear()? else { break };

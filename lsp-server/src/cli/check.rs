@@ -74,6 +74,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     let mut report = FileReports::default();
     let mut changed = fix::Changed::new();
+    let mut made = fix::Made::new();
     let reading = Reading {
         only_installed: arguments.denies_missing(),
         ..arguments.reading.clone()
@@ -83,7 +84,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             say_release(&session)?;
         }
         if arguments.fix || arguments.diff {
-            trouble.or_tell(fix::mend(&mut session, &mut changed));
+            trouble.or_tell(fix::mend(&mut session, &mut changed, &mut made));
         }
         let before = std::mem::take(&mut report.diagnostics);
         check(&mut session, &mut report, &mut trouble);
@@ -94,7 +95,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     if arguments.diff {
         return fix::print(&changed);
     }
-    fix::write(&changed)?;
+    fix::write(&changed, &made)?;
     if !arguments.denies_missing() {
         for it in &mut report.diagnostics {
             it.severity = severity_here(it.code, it.severity);

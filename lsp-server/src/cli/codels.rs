@@ -68,7 +68,7 @@ struct Check {
 /// Stubs are added at the end of existing files, or in new ones. Nothing else changes.
 #[derive(Debug, Args)]
 struct Stub {
-    /// Specification (.gen)
+    /// Specification (.gen), or directory with one specification
     file: Utf8PathBuf,
 
     /// Write only the stub of this codel
@@ -111,7 +111,7 @@ struct Sync {
 /// Writes mapped types, events and a compile_flags.txt to a separate folder.
 #[derive(Debug, Args)]
 struct Headers {
-    /// Specification (.gen)
+    /// Specification (.gen), or directory with one specification
     file: Utf8PathBuf,
 
     /// Folder to write to [default: .dotgen next to the specification]

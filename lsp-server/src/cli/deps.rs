@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use camino::Utf8PathBuf;
+use camino::{Utf8Path, Utf8PathBuf};
 use clap::{Args, ValueEnum};
 use dotgen_analysis::deps::{Dependencies, Include, Package, RequiredBy};
 use dotgen_analysis::terminal;
@@ -13,6 +13,7 @@ use serde_json::json;
 
 use super::{Outcome, Reading, report, session};
 use crate::features::codels::standins;
+use crate::files::vfs;
 
 /// List dependencies, where each was found, and how to install missing ones
 ///
@@ -137,7 +138,7 @@ fn print(it: &Needs, out: &mut impl Write) -> std::io::Result<()> {
     }
     for interface in &needs.interfaces {
         let from = match &interface.found {
-            Some(path) => format!("from {}", terminal::name(path.as_str())),
+            Some(path) => format!("from {}", place(path)),
             None => "MISSING: no file that was found declares it".to_owned(),
         };
         writeln!(
@@ -159,6 +160,15 @@ fn print(it: &Needs, out: &mut impl Write) -> std::io::Result<()> {
         writeln!(out, "  created {}", terminal::name(path))?;
     }
     Ok(())
+}
+
+/// A path for people. The interfaces that come with dotgen are in a cache, whose path says nothing.
+fn place(path: &Utf8Path) -> String {
+    let absolute = camino::absolute_utf8(path).unwrap_or_else(|_| path.to_owned());
+    match vfs::include_of_own_interface(&absolute) {
+        Some(include) => format!("<own interfaces>/{}", terminal::name(include.as_str())),
+        None => terminal::name(path.as_str()).into_owned(),
+    }
 }
 
 fn print_package(package: &Package, out: &mut impl Write) -> std::io::Result<()> {
@@ -197,7 +207,7 @@ fn print_include(
             "  include {path}: STAND-IN {}",
             terminal::name(found.as_str())
         ),
-        Some(found) => writeln!(out, "  include {path}: {}", terminal::name(found.as_str())),
+        Some(found) => writeln!(out, "  include {path}: {}", place(found)),
         None => {
             let packages = needs.missing_packages().flat_map(|it| &it.brought_by);
             let packages: Vec<&str> = packages.map(|it| it.package.as_str()).collect();

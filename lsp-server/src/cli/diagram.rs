@@ -24,7 +24,7 @@ pub(super) struct Arguments {
     /// Kind of picture
     kind: Kind,
 
-    /// Specifications, or - for standard input
+    /// Specifications, directories to search for .gen files, or - for standard input
     #[arg(value_name = "FILE", required = true)]
     files: Vec<Utf8PathBuf>,
 
@@ -191,11 +191,16 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
 
 /// The format asked for, or that of the file's name. Both have to say the same.
 fn format(arguments: &Arguments) -> anyhow::Result<Format> {
-    let named = arguments
-        .output
-        .as_deref()
-        .filter(|it| !it.is_dir())
-        .and_then(by_name);
+    let file = arguments.output.as_deref().filter(|it| !it.is_dir());
+    let named = file.and_then(by_name);
+    if let (None, None, Some(file)) = (arguments.format, named, file)
+        && let Some(unknown) = file.extension()
+    {
+        bail!(
+            "`{file}`: there is no picture format `{unknown}`; name the file .svg, .png, .dot, .mmd or .json, \
+             or choose a format with --format"
+        );
+    }
     match (arguments.format, named, &arguments.output) {
         (Some(asked), Some(named), Some(output)) if asked != named => bail!(
             "`{output}` is the name of a {} file, and --format asks for {}; leave one of them out",

@@ -14,7 +14,7 @@ use super::{Outcome, Reading, report, session};
 /// Exit status: 0 without errors, 1 with errors, 2 if the file cannot be read.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// The specification, or - for standard input
+    /// The specification, a directory with one specification, or - for standard input
     #[arg(value_name = "FILE")]
     file: Utf8PathBuf,
 

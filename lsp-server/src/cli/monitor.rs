@@ -4,7 +4,6 @@
 mod live;
 mod text;
 
-use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::time::Duration;
 
@@ -23,7 +22,7 @@ use super::run::bounds;
 use super::session::{display, is_standard_input};
 use super::verify::told::Told;
 use super::verify::{Cores, PolicyName, SemanticsName, cores, interrupt, one_problem};
-use super::wcet::{PIECE, given, read_log};
+use super::wcet::{PIECE, given, open, read_log};
 use super::{Outcome, Reading, report};
 use crate::files::disk::Stream;
 
@@ -214,7 +213,7 @@ fn follow(
     let wrong = || format!("cannot read `{path}`");
     let mut file = match is_standard_input(path) {
         true => None,
-        false => Some(File::open(path).with_context(wrong)?),
+        false => Some(open(path)?),
     };
     let is_file = file.as_ref().and_then(|it| it.metadata().ok());
     let is_file = is_file.is_some_and(|it| it.is_file());

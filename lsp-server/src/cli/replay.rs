@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 use camino::Utf8PathBuf;
 use clap::{Args, ValueEnum};
 use dotgen_analysis::terminal;
@@ -16,6 +16,7 @@ use super::outputs::MCAP;
 use super::session::display;
 use super::verify::told::Told;
 use super::verify::{Cores, PolicyName, SemanticsName, cores, one_problem};
+use super::wcet::unreadable;
 use super::{Outcome, Reading};
 
 /// Compare a recorded run step by step with the verified model
@@ -69,7 +70,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         bail!("name the scenario (.scn) of the run, or its specification (.gen)");
     }
     let texts: Vec<Utf8PathBuf> = texts.into_iter().cloned().collect();
-    let bytes = std::fs::read(path).with_context(|| format!("cannot read `{path}`"))?;
+    let bytes = std::fs::read(path).map_err(|error| unreadable(path, &error))?;
     let recorded = record::read(&bytes).map_err(|it| anyhow::anyhow!("`{path}`: {it}"))?;
     let Some((session, problem)) = one_problem(&texts, &arguments.reading)? else {
         return Ok(Outcome::Unusable);

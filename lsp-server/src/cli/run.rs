@@ -47,7 +47,7 @@ use recorder::Recorder;
 /// run ended early.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// Scenarios (.scn) and specifications (.gen)
+    /// Scenarios (.scn), specifications (.gen), and directories to search for .gen files
     #[arg(value_name = "FILE", required = true)]
     files: Vec<Utf8PathBuf>,
 

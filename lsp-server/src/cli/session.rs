@@ -7,12 +7,13 @@ use dotgen_analysis::host::{Analysis, AnalysisHost, Cancellable, Change, FileCon
 use dotgen_analysis::parallel;
 use dotgen_analysis::release::ReleaseOrigin;
 use dotgen_codegen::codels::files::FilesConfig;
+use dotgen_codegen::codels::source::Grammar;
 use dotgen_syntax::encoding;
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::{Outcome, Reading};
+use super::{Outcome, Reading, report};
 use crate::config::{self, Config, Level, Problem, Settings};
 use crate::files::vfs::{self, PackageConfig, Vfs};
 use crate::panic;
@@ -104,6 +105,39 @@ fn no_scenario(file: &SourceFile) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Refuses a source of codels, which the preprocessor of specifications would read.
+fn no_codels(argument: &Utf8Path) -> anyhow::Result<()> {
+    if Grammar::of_path(argument.as_str()).is_some() {
+        bail!(
+            "`{argument}` is a source of codels, not a specification; `dotgen codels check` checks the codels \
+             of a specification"
+        );
+    }
+    Ok(())
+}
+
+/// Notes the scenarios of directories that stand for their specifications. Scenarios in `files` are named.
+pub(super) fn note_unused_scenarios(arguments: &[Utf8PathBuf], files: &[SourceFile]) {
+    for argument in arguments.iter().filter(|it| it.is_dir()) {
+        let Ok(path) = absolute(argument) else {
+            continue;
+        };
+        let mut found = vfs::files_below(&path, &[EXTENSION]);
+        found.retain(|it| !files.iter().any(|file| file.path == *it));
+        let names: Vec<_> = (found.iter())
+            .map(|it| format!("`{}`", display(it)))
+            .collect();
+        match names.as_slice() {
+            [] => {}
+            [one] => report::note(&format!("{one} is not used; name it to use its checks")),
+            several => report::note(&format!(
+                "not used: {}; name a scenario to use its checks",
+                several.join(", ")
+            )),
+        }
+    }
+}
+
 /// The files that arguments name, each once.
 #[derive(Default)]
 struct NamedFiles {
@@ -147,7 +181,10 @@ impl NamedFiles {
                 }
                 found.into_iter().for_each(|it| self.push(it, false, None));
             }
-            FileContent::Text(_) | FileContent::NotUtf8(_) => self.push(path, true, None),
+            FileContent::Text(_) | FileContent::NotUtf8(_) => {
+                no_codels(argument)?;
+                self.push(path, true, None);
+            }
             FileContent::Missing => bail!("cannot read `{argument}`: no such file or directory"),
             FileContent::Unreadable(why) => bail!("cannot read `{argument}`: {why}"),
         }
@@ -246,13 +283,18 @@ impl Trouble {
     }
 }
 
-/// The one file that a command is about.
+/// The one specification that a command is about: a file, or the only one below a directory.
 pub(super) fn single(argument: &Utf8Path, reading: &Reading) -> anyhow::Result<Session> {
-    if argument.is_dir() {
-        bail!("`{argument}` is a directory; name a file");
-    }
     let files = files(&[argument.to_owned()])?;
     files.iter().try_for_each(no_scenario)?;
+    if files.len() > 1 {
+        let names: Vec<_> = files.iter().map(|it| display(&it.path)).collect();
+        bail!(
+            "`{argument}` has {} specifications; name one: {}",
+            names.len(),
+            names.join(", ")
+        );
+    }
     let mut sessions = open(files, reading)?;
     sessions.pop().context("there is nothing to read")
 }

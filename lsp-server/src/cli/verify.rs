@@ -41,14 +41,14 @@ use crate::verification::why::{self, Why};
 ///
 /// A scenario (FILE.scn) names its specifications, platform, clients and checks. Without a scenario, all
 /// FILE.gen are verified together as one system: their permanent activities, and a client that sends any
-/// request at any time. Options override the scenario.
+/// request at any time. A directory stands for the .gen files below it. Options override the scenario.
 ///
 /// Exit status: 0 if all checks hold, 1 if a check fails, 2 if nothing could be verified (wrong usage, or a
 /// file that cannot be read or has errors), 3 if no check fails but one was given up or had nothing to verify
 /// (missing execution times).
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// Scenarios (.scn) and specifications (.gen)
+    /// Scenarios (.scn), specifications (.gen), and directories to search for .gen files
     #[arg(value_name = "FILE", required = true)]
     files: Vec<Utf8PathBuf>,
 
@@ -347,10 +347,11 @@ fn write_trace(path: &Utf8Path, answers: &[Answer]) -> anyhow::Result<()> {
 /// One per scenario, and one for all specifications named. What cannot be used is told, and the others are
 /// there.
 pub(super) fn problems(
-    files: &[Utf8PathBuf],
+    arguments: &[Utf8PathBuf],
     reading: &Reading,
 ) -> (Vec<(Session, Problem)>, Trouble) {
-    let (files, mut trouble) = session::usable(files, &["gen"]);
+    let (files, mut trouble) = session::usable(arguments, &["gen"]);
+    session::note_unused_scenarios(arguments, &files);
     // Without one of its parts it would be another system.
     let mut whole = !trouble.any();
     let mut out = Vec::new();

@@ -6,7 +6,6 @@ pub(super) mod stats;
 use std::fs::File;
 use std::io::Read;
 
-use anyhow::Context;
 use camino::{Utf8Path, Utf8PathBuf};
 use clap::{Args, Subcommand};
 use dotgen_recording::log::Lines;
@@ -44,10 +43,9 @@ pub(super) fn read_log(
     path: &Utf8Path,
     mut each: impl FnMut(u64, &[u8], bool),
 ) -> anyhow::Result<()> {
-    let wrong = || format!("cannot read `{path}`");
     let mut source: Box<dyn Read> = match is_standard_input(path) {
         true => Box::new(std::io::stdin().lock()),
-        false => Box::new(File::open(path).with_context(wrong)?),
+        false => Box::new(open(path)?),
     };
     let mut piece = vec![0; PIECE];
     let mut lines = Lines::default();
@@ -56,7 +54,7 @@ pub(super) fn read_log(
             Ok(0) => break,
             Ok(length) => length,
             Err(error) if error.kind() == std::io::ErrorKind::Interrupted => continue,
-            Err(error) => return Err(error).with_context(wrong),
+            Err(error) => return Err(unreadable(path, &error)),
         };
         let read = piece.get(..length).unwrap_or_default();
         lines.feed(read, |number, line| each(number, line, true));
@@ -65,6 +63,24 @@ pub(super) fn read_log(
         each(number, line, false);
     }
     Ok(())
+}
+
+/// Opens a log.
+///
+/// # Errors
+/// In the words that all commands have for files that cannot be read.
+pub(super) fn open(path: &Utf8Path) -> anyhow::Result<File> {
+    File::open(path).map_err(|error| unreadable(path, &error))
+}
+
+/// Why a file cannot be read.
+pub(super) fn unreadable(path: &Utf8Path, error: &std::io::Error) -> anyhow::Error {
+    match error.kind() {
+        std::io::ErrorKind::NotFound => {
+            anyhow::anyhow!("cannot read `{path}`: no such file or directory")
+        }
+        _ => anyhow::anyhow!("cannot read `{path}`: {error}"),
+    }
 }
 
 /// Logs and other files, told apart by their extensions.

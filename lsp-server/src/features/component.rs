@@ -84,7 +84,9 @@ pub(crate) fn files(
     out.extend(stubs.into_iter().map(|it| (it.path, it.after)));
     match out.iter().find(|it| texts.read(&it.0).is_some()) {
         Some((path, _)) => Err(format!(
-            "{path} is there already: choose another name or folder, or remove it"
+            "`{}` is there already: choose another name or folder, or remove it",
+            path.strip_prefix(folder.parent().unwrap_or(folder))
+                .unwrap_or(path)
         )),
         None => Ok(out),
     }

@@ -17,7 +17,9 @@ use dotgen_analysis::release::ReleaseChoice;
 use dotgen_syntax::encoding;
 
 pub use dotgen_analysis::host::normalize;
-pub(crate) use interfaces::{has as has_own_interfaces, is_own as is_own_interface};
+pub(crate) use interfaces::{
+    has as has_own_interfaces, include_of as include_of_own_interface, is_own as is_own_interface,
+};
 pub use pkg_config::query;
 pub(crate) use pkg_config::words;
 

@@ -52,7 +52,8 @@ pub(crate) fn connect(path: Option<&Path>) -> Result<UnixStream, String> {
         .filter_map(|it| UnixStream::connect(&it).ok().map(|stream| (it, stream)))
         .collect();
     match found.len() {
-        0 => Err("nothing runs; start it with `dotgen run --clock real FILE`".to_owned()),
+        0 => Err("no run accepts requests; start one with `dotgen run --clock real FILE`. A run that was just started \
+             may still be compiling".to_owned()),
         1 => found.pop().map(|it| it.1).ok_or_else(String::new),
         _ => {
             let names = found.iter().map(|it| it.0.display().to_string());

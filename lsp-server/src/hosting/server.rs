@@ -1,5 +1,6 @@
 //! Services as JSON over a socket: see `docs/socket.md`.
 
+mod data;
 mod find;
 
 use std::collections::{BTreeMap, HashMap};
@@ -338,26 +339,26 @@ fn answer(
             return Ok(Some(lost(&shared.known[&component], why)));
         }
         admit(&state, client, id)?;
+        client.say(json!({"event": "watching"}), id);
+        if request.get("newest") == Some(&Value::Bool(true)) {
+            for (instance, value) in data::newest(shared, &state, component, port) {
+                client.offer(
+                    json!({"event": "data", "instance": instance, "value": value}),
+                    id,
+                );
+            }
+        }
         state.watchers.push(Watcher {
             client: client.clone(),
             id: id.clone(),
             component,
             port,
         });
-        return Ok(Some(json!({"event": "watching"})));
+        return Ok(None);
     }
     if let Some(path) = text("read") {
         let (component, port) = port(shared, path)?;
-        let known = &shared.known[&component];
-        let ty = known.component().ports[port as usize].data;
-        let state = shared.state();
-        let of = state.data.iter();
-        let of = of.filter(|((c, p, _), _)| (*c, *p) == (component, port));
-        let mut instances = Map::new();
-        for ((_, _, name), bytes) in of {
-            let value = Values::new(&known.spec).decode(ty, bytes);
-            instances.insert(name.clone(), value.unwrap_or(Value::Null));
-        }
+        let instances = data::newest(shared, &shared.state(), component, port);
         let value = instances.get("").cloned().unwrap_or(Value::Null);
         return Ok(Some(
             json!({"event": "data", "value": value, "instances": instances}),
@@ -421,9 +422,11 @@ fn call(
     }
     let Some(index) = found else {
         let names: Vec<&str> = services.iter().map(|it| it.name.as_str()).collect();
-        let names = names.join(", ");
-        return Err(format!(
-            "`{name}` has no service `{service}`; it has {names}"
+        return Err(find::missing(
+            &format!("`{name}`"),
+            "service",
+            service,
+            &names,
         ));
     };
     let Some(wanted) = known.services[index] else {
@@ -433,7 +436,7 @@ fn call(
     let given = match input {
         None | Some(Value::Null) => &none,
         Some(Value::Object(it)) => it,
-        Some(_) => return Err("`input` is an object by names of parameters".to_owned()),
+        Some(_) => return Err(data::not_an_object(&known.spec, &services[index])),
     };
     let inputs = Values::new(&known.spec).inputs(&services[index], given);
     let inputs = inputs.map_err(|it| format!("`{path}`: {it}"))?;

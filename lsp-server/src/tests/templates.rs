@@ -118,7 +118,7 @@ async fn the_client_is_asked_for_the_files_of_templates() {
         "textDocument": {
             "diagnostic": {},
             "synchronization": dynamic, "codeAction": dynamic,
-            "codeLens": dynamic, "references": dynamic,
+            "codeLens": dynamic, "references": dynamic, "definition": dynamic, "hover": dynamic,
         },
         "window": { "workDoneProgress": true },
     });

@@ -8,7 +8,7 @@ const STEPS: usize = 10_000;
 
 /// By task: true if a run of the system has a job of it. Three runs are tried, with choices that have no
 /// pattern: codels end as early as they may, as late, and now early, now late.
-pub(super) fn seen_released(system: &TimedSystem) -> Vec<bool> {
+pub(crate) fn seen_released(system: &TimedSystem) -> Vec<bool> {
     let mut released = vec![false; system.tasks.len()];
     let late: [fn(usize) -> bool; 3] = [|_| false, |_| true, |step| mixed(step) & 0x80 == 0];
     for late in late {

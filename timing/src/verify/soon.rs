@@ -20,7 +20,7 @@ const STAGES: [(Option<usize>, usize); 4] = [
     (Some(2), 100_000),
 ];
 
-/// No stage takes more than this part of the states that the whole may have.
+/// A stage with requests takes at most this part of the states that the whole may have.
 const SHARE: usize = 4;
 
 /// By check, the worst that has been seen: a failure, or the longest time.
@@ -81,6 +81,7 @@ impl Group<'_> {
     ) -> Seen {
         let mut seen = Seen(vec![None; checks.len()]);
         for (rounds, states) in STAGES {
+            let share = if rounds == Some(0) { 1 } else { SHARE };
             let staying = self.built.system.staying_after(rounds.unwrap_or(0));
             let built = match (rounds, staying) {
                 (None, None) if alone => break,
@@ -94,7 +95,7 @@ impl Group<'_> {
             let stage = Group {
                 built,
                 limits: Limits {
-                    states: (self.limits.states / SHARE).min(states),
+                    states: (self.limits.states / share).min(states),
                     ..self.limits
                 },
                 ..*self

@@ -21,25 +21,40 @@ const MOST_TRIED: usize = 3;
 /// Texts as they were and as they are now, by file.
 pub(super) type Changed = BTreeMap<Utf8PathBuf, (String, String)>;
 
+/// Titles of the fixes that were made, with the number of times, by file.
+pub(super) type Made = BTreeMap<Utf8PathBuf, BTreeMap<String, usize>>;
+
 /// Repairs the texts that a session reads, in memory. A repair is made if it was tried and is whole: see
 /// [`judge`](dotgen_codegen::codels::command::judge).
-pub(super) fn mend(session: &mut Session, changed: &mut Changed) -> anyhow::Result<()> {
+pub(super) fn mend(
+    session: &mut Session,
+    changed: &mut Changed,
+    titles: &mut Made,
+) -> anyhow::Result<()> {
     let mut room = MOST_TRIALS;
     for _ in 0..MOST_ROUNDS {
         let mut report = FileReports::default();
         // What cannot be read is told once, with the report.
         check(session, &mut report, &mut Trouble::silent());
         let found = report.diagnostics.iter();
-        let plain = found.filter_map(|it| Some((it.fixes.first()?, it.code)));
+        let plain = found.filter_map(|it| Some((it.fixes.first()?, it)));
         let plain = plain.filter(|it| it.0.kind == FixKind::Plain && is_ours(session, it.0));
-        let edits: Vec<(Edit, &str)> = plain.map(|it| (Edit::of(&it.0.edits), it.1)).collect();
+        let edits: Vec<(Edit, &Diagnostic)> =
+            plain.map(|it| (Edit::of(&it.0.edits), it.1)).collect();
         let mut project = project(session, changed);
         let mut made = Vec::new();
         for (roots, edits) in by_roots(&project, edits) {
             let mut judge = Judge::new(&mut project, &roots);
             judge.room = room;
-            let edit = judge.together(&edits, false).0;
+            let of_codes: Vec<(Edit, &str)> =
+                edits.iter().map(|it| (it.0.clone(), it.1.code)).collect();
+            let (edit, chosen) = judge.together(&of_codes, false);
             room = judge.room;
+            for it in chosen.into_iter().filter_map(|it| edits.get(it)) {
+                let title = it.1.fixes.first().map_or("", |fix| &fix.title);
+                let of_file = titles.entry(it.1.path.clone()).or_default();
+                *of_file.entry(title.to_owned()).or_default() += 1;
+            }
             // Edits of other units are judged beside these.
             for it in project.changes(&edit) {
                 project.overlay(it.path.clone(), it.after.clone());
@@ -115,10 +130,10 @@ fn project<'s>(session: &'s mut Session, changed: &Changed) -> Project<'s> {
     project
 }
 
-/// Edits by the roots of the units that they concern, each with the code of the finding that it mends.
-type ByRoots<'e> = BTreeMap<Vec<Utf8PathBuf>, Vec<(Edit, &'e str)>>;
+/// Edits by the roots of the units that they concern, each with the finding that it mends.
+type ByRoots<'e> = BTreeMap<Vec<Utf8PathBuf>, Vec<(Edit, &'e Diagnostic)>>;
 
-fn by_roots<'e>(project: &Project<'_>, edits: Vec<(Edit, &'e str)>) -> ByRoots<'e> {
+fn by_roots<'e>(project: &Project<'_>, edits: Vec<(Edit, &'e Diagnostic)>) -> ByRoots<'e> {
     let mut out = ByRoots::new();
     for it in edits {
         let paths = it.0.changed.keys();
@@ -142,15 +157,20 @@ pub(super) fn print(changed: &Changed) -> anyhow::Result<Outcome> {
 }
 
 /// Gives the files their new texts: all of them, or none.
-pub(super) fn write(changed: &Changed) -> anyhow::Result<()> {
+pub(super) fn write(changed: &Changed, made: &Made) -> anyhow::Result<()> {
     let files = changed.iter();
     let files: Vec<_> = files
         .map(|(path, (_, new))| report::new_content(path, new))
         .collect();
     report::write_files(&files)?;
-    if !changed.is_empty() {
-        let files = if changed.len() == 1 { "file" } else { "files" };
-        report::note(&format!("mended {} {files}", changed.len()));
+    for (path, titles) in made {
+        let title = |(title, count): (&String, &usize)| match count {
+            1 => report::text::title(title),
+            _ => format!("{} ({count} times)", report::text::title(title)),
+        };
+        let titles: Vec<String> = titles.iter().map(title).collect();
+        let path = session::display(path);
+        report::note(&format!("fixed `{path}`: {}", titles.join(", ")));
     }
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! `dotgen codels build`
 
 use std::ffi::OsString;
-use std::io::ErrorKind;
+use std::io::{ErrorKind, IsTerminal as _, Write as _};
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -135,6 +135,59 @@ fn tools(optimization: Optimization) -> anyhow::Result<Tools> {
     })
 }
 
+/// The steps whose outputs are missing or out of date.
+fn stale<'s>(steps: &[&'s Step]) -> Vec<&'s Step> {
+    let steps = steps.iter().copied();
+    steps.filter(|it| !it.is_fresh(&SystemDisk)).collect()
+}
+
+/// `1 file`, `3 files`
+fn files(count: usize) -> String {
+    match count {
+        1 => "1 file".to_owned(),
+        _ => format!("{count} files"),
+    }
+}
+
+/// A line on the terminal that counts compiled files, and goes when it is dropped.
+struct Counter {
+    of: usize,
+    done: AtomicUsize,
+    shown: bool,
+}
+
+impl Counter {
+    fn new(of: usize) -> Counter {
+        let dumb = std::env::var_os("TERM").is_some_and(|it| it == "dumb");
+        let counter = Counter {
+            of,
+            done: AtomicUsize::new(0),
+            shown: of > 0 && !dumb && std::io::stderr().is_terminal(),
+        };
+        counter.show(0);
+        counter
+    }
+
+    fn one_more(&self) {
+        self.show(self.done.fetch_add(1, Ordering::Relaxed) + 1);
+    }
+
+    fn show(&self, done: usize) {
+        if self.shown {
+            // A terminal that does not take the line gets no other one.
+            let _ = write!(std::io::stderr(), "\rcompiled {done} of {}", files(self.of));
+        }
+    }
+}
+
+impl Drop for Counter {
+    fn drop(&mut self) {
+        if self.shown {
+            let _ = write!(std::io::stderr(), "\r\x1b[K");
+        }
+    }
+}
+
 struct Builder<'b> {
     folder: &'b Folder,
     tools: &'b Tools,
@@ -205,7 +258,12 @@ impl Builder<'_> {
             .iter()
             .chain(hosted.iter().map(|it| &it.compile));
         let links: Vec<&Step> = hosted.iter().map(|it| &it.link).collect();
-        let (said, other) = self.compile(&compile.collect::<Vec<_>>(), &links)?;
+        let compile: Vec<&Step> = compile.collect();
+        let stale = stale(&compile).len();
+        if stale > 0 {
+            report::note(&format!("compiling {} of `{shown}`", files(stale)));
+        }
+        let (said, other) = self.compile(&compile, &links)?;
         let diagnostics = self.diagnostics(&said);
         for it in &other {
             report::note(it);
@@ -272,7 +330,7 @@ impl Builder<'_> {
                     Err(_) if vfs::has_own_interfaces(name) => {}
                     Err(why) => bail!(
                         "`{shown}` is not compiled: its codels require the package `{one}`: {}; install {}",
-                        why.trim_end(),
+                        why.trim_end().trim_end_matches('.'),
                         packages::advice(name)
                     ),
                 }
@@ -318,6 +376,7 @@ impl Builder<'_> {
             ));
         }
         let steps: Vec<&Step> = plan.compile.iter().collect();
+        let (stale, linked) = (stale(&steps).len(), !plan.link.is_fresh(&SystemDisk));
         let (said, other) = self.compile(&steps, &[&plan.link])?;
         let diagnostics = self.diagnostics(&said);
         for it in &other {
@@ -331,7 +390,11 @@ impl Builder<'_> {
             .all(|it| it.is_fresh(&SystemDisk));
         if made {
             let library = session::display(&plan.link.output);
-            report::note(&format!("`{library}` is up to date"));
+            report::note(&match (stale, linked) {
+                (0, false) => format!("`{library}` is up to date"),
+                (0, true) => format!("linked `{library}`"),
+                (count, _) => format!("compiled {} into `{library}`", files(count)),
+            });
         } else if !diagnostics.iter().any(failed) && other.is_empty() {
             bail!("`{shown}` does not compile, and the compiler does not say why");
         }
@@ -347,9 +410,8 @@ impl Builder<'_> {
         steps: &[&Step],
         links: &[&Step],
     ) -> anyhow::Result<(Vec<Said>, Vec<String>)> {
-        let todo: Vec<&Step> = (steps.iter().copied())
-            .filter(|it| !it.is_fresh(&SystemDisk))
-            .collect();
+        let todo = stale(steps);
+        let counter = Counter::new(todo.len());
         let jobs = self
             .jobs
             .unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
@@ -367,12 +429,14 @@ impl Builder<'_> {
                             break;
                         }
                         let result = work(step);
+                        counter.one_more();
                         let mut results = results.lock().unwrap_or_else(|it| it.into_inner());
                         results.push((&step.output, result));
                     }
                 });
             }
         });
+        drop(counter);
         let mut results = results.into_inner().unwrap_or_else(|it| it.into_inner());
         results.sort_by_key(|it| it.0);
         let (mut said, mut other) = (Vec::new(), Vec::new());

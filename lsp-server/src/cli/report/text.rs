@@ -42,7 +42,10 @@ pub(in crate::cli) fn print(report: &FileReports) -> anyhow::Result<()> {
         let (file, component) = (terminal::name(&it.file), terminal::text(&it.component));
         writeln!(out, "{file}: {component}: {}", it.coverage)?;
     }
-    writeln!(out, "{}", summary(report))?;
+    // If nothing could be checked, the errors say why.
+    if report.checked > 0 || !report.diagnostics.is_empty() {
+        writeln!(out, "{}", summary(report))?;
+    }
     Ok(out.flush()?)
 }
 
@@ -226,13 +229,17 @@ fn add_excerpt<'d>(
 }
 
 /// The best fix as the text it makes, if it is in one file.
+/// The title of a fix after a colon. Titles of their own, as in editor menus, begin with a capital letter.
+pub(in crate::cli) fn title(of_fix: &str) -> String {
+    let mut rest = of_fix.chars();
+    let first = rest.next().into_iter().flat_map(char::to_lowercase);
+    first.chain(rest).collect()
+}
+
 fn fix_group<'d>(fix: &'d Fix, texts: &'d Texts) -> Option<Group<'d>> {
     let path = &fix.edits.first()?.path;
     let lines = texts.get(path)?;
-    // Titles are those of editor menus; here they follow "help:".
-    let mut rest = fix.title.chars();
-    let first = rest.next()?.to_lowercase();
-    let title = first.chain(rest).collect::<String>();
+    let title = title(&fix.title);
     if fix.edits.iter().any(|it| it.path != *path) {
         return Some(Group::with_title(Level::HELP.secondary_title(title)));
     }

@@ -206,19 +206,21 @@ fn transitions(out: &mut impl Write, report: &RunReport) -> std::io::Result<()> 
     Ok(())
 }
 
-fn word(it: Verdict) -> (&'static str, Style) {
-    match it {
-        Verdict::Kept => ("kept", GOOD),
-        Verdict::Violated => ("violated", BAD),
-        Verdict::Seen => ("seen", GOOD),
-        Verdict::NotSeen => ("not seen", OPEN),
+fn word(it: &OfCheck) -> &'static str {
+    match it.verdict {
+        // The word of `dotgen verify`.
+        Verdict::Kept if it.exceeded => "exceeds",
+        Verdict::Kept => "kept",
+        Verdict::Violated => "violated",
+        Verdict::Seen => "seen",
+        Verdict::NotSeen => "not seen",
     }
 }
 
 fn checks(out: &mut impl Write, report: &RunReport, scale: Scale) -> std::io::Result<()> {
     let rows = report.checks.iter().map(|it| {
         vec![
-            word(it.verdict).0.to_owned(),
+            word(it).to_owned(),
             title(it),
             value(it.greatest, scale),
             value(it.limit, scale),

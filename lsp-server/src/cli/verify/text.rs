@@ -8,9 +8,11 @@ use dotgen_timing::explore::MomentKind;
 use dotgen_timing::report::Event;
 
 use super::{Answer, explain};
+use crate::cli::width::wrapped;
 use crate::verification::advice;
 use crate::verification::blocking;
 use crate::verification::changes::{Repair, Repairs};
+use crate::verification::first::FirstAnswer;
 use crate::verification::folded::{Part, folded, words as again};
 use crate::verification::summary::{self, Scale};
 use crate::verification::view::{CheckView, Outcome};
@@ -34,7 +36,9 @@ pub(super) fn head(answer: &Answer, is_first: bool, explained: bool) -> anyhow::
         summary::platform(&settings),
         answer.file(),
     )?;
-    if !answer.first.is_empty() {
+    // Without any execution time, the table says all there is to say.
+    let is_nothing = |it: &FirstAnswer| it.outcome == Outcome::Nothing.counted();
+    if !answer.first.iter().all(is_nothing) {
         writeln!(out)?;
         let width = answer.first.iter().map(|it| it.assuming.len()).max();
         let width = width.unwrap_or_default();
@@ -48,8 +52,17 @@ pub(super) fn head(answer: &Answer, is_first: bool, explained: bool) -> anyhow::
         writeln!(out, "  any client:")?;
     }
     let view = answer.view();
-    let rows: Vec<Row> = view.checks.iter().map(Row::new).collect();
+    let mut rows: Vec<Row> = view.checks.iter().map(Row::new).collect();
+    let shared = shared_remarks(&mut rows);
     table(out, &rows)?;
+    for (number, remark) in (1..).zip(shared) {
+        let remark = wrapped(&remark, 6, 6);
+        writeln!(
+            out,
+            "{}  [{number}] {remark}",
+            if number == 1 { "\n" } else { "" }
+        )?;
+    }
     for it in &view.checks {
         let check = it.report;
         let (events, remark) = match check.counterexample.is_empty() {
@@ -69,23 +82,25 @@ pub(super) fn head(answer: &Answer, is_first: bool, explained: bool) -> anyhow::
         let requests = events.iter().filter(|it| it.kind == MomentKind::Request);
         let requests: Vec<&str> = requests.map(|it| it.what.as_str()).collect();
         if !requests.is_empty() {
-            writeln!(
-                out,
-                "  {TITLE}requests{TITLE:#} {}",
-                requests.join(", then ")
-            )?;
+            labelled(out, "requests", &requests.join(", then "))?;
         }
         if let Some(cause) = &it.cause {
-            writeln!(out, "  {TITLE}cause{TITLE:#} {cause}")?;
+            labelled(out, "cause", cause)?;
         }
         if let Some(remedy) = &it.remedy {
-            writeln!(out, "  {TITLE}help{TITLE:#} {remedy}")?;
+            labelled(out, "help", remedy)?;
         }
         for it in &it.reason {
-            writeln!(out, "  {TITLE}because{TITLE:#} {it}")?;
+            labelled(out, "because", it)?;
         }
     }
     Ok(())
+}
+
+/// A paragraph below a run, after its label.
+fn labelled(out: &mut impl Write, label: &str, text: &str) -> std::io::Result<()> {
+    let text = wrapped(text, label.len() + 3, 4);
+    writeln!(out, "  {TITLE}{label}{TITLE:#} {text}")
 }
 
 /// What it depends on, and what it amounts to.
@@ -119,10 +134,14 @@ pub(super) fn tail(answer: &Answer, explained: bool) -> anyhow::Result<()> {
         true => "nothing checked".to_owned(),
         false => counts.join(", "),
     };
+    let by_analysis = report.checks.iter().any(|it| it.by.is_some());
+    let how = match report.states {
+        0 if by_analysis && !report.unknown() => "by analysis".to_owned(),
+        states => format!("{states} states"),
+    };
     writeln!(
         out,
-        "\n{TITLE}{counts}{TITLE:#} {FAINT}({} states in {:.3} s, {:.1} MB){FAINT:#}",
-        report.states,
+        "\n{TITLE}{counts}{TITLE:#} {FAINT}({how} in {:.3} s, {:.1} MB){FAINT:#}",
         report.seconds,
         report.memory as f64 / 1e6
     )?;
@@ -244,6 +263,27 @@ impl Row {
     }
 }
 
+/// Takes long remarks that several rows have out of the rows, which refer to them by number.
+fn shared_remarks(rows: &mut [Row]) -> Vec<String> {
+    const LONG: usize = 100;
+    let mut shared: Vec<String> = Vec::new();
+    for at in 0..rows.len() {
+        let remark = rows[at].remark.clone();
+        if remark.len() <= LONG || shared.contains(&remark) {
+            continue;
+        }
+        if rows[at + 1..].iter().any(|it| it.remark == remark) {
+            shared.push(remark);
+        }
+    }
+    for row in rows {
+        if let Some(number) = shared.iter().position(|it| *it == row.remark) {
+            row.remark = format!("[{}]", number + 1);
+        }
+    }
+    shared
+}
+
 fn style(outcome: Outcome) -> Style {
     match outcome {
         Outcome::Proved | Outcome::Bounded => AnsiColor::Green.on_default(),
@@ -294,8 +334,10 @@ fn table(out: &mut impl Write, rows: &[Row]) -> std::io::Result<()> {
             right(&row.limit, limit),
             right(&row.slack, slack),
         );
-        if !row.remark.is_empty() {
-            rest.push_str(&format!("  ({})", row.remark));
+        match row.remark.as_str() {
+            "" => {}
+            number if number.starts_with('[') => rest.push_str(&format!("  {number}")),
+            remark => rest.push_str(&format!("  ({remark})")),
         }
         writeln!(
             out,

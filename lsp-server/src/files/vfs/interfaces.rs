@@ -88,6 +88,17 @@ pub(crate) fn is_own(path: &Utf8Path) -> bool {
     below.is_some_and(|below| below.as_str().starts_with(PREFIX))
 }
 
+/// The path that an `#include` names, of a file of these definitions.
+pub(crate) fn include_of(path: &Utf8Path) -> Option<&Utf8Path> {
+    let mut below = path.strip_prefix(cache()?).ok()?.components();
+    let folder = below.next()?;
+    if !folder.as_str().starts_with(PREFIX) {
+        return None;
+    }
+    let _package = below.next()?;
+    Some(below.as_path())
+}
+
 fn content() -> u64 {
     let mut hasher = FxHasher::default();
     DEFINITIONS.hash(&mut hasher);

@@ -1,6 +1,7 @@
 //! Components and ports by the names that clients write.
 
 use dotgen_analysis::model::PortDir;
+use dotgen_syntax::near::nearest;
 
 use super::Shared;
 
@@ -13,10 +14,7 @@ pub(super) fn component(shared: &Shared, name: &str) -> Result<usize, String> {
             .values()
             .map(|it| it.component().name.as_str())
             .collect();
-        format!(
-            "there is no component `{name}`; there are {}",
-            names.join(", ")
-        )
+        missing("the run", "component", name, &names)
     })
 }
 
@@ -27,18 +25,25 @@ pub(super) fn port(shared: &Shared, path: &str) -> Result<(usize, u32), String> 
     let found = (0u32..)
         .zip(ports)
         .find(|(_, it)| it.name == port && it.dir == PortDir::Out);
-    let names = || {
+    found.map(|(port, _)| (at, port)).ok_or_else(|| {
         let outputs = ports.iter().filter(|it| it.dir == PortDir::Out);
-        outputs
-            .map(|it| it.name.as_str())
-            .collect::<Vec<_>>()
-            .join(", ")
-    };
-    match found {
-        Some((port, _)) => Ok((at, port)),
-        None => Err(format!(
-            "`{name}` has no output port `{port}`; it has {}",
-            names()
-        )),
+        let outputs: Vec<&str> = outputs.map(|it| it.name.as_str()).collect();
+        missing(&format!("`{name}`"), "output port", port, &outputs)
+    })
+}
+
+/// The message for a name that is not among those of a kind: the name that is near, or else all names.
+pub(super) fn missing(owner: &str, kind: &str, name: &str, all: &[&str]) -> String {
+    if let Some(near) = nearest(name, all.iter().copied()) {
+        return format!("{owner} has no {kind} `{name}`; did you mean `{near}`?");
+    }
+    let names: Vec<String> = all.iter().map(|it| format!("`{it}`")).collect();
+    match names.as_slice() {
+        [] => format!("{owner} has no {kind}s"),
+        [one] => format!("{owner} has no {kind} `{name}`, only {one}"),
+        several => format!(
+            "{owner} has no {kind} `{name}`; it has {}",
+            several.join(", ")
+        ),
     }
 }

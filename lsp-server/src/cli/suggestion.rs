@@ -1,0 +1,56 @@
+//! Suggestions for options that do not exist.
+
+use clap::CommandFactory;
+use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
+use dotgen_syntax::near::nearest;
+
+use super::Cli;
+
+/// Adds the option that was probably meant to the error of the command line. Clap's own measure finds no
+/// transposed letters in short words.
+pub(super) fn improved(mut error: Error) -> Error {
+    if error.kind() != ErrorKind::UnknownArgument || error.get(ContextKind::SuggestedArg).is_some()
+    {
+        return error;
+    }
+    let Some(ContextValue::String(wrong)) = error.get(ContextKind::InvalidArg) else {
+        return error;
+    };
+    let Some(near) = near(wrong, std::env::args().skip(1)) else {
+        return error;
+    };
+    error.remove(ContextKind::Suggested);
+    error.insert(ContextKind::SuggestedArg, ContextValue::String(near));
+    error
+}
+
+/// The option of the subcommand in the arguments that is nearest to a wrong one.
+fn near(wrong: &str, arguments: impl Iterator<Item = String>) -> Option<String> {
+    let wrong = wrong.strip_prefix("--")?;
+    let mut command = Cli::command();
+    command.build();
+    let mut command = &command;
+    for word in arguments {
+        command = command.find_subcommand(&word).unwrap_or(command);
+    }
+    let shown = command.get_arguments().filter(|it| !it.is_hide_set());
+    let options: Vec<&str> = shown.filter_map(|it| it.get_long()).collect();
+    nearest(wrong, options).map(|it| format!("--{it}"))
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn transposed_letters_are_found() {
+        let near = |wrong: &str, words: &[&str]| {
+            super::near(wrong, words.iter().map(|it| (*it).to_owned()))
+        };
+        assert_eq!(near("--fxi", &["check", "lamp"]).as_deref(), Some("--fix"));
+        assert_eq!(
+            near("--dryrun", &["codels", "stub"]).as_deref(),
+            Some("--dry-run")
+        );
+        assert_eq!(near("--colour", &["check"]).as_deref(), Some("--color"));
+        assert_eq!(near("--frobnicate", &["check"]), None);
+    }
+}

@@ -1,0 +1,39 @@
+//! Values of ports and of inputs, as clients see them.
+
+use dotgen_analysis::model::{Service, Spec};
+use dotgen_codegen::codels::value::{Values, goes_in};
+use serde_json::{Map, Value, json};
+
+use super::{Shared, State};
+
+/// The newest value of each instance of a port.
+pub(super) fn newest(
+    shared: &Shared,
+    state: &State,
+    component: usize,
+    port: u32,
+) -> Map<String, Value> {
+    let known = &shared.known[&component];
+    let ty = known.component().ports[port as usize].data;
+    let of = state.data.iter();
+    let of = of.filter(|((c, p, _), _)| (*c, *p) == (component, port));
+    let values = of.map(|((_, _, instance), bytes)| {
+        let value = Values::new(&known.spec).decode(ty, bytes);
+        (instance.clone(), value.unwrap_or(Value::Null))
+    });
+    values.collect()
+}
+
+/// The message for inputs that are not an object, with an object that would do.
+pub(super) fn not_an_object(spec: &Spec, service: &Service) -> String {
+    let values = Values::new(spec);
+    let inputs = service.params.iter().filter(|it| goes_in(it));
+    let example: Map<String, Value> = inputs
+        .map(|it| {
+            let default = values.default_of(it);
+            (it.name.to_string(), default.unwrap_or_else(|| json!(0)))
+        })
+        .collect();
+    let example = Value::Object(example);
+    format!("the input is not an object; write the parameters by name, as in `{example}`")
+}
