@@ -102,20 +102,13 @@ pub struct OfCheck {
     /// Greatest time measured for the check.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub greatest: Option<Value>,
-<<<<<<< HEAD
-    /// Limit of this time.
+    /// Limit of this time: the stated one, or else the period of the task.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit: Option<Value>,
-    /// First moment at which the verdict was known.
-=======
-    /// The limit of that: the stated one, or else the period of the task.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub limit: Option<Value>,
-    /// Whether the greatest time is beyond the limit. Beyond a period, nothing is violated.
+    /// True if the greatest time is above the limit. Beyond a period, nothing is violated.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub exceeded: bool,
-    /// When the verdict was known first.
->>>>>>> 27c41eaee38a4fbec098bb1310ff239f4b136471
+    /// First moment at which the verdict was known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at: Option<At>,
     /// Number of violations.

@@ -1,16 +1,10 @@
 //! Questions answered by verifying variations of a system: the fewest cores, the slack of times.
 //!
-<<<<<<< HEAD
 //! Each question asks only for `schedulable`, of the tasks that the checks of the scenario name, or of all
-//! tasks if they name none. Every value reported was verified itself. The largest WCET is exact when
-//! durations are intervals, because a larger upper bound only adds behaviour. Smallest periods and fixed
-//! durations are not monotonic, and the result says so.
-=======
-//! Only `schedulable` is asked, of the tasks that the checks of the scenario name (all of them if none
-//! does). A value with which a task is never released, because a start-up never completes, fails. Every value reported was verified itself. The largest WCET is exact when durations are
-//! intervals, as a larger upper bound only adds behaviour; smallest periods and fixed durations are
-//! not monotonic, and the result says so.
->>>>>>> 27c41eaee38a4fbec098bb1310ff239f4b136471
+//! tasks if they name none. A value with which a task is never released, because a start-up never completes,
+//! fails. Every value reported was verified itself. The largest WCET is exact when durations are intervals,
+//! because a larger upper bound only adds behaviour. Smallest periods and fixed durations are not monotonic,
+//! and the result says so.
 
 mod sensitivity;
 

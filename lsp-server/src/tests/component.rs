@@ -79,7 +79,10 @@ async fn a_component_comes_with_scenario_and_codels() {
         .await
         .expect_err("it is there");
     let message = refused["message"].as_str().unwrap_or_default();
-    assert!(message.contains("`arm/arm.gen` is there already"), "{message}");
+    assert!(
+        message.contains("`arm/arm.gen` is there already"),
+        "{message}"
+    );
     params["name"] = json!("struct");
     let refused = client.request("dotgen/newComponent", params).await;
     let refused: Value = refused.expect_err("it is a word of the language");
