@@ -13,6 +13,7 @@
 //! | [`stream`] | a connection with a client |
 //! | [`places`] | where the sockets of this user are |
 //! | [`realtime`] | what the system grants to who has to be in time |
+//! | [`strays`] | processes that codels leave behind |
 
 mod board;
 pub(crate) mod children;
@@ -26,5 +27,6 @@ pub(crate) mod network;
 pub(crate) mod places;
 pub(crate) mod realtime;
 pub(crate) mod server;
+pub(crate) mod strays;
 mod stream;
 mod wire;

@@ -355,6 +355,29 @@ fn what_codels_do_to_their_process_ends_their_component_alone() {
 }
 
 #[test]
+fn processes_that_codels_leave_behind_end_with_the_run() {
+    if !compilers() {
+        return;
+    }
+    let body = "extern int mkdir(const char *, unsigned);
+        if (fork() == 0) {
+          setsid();
+          for (int it = 0; it < 1000; it++) close(it);
+          if (fork() == 0) { mkdir(\"forked\", 0700); for (;;) pause(); }
+          _exit(0);
+        }";
+    let directory = with_body(body);
+    for clock in ["virtual", "real"] {
+        let mut arguments = vec!["run", "bad/bad.gen", "--bounds", "none"];
+        arguments.extend(["--until", "500ms", "--clock", clock]);
+        let output = directory.run(&arguments);
+        assert!(!stderr(&output).contains("cannot be ended"));
+        std::fs::remove_dir(directory.path().join("forked")).expect("it was there");
+        none_is_left(&directory);
+    }
+}
+
+#[test]
 fn a_host_that_is_stopped_does_not_keep_a_run_from_ending() {
     if !compilers() {
         return;

@@ -209,6 +209,7 @@ impl Context<'_, '_> {
         use crate::hosting::children::Children;
         use crate::hosting::realtime;
         use crate::hosting::server::Server;
+        use crate::hosting::strays::Strays;
         use dotgen_runtime::engine::End;
         use dotgen_runtime::live::Live;
         use dotgen_runtime::paced::Pace;
@@ -247,6 +248,8 @@ impl Context<'_, '_> {
         };
         let system = &opened.built.system;
         let names = system.components.iter().map(|it| it.name.clone()).collect();
+        // Dropped after the hosts.
+        let _strays = Strays::adopt();
         let mut children = Children::new(
             hosted.libraries(prepared),
             names,
