@@ -13,6 +13,7 @@ pub(crate) mod language;
 pub(crate) mod mentions;
 pub(crate) mod runs;
 pub(crate) mod scenario;
+pub(crate) mod source;
 pub(crate) mod specification;
 pub(crate) mod template;
 pub(crate) mod verification;
@@ -27,7 +28,7 @@ use language::Language;
 pub(crate) fn language_of(snapshot: &Snapshot, path: &Utf8Path) -> &'static dyn Language {
     match snapshot.kind_of(path) {
         DocumentKind::Template | DocumentKind::Source => &template::Template,
-        DocumentKind::Code => &codels::Sources,
+        DocumentKind::Code => &source::Sources,
         DocumentKind::Specification if mentions::is_scenario(path) => &scenario::Scenario,
         DocumentKind::Specification => &specification::Specification,
     }

@@ -528,8 +528,8 @@ fn how_far_a_system_is_from_missing_a_deadline() {
     }
 }
 
-/// On one core, `high` keeps the core for ever, and `low` never completes its start-up: no job of `t` is late,
-/// because there is none.
+/// On one core, `high` keeps the core for ever, and `low` never completes its start-up: no job of `t` is
+/// late, because there is none.
 #[test]
 fn deadlines_of_jobs_that_never_come_are_not_met_with_fewer_cores() {
     let it = Directory::new(&[

@@ -188,8 +188,8 @@ impl<'a> Lookup<'a> {
         named.next().map(|it| it.1.src).into_iter().collect()
     }
 
-    /// Where the state of an event is declared: the codel that it triggers, first in the service of the function
-    /// around the name.
+    /// Where the state of an event is declared: the codel that it triggers, first in the service of the
+    /// function around the name.
     fn state(&self, event: TypeId) -> Option<Src> {
         let component = self.expected.component();
         let codels = || {

@@ -40,7 +40,8 @@ pub(super) struct Call {
 
 /// Print the values of an output port, one JSON value per line
 ///
-/// Begins with the newest value, if the port has been written. Ends when the run or the component ends, or on Ctrl-C.
+/// Begins with the newest value, if the port has been written. Ends when the run or the component ends, or
+/// on Ctrl-C.
 ///
 /// Exit status: 0 if the run ended or N values were printed, 1 if the component ended, 2 if the port could
 /// not be watched.

@@ -6,7 +6,7 @@ pub(super) mod text;
 
 use std::collections::HashSet;
 
-use camino::Utf8Path;
+use camino::{Utf8Path, Utf8PathBuf};
 use clap::ValueEnum;
 use dotgen_analysis::deps::Dependencies;
 use dotgen_analysis::diagnostic::{Diagnostic, Severity};
@@ -17,8 +17,10 @@ use dotgen_syntax::encoding;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::session::Texts;
+use super::session::{SourceFile, Texts, absolute, display};
 use crate::files::disk::SystemDisk;
+use crate::files::vfs;
+use crate::verification::problem::EXTENSION;
 
 /// Diagnostics of all files checked.
 #[derive(Default)]
@@ -118,6 +120,28 @@ pub(super) fn note(text: &str) {
     let text = encoding::shown(text);
     let text = terminal::text(&text);
     let _ = writeln!(anstream::stderr(), "{style}note{style:#}: {text}");
+}
+
+/// Notes the scenarios of directories that stand for their specifications. Scenarios in `files` are named.
+pub(super) fn note_unused_scenarios(arguments: &[Utf8PathBuf], files: &[SourceFile]) {
+    for argument in arguments.iter().filter(|it| it.is_dir()) {
+        let Ok(path) = absolute(argument) else {
+            continue;
+        };
+        let mut found = vfs::files_below(&path, &[EXTENSION]);
+        found.retain(|it| !files.iter().any(|file| file.path == *it));
+        let names: Vec<_> = (found.iter())
+            .map(|it| format!("`{}`", display(it)))
+            .collect();
+        match names.as_slice() {
+            [] => {}
+            [one] => note(&format!("{one} is not used; name it to use its checks")),
+            several => note(&format!(
+                "not used: {}; name a scenario to use its checks",
+                several.join(", ")
+            )),
+        }
+    }
 }
 
 /// Gives files their new content, all of them or none.

@@ -13,7 +13,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::{Outcome, Reading, report};
+use super::{Outcome, Reading};
 use crate::config::{self, Config, Level, Problem, Settings};
 use crate::files::vfs::{self, PackageConfig, Vfs};
 use crate::panic;
@@ -114,28 +114,6 @@ fn no_codels(argument: &Utf8Path) -> anyhow::Result<()> {
         );
     }
     Ok(())
-}
-
-/// Notes the scenarios of directories that stand for their specifications. Scenarios in `files` are named.
-pub(super) fn note_unused_scenarios(arguments: &[Utf8PathBuf], files: &[SourceFile]) {
-    for argument in arguments.iter().filter(|it| it.is_dir()) {
-        let Ok(path) = absolute(argument) else {
-            continue;
-        };
-        let mut found = vfs::files_below(&path, &[EXTENSION]);
-        found.retain(|it| !files.iter().any(|file| file.path == *it));
-        let names: Vec<_> = (found.iter())
-            .map(|it| format!("`{}`", display(it)))
-            .collect();
-        match names.as_slice() {
-            [] => {}
-            [one] => report::note(&format!("{one} is not used; name it to use its checks")),
-            several => report::note(&format!(
-                "not used: {}; name a scenario to use its checks",
-                several.join(", ")
-            )),
-        }
-    }
 }
 
 /// The files that arguments name, each once.
@@ -332,7 +310,7 @@ pub(super) fn around(path: &Utf8Path, files: Vec<SourceFile>, reading: &Reading)
     )
 }
 
-fn absolute(path: &Utf8Path) -> anyhow::Result<Utf8PathBuf> {
+pub(super) fn absolute(path: &Utf8Path) -> anyhow::Result<Utf8PathBuf> {
     let path = camino::absolute_utf8(path)
         .with_context(|| format!("`{path}` is not a path that can be used"))?;
     Ok(vfs::normalize(&path))

@@ -28,7 +28,7 @@ use self::progress::Doing;
 use self::told::Told;
 use super::outputs::{self, Output, VIEWER};
 use super::session::{self, Session, SourceFile, Trouble};
-use super::{Outcome, Reading, trace};
+use super::{Outcome, Reading, report, trace};
 use crate::files::vfs;
 use crate::verification::Problem;
 use crate::verification::changes::Repairs;
@@ -351,7 +351,7 @@ pub(super) fn problems(
     reading: &Reading,
 ) -> (Vec<(Session, Problem)>, Trouble) {
     let (files, mut trouble) = session::usable(arguments, &["gen"]);
-    session::note_unused_scenarios(arguments, &files);
+    report::note_unused_scenarios(arguments, &files);
     // Without one of its parts it would be another system.
     let mut whole = !trouble.any();
     let mut out = Vec::new();

@@ -32,35 +32,9 @@ use dotgen_codegen::codels::stub::StubOptions;
 use dotgen_codegen::template::notice;
 use rustc_hash::FxHasher;
 
-use super::language::{Language, answered_by};
 use crate::files::{history, vfs};
-use crate::protocol::types::{
-    self, CodeActionParams, CodeActionResponse, CodeLens, CodeLensParams, GotoDefinitionParams,
-    GotoDefinitionResponse, Hover, HoverParams, ReferenceParams,
-};
 use crate::workspace::codels::{Compared, Good, lock};
 use crate::workspace::snapshot::{DocumentKind, Snapshot};
-
-/// C and C++ sources of codels.
-pub(crate) struct Sources;
-
-impl Language for Sources {
-    fn diagnostics(&self, snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
-        file_diagnostics(snapshot, path)
-    }
-
-    fn is_served(&self, snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<bool> {
-        Ok(!around(snapshot, path)?.is_empty())
-    }
-
-    answered_by! {
-        definition: GotoDefinitionParams => Option<GotoDefinitionResponse> = navigation::definition;
-        hover: HoverParams => Option<Hover> = navigation::hover;
-        references: ReferenceParams => Option<Vec<types::Location>> = navigation::mentions;
-        lenses: CodeLensParams => Option<Vec<CodeLens>> = lenses::handle;
-        actions: CodeActionParams => Option<CodeActionResponse> = actions::handle;
-    }
-}
 
 /// The files of the disk.
 pub(crate) struct Disk;

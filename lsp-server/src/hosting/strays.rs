@@ -7,8 +7,8 @@ use rustix::process::{Pid, Signal, WaitOptions, getpid, kill_process, waitpid};
 /// Time within which all of them must have ended.
 const LIMIT: Duration = Duration::from_secs(2);
 
-/// While this exists, orphans among the descendants of this process become its children. Dropping it ends them,
-/// and names on standard error those that cannot be ended. Elsewhere than on Linux it does nothing.
+/// While this exists, orphans among the descendants of this process become its children. Dropping it ends
+/// them, and names on standard error those that cannot be ended. Elsewhere than on Linux it does nothing.
 #[must_use]
 pub(crate) struct Strays {
     /// Children from before.

@@ -1,25 +1,18 @@
-//! From codels to functions, and from names in sources to the specification.
+//! From codels to functions.
 
 use std::collections::BTreeSet;
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::FileEdit;
-use dotgen_analysis::host::{Analysis, Cancellable};
-use dotgen_analysis::ide::FilePosition;
+use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::source_map::Locations;
 use dotgen_codegen::codels::drift::SourcePlace;
 use dotgen_codegen::codels::folder::Folder;
 use dotgen_codegen::codels::links;
-use dotgen_codegen::codels::origin::origin;
 use dotgen_codegen::codels::rename::{self, Renaming};
 
 use crate::features::codels::{self, Texts};
-use crate::features::specification::{goto, hover, references};
-use crate::protocol::types::{
-    GotoDefinitionParams, GotoDefinitionResponse, Hover, HoverParams, Location, Position, Range,
-    ReferenceParams,
-};
-use crate::workspace::snapshot::{Snapshot, Subject};
+use crate::workspace::snapshot::Snapshot;
 
 /// Calls `visit` with the folder, the component (index into what the folder expects) and the name of
 /// each codel that is written at an offset of a specification.
@@ -78,111 +71,6 @@ pub(crate) fn references(
         out.extend(links::references(&folder.sources, name));
     })?;
     Ok(out)
-}
-
-/// A name in a source, and the places of specifications where what it stands for is declared.
-struct Declared {
-    range: Option<Range>,
-    places: Vec<FilePosition>,
-}
-
-/// What the name at a position of a source stands for.
-fn declared(
-    snapshot: &Snapshot,
-    subject: &Subject,
-    position: Position,
-) -> Cancellable<Option<Declared>> {
-    let Some(at) = snapshot.cursor(subject, position)? else {
-        return Ok(None);
-    };
-    let mut out: Option<Declared> = None;
-    for compared in codels::around(snapshot, &at.path)? {
-        for folder in compared.folders() {
-            for expected in folder.expected() {
-                let Some(it) = origin(&expected, &folder.sources, &at.path, at.offset) else {
-                    continue;
-                };
-                let range = snapshot.location(&at.path, &it.range)?.map(|it| it.range);
-                let places = &mut out
-                    .get_or_insert(Declared {
-                        range,
-                        places: Vec::new(),
-                    })
-                    .places;
-                for src in it.declared {
-                    let place = folder.unit.locations.locate(src).map(|it| FilePosition {
-                        path: it.path,
-                        offset: it.range.end,
-                    });
-                    places.extend(place.filter(|it| !places.contains(it)));
-                }
-            }
-        }
-    }
-    Ok(out)
-}
-
-/// `textDocument/definition` in a source: the declaration in the specification.
-pub(crate) fn definition(
-    snapshot: &Snapshot,
-    subject: &Subject,
-    params: &GotoDefinitionParams,
-) -> Cancellable<Option<GotoDefinitionResponse>> {
-    let position = params.text_document_position_params.position;
-    let Some(found) = declared(snapshot, subject, position)? else {
-        return Ok(None);
-    };
-    let mut links = Vec::new();
-    for at in &found.places {
-        // The declaration of a parameter of a codel is that of the member or port that it passes.
-        for link in goto::links(snapshot, at, Analysis::goto_definition)? {
-            if !links.contains(&link) {
-                links.push(link);
-            }
-        }
-    }
-    for link in &mut links {
-        link.origin_selection_range = found.range;
-    }
-    Ok(goto::response(snapshot, links))
-}
-
-/// `textDocument/hover` in a source: that of the declaration in the specification.
-pub(crate) fn hover(
-    snapshot: &Snapshot,
-    subject: &Subject,
-    params: &HoverParams,
-) -> Cancellable<Option<Hover>> {
-    let position = params.text_document_position_params.position;
-    let Some(found) = declared(snapshot, subject, position)? else {
-        return Ok(None);
-    };
-    let Some(at) = found.places.first() else {
-        return Ok(None);
-    };
-    let hover = snapshot.analysis.hover(at)?;
-    Ok(hover.map(|it| hover::response(snapshot, it.info.markdown, found.range)))
-}
-
-/// `textDocument/references` in a source: the mentions in specifications and scenarios.
-pub(crate) fn mentions(
-    snapshot: &Snapshot,
-    subject: &Subject,
-    params: &ReferenceParams,
-) -> Cancellable<Option<Vec<Location>>> {
-    let position = params.text_document_position.position;
-    let Some(found) = declared(snapshot, subject, position)? else {
-        return Ok(None);
-    };
-    let mut locations: Vec<Location> = Vec::new();
-    for at in &found.places {
-        for it in references::of_specifications(snapshot, at, params.context.include_declaration)? {
-            if !locations.contains(&it) {
-                locations.push(it);
-            }
-        }
-    }
-    Ok(Some(locations).filter(|it| !it.is_empty()))
 }
 
 /// The edits of the sources and build files that go with a rename, whose edits of specifications are

@@ -39,8 +39,8 @@ pub(crate) fn changes(specification: &Utf8Path, stand_ins: &[StandIn]) -> Vec<Fi
     out
 }
 
-/// "Write a stand-in for…" at a missing package, one for each file that it may bring, and at the inclusion of a
-/// missing file, for that file.
+/// "Write a stand-in for…" at a missing package, one for each file that it may bring, and at the inclusion
+/// of a missing file, for that file.
 pub(crate) fn actions(
     snapshot: &Snapshot,
     subject: &Subject,

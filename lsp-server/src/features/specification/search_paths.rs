@@ -36,8 +36,8 @@ const PACKAGES: Setting = Setting {
     wanted: "packages",
 };
 
-/// At a missing file or package: for every missing file, and every missing package, the directories in which it
-/// is. A file may come from a package, so both are looked for at either.
+/// At a missing file or package: for every missing file, and every missing package, the directories in which
+/// it is. A file may come from a package, so both are looked for at either.
 pub(crate) fn fixes(
     snapshot: &Snapshot,
     subject: &Subject,

@@ -1,0 +1,143 @@
+//! C and C++ sources of codels: what dotgen adds to the server of their language.
+
+use camino::Utf8Path;
+use dotgen_analysis::diagnostic::Diagnostic;
+use dotgen_analysis::host::{Analysis, Cancellable};
+use dotgen_analysis::ide::FilePosition;
+use dotgen_analysis::source_map::Locations;
+use dotgen_codegen::codels::origin::origin;
+
+use super::language::{Language, answered_by};
+use crate::features::codels::{self, actions, lenses};
+use crate::features::specification::{goto, hover, references};
+use crate::protocol::types::{
+    CodeActionParams, CodeActionResponse, CodeLens, CodeLensParams, GotoDefinitionParams,
+    GotoDefinitionResponse, Hover, HoverParams, Location, Position, Range, ReferenceParams,
+};
+use crate::workspace::snapshot::{Snapshot, Subject};
+
+/// C and C++ sources of codels.
+pub(crate) struct Sources;
+
+impl Language for Sources {
+    fn diagnostics(&self, snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
+        codels::file_diagnostics(snapshot, path)
+    }
+
+    fn is_served(&self, snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<bool> {
+        Ok(!codels::around(snapshot, path)?.is_empty())
+    }
+
+    answered_by! {
+        definition: GotoDefinitionParams => Option<GotoDefinitionResponse> = definition;
+        hover: HoverParams => Option<Hover> = hover;
+        references: ReferenceParams => Option<Vec<Location>> = mentions;
+        lenses: CodeLensParams => Option<Vec<CodeLens>> = lenses::handle;
+        actions: CodeActionParams => Option<CodeActionResponse> = actions::handle;
+    }
+}
+
+/// A name in a source, and the places of specifications where what it stands for is declared.
+struct Declared {
+    range: Option<Range>,
+    places: Vec<FilePosition>,
+}
+
+/// What the name at a position of a source stands for.
+fn declared(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    position: Position,
+) -> Cancellable<Option<Declared>> {
+    let Some(at) = snapshot.cursor(subject, position)? else {
+        return Ok(None);
+    };
+    let mut out: Option<Declared> = None;
+    for compared in codels::around(snapshot, &at.path)? {
+        for folder in compared.folders() {
+            for expected in folder.expected() {
+                let Some(it) = origin(&expected, &folder.sources, &at.path, at.offset) else {
+                    continue;
+                };
+                let range = snapshot.location(&at.path, &it.range)?.map(|it| it.range);
+                let places = &mut out
+                    .get_or_insert(Declared {
+                        range,
+                        places: Vec::new(),
+                    })
+                    .places;
+                for src in it.declared {
+                    let place = folder.unit.locations.locate(src).map(|it| FilePosition {
+                        path: it.path,
+                        offset: it.range.end,
+                    });
+                    places.extend(place.filter(|it| !places.contains(it)));
+                }
+            }
+        }
+    }
+    Ok(out)
+}
+
+/// `textDocument/definition` in a source: the declaration in the specification.
+pub(crate) fn definition(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &GotoDefinitionParams,
+) -> Cancellable<Option<GotoDefinitionResponse>> {
+    let position = params.text_document_position_params.position;
+    let Some(found) = declared(snapshot, subject, position)? else {
+        return Ok(None);
+    };
+    let mut links = Vec::new();
+    for at in &found.places {
+        // The declaration of a parameter of a codel is that of the member or port that it passes.
+        for link in goto::links(snapshot, at, Analysis::goto_definition)? {
+            if !links.contains(&link) {
+                links.push(link);
+            }
+        }
+    }
+    for link in &mut links {
+        link.origin_selection_range = found.range;
+    }
+    Ok(goto::response(snapshot, links))
+}
+
+/// `textDocument/hover` in a source: that of the declaration in the specification.
+pub(crate) fn hover(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &HoverParams,
+) -> Cancellable<Option<Hover>> {
+    let position = params.text_document_position_params.position;
+    let Some(found) = declared(snapshot, subject, position)? else {
+        return Ok(None);
+    };
+    let Some(at) = found.places.first() else {
+        return Ok(None);
+    };
+    let hover = snapshot.analysis.hover(at)?;
+    Ok(hover.map(|it| hover::response(snapshot, it.info.markdown, found.range)))
+}
+
+/// `textDocument/references` in a source: the mentions in specifications and scenarios.
+pub(crate) fn mentions(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &ReferenceParams,
+) -> Cancellable<Option<Vec<Location>>> {
+    let position = params.text_document_position.position;
+    let Some(found) = declared(snapshot, subject, position)? else {
+        return Ok(None);
+    };
+    let mut locations: Vec<Location> = Vec::new();
+    for at in &found.places {
+        for it in references::of_specifications(snapshot, at, params.context.include_declaration)? {
+            if !locations.contains(&it) {
+                locations.push(it);
+            }
+        }
+    }
+    Ok(Some(locations).filter(|it| !it.is_empty()))
+}
