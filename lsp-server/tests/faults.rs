@@ -360,21 +360,49 @@ fn processes_that_codels_leave_behind_end_with_the_run() {
         return;
     }
     let body = "extern int mkdir(const char *, unsigned);
+        mkdir(\"forked\", 0700);
         if (fork() == 0) {
           setsid();
           for (int it = 0; it < 1000; it++) close(it);
-          if (fork() == 0) { mkdir(\"forked\", 0700); for (;;) pause(); }
+          if (fork() == 0) for (;;) pause();
           _exit(0);
         }";
     let directory = with_body(body);
     for clock in ["virtual", "real"] {
         let mut arguments = vec!["run", "bad/bad.gen", "--bounds", "none"];
         arguments.extend(["--until", "500ms", "--clock", clock]);
+        arguments.extend(["--socket", "s"].iter().filter(|_| clock == "real"));
         let output = directory.run(&arguments);
         assert!(!stderr(&output).contains("cannot be ended"));
         std::fs::remove_dir(directory.path().join("forked")).expect("it was there");
         none_is_left(&directory);
     }
+}
+
+#[test]
+fn what_is_no_child_of_a_codel_is_left_alone() {
+    if !compilers() {
+        return;
+    }
+    // The shell becomes the run, and the job that it had started loses its parent meanwhile.
+    let directory = with_body("");
+    let dotgen = env!("CARGO_BIN_EXE_dotgen");
+    let script = format!(
+        "(sleep 0.2; sleep 60 & echo $! > job) & \
+         exec {dotgen} run bad/bad.gen --clock real --socket s --until 1s --bounds none"
+    );
+    let mut shell = Command::new("sh");
+    shell.args(["-c", &script]).current_dir(directory.path());
+    shell.stdout(Stdio::null()).stderr(Stdio::null());
+    // On a busy machine periods are missed.
+    let ended = shell.status().expect("a shell").code();
+    assert!(matches!(ended, Some(0 | 1)), "{ended:?}");
+    let job: u32 = directory.read("job").trim().parse().expect("a number");
+    assert!(
+        Path::new(&format!("/proc/{job}/exe")).exists(),
+        "it goes on"
+    );
+    signal("-KILL", job);
 }
 
 #[test]

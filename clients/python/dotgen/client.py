@@ -351,7 +351,11 @@ class Connection:
             return
         done = threading.Event()
         self._callbacks.put(done.set)
-        done.wait(timeout)
+        until = time.monotonic() + timeout
+        # The thread ends with the connection.
+        while self._caller.is_alive() and time.monotonic() < until:
+            if done.wait(min(0.01, timeout)):
+                break
 
     def rpath(self, *_: str) -> None:
         """Does nothing: the run knows its components. Kept for scripts of genomix."""

@@ -10,9 +10,9 @@ use tree_sitter::Node;
 use super::expected::{Expected, ExpectedFunction};
 use super::files::{IndexedFile, Sources};
 use super::mapping;
-use super::source::parse;
 use super::source::place::{opened, qualifiers};
 use super::source::types::{Scope, Types, scopes};
+use super::source::{ctype::declared_name, parse};
 
 /// The structure with the data of an exception has the name of the exception, and this.
 const DETAIL: &str = "_detail";
@@ -126,6 +126,9 @@ impl<'a> Lookup<'a> {
             && let Some((function, around)) = self.codels()
         {
             let named = |it: &super::source::Parameter| it.name.as_deref() == Some(self.name);
+            if self.is_shadowed() {
+                return Vec::new();
+            }
             if let Some(position) = around.parameters.iter().position(named) {
                 let component = self.expected.component();
                 let uses = function.uses.iter();
@@ -144,6 +147,28 @@ impl<'a> Lookup<'a> {
             }
         }
         Vec::new()
+    }
+
+    /// Returns true if a block around the name declares a variable of the name.
+    fn is_shadowed(&self) -> bool {
+        let text = &self.file.text;
+        let mut at = self.node.parent();
+        while let Some(node) = at.filter(|it| it.kind() != "function_definition") {
+            let mut cursor = node.walk();
+            let declared = node.named_children(&mut cursor).any(|it| {
+                let mut cursor = it.walk();
+                let mut names = it
+                    .children_by_field_name("declarator", &mut cursor)
+                    .filter_map(declared_name);
+                it.kind() == "declaration"
+                    && names.any(|it| text.get(it.byte_range()) == Some(self.name))
+            });
+            if declared {
+                return true;
+            }
+            at = node.parent();
+        }
+        false
     }
 
     /// What the name may be in full: as it is written, in the scopes around it, and in those that the file

@@ -7,7 +7,7 @@
 
 mod body;
 pub(crate) mod comment;
-mod ctype;
+pub(crate) mod ctype;
 mod declare;
 pub(crate) mod place;
 pub(crate) mod types;

@@ -16,7 +16,9 @@ pub(super) fn improved(mut error: Error) -> Error {
     let Some(ContextValue::String(wrong)) = error.get(ContextKind::InvalidArg) else {
         return error;
     };
-    let Some(near) = near(wrong, std::env::args().skip(1)) else {
+    let arguments = std::env::args_os().skip(1);
+    let arguments = arguments.filter_map(|it| it.into_string().ok());
+    let Some(near) = near(wrong, arguments) else {
         return error;
     };
     error.remove(ContextKind::Suggested);

@@ -97,6 +97,9 @@ pub(crate) fn actions(
                 out.extend(scenario.map(CodeActionOrCommand::CodeAction));
                 continue;
             }
+            if found.diagnostic.code == diagnostics::VACUOUS {
+                continue;
+            }
             let arguments = Some(vec![argument(&uri, Some(found.check))]);
             out.push(CodeActionOrCommand::CodeAction(CodeAction {
                 title: "Show the timeline of the run".to_owned(),

@@ -16,9 +16,11 @@ use dotgen_runtime::hosts::{Answer, Call, Hosts, Message, Reader, Source, Unansw
 use dotgen_timing::verify::Interrupt;
 use rustix::event::{PollFd, PollFlags};
 use rustix::fs::OFlags;
+use rustix::process::Pid;
 
 use super::board::Board;
 use super::host::{COMMAND, DEBUG, REAL};
+use super::strays;
 use super::wire::{Order, Reply};
 use crate::process::System;
 
@@ -387,6 +389,9 @@ impl Children {
             return None;
         }
         self.looked = now;
+        let processes = self.children.iter().filter_map(|it| it.process.as_ref());
+        let hosts = processes.filter_map(|it| Pid::from_raw(it.child.id().try_into().ok()?));
+        strays::reap(&hosts.collect::<Vec<_>>());
         for (component, child) in self.children.iter_mut().enumerate() {
             let Some(process) = &mut child.process else {
                 continue;

@@ -221,7 +221,7 @@ pub(super) fn inner_declarator(node: Node<'_>) -> Option<Node<'_>> {
 }
 
 /// The name a declarator declares, if any.
-pub(super) fn declared_name(declarator: Node<'_>) -> Option<Node<'_>> {
+pub(crate) fn declared_name(declarator: Node<'_>) -> Option<Node<'_>> {
     let mut node = declarator;
     for _ in 0..64 {
         match node.kind() {

@@ -27,7 +27,7 @@ use crate::workspace::snapshot::Snapshot;
 const MISS: &str = "timing/deadline-miss";
 const EXCEEDED: &str = "timing/response-exceeded";
 const FAILED: &str = "timing/check-failed";
-const VACUOUS: &str = "timing/vacuous-proof";
+pub(super) const VACUOUS: &str = "timing/vacuous-proof";
 pub(super) const GAVE_UP: &str = "timing/gave-up";
 
 /// Places of a run that a diagnostic leads to; the last ones say most.

@@ -94,6 +94,11 @@ async fn names_in_sources_lead_to_their_declarations() {
         folder.uri("codels/tank_control_codels.c"),
     );
     let (text, code) = (read(path(&uri)), read(path(&source)));
+    // A variable in place of a parameter.
+    let code = code.replace(
+        "*setpoint = until;",
+        "{ double until = 1.; *setpoint = until; }",
+    );
     let mut client = Client::start(folder.params(capable())).await;
     client.open(&uri, &text).await;
     client.open_code(&source, &code).await;
@@ -159,7 +164,13 @@ async fn names_in_sources_lead_to_their_declarations() {
         );
     }
     // Names of the source alone belong to the server of its language.
-    for name in ["out = state", "NULL", "data(self)", "tank_stuck(0"] {
+    for name in [
+        "out = state",
+        "NULL",
+        "data(self)",
+        "tank_stuck(0",
+        "until; }",
+    ] {
         let params = at(&source, &code, name, 0);
         let found = client.ok("textDocument/definition", params.clone()).await;
         assert_eq!(found, Value::Null, "{name}");
