@@ -9,8 +9,8 @@ use rustix::process::{
 /// Time within which all of them must have ended.
 const LIMIT: Duration = Duration::from_secs(2);
 
-/// While this exists, orphans among the descendants of this process become its children. Dropping it ends them,
-/// and names on standard error those that cannot be ended. Elsewhere than on Linux it does nothing.
+/// While this exists, orphans among the descendants of this process become its children. Dropping it ends
+/// them, and names on standard error those that cannot be ended. Elsewhere than on Linux it does nothing.
 #[must_use]
 pub(crate) struct Strays {
     /// Helpers of this program, which end by themselves.
