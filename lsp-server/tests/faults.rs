@@ -388,7 +388,7 @@ fn what_is_no_child_of_a_codel_is_left_alone() {
     let directory = with_body("");
     let dotgen = env!("CARGO_BIN_EXE_dotgen");
     let script = format!(
-        "(sleep 0.2; sleep 60 & echo $! > job) & \
+        "(until [ -S s ]; do sleep 0.01; done; sleep 60 & echo $! > job) & \
          exec {dotgen} run bad/bad.gen --clock real --socket s --until 1s --bounds none"
     );
     let mut shell = Command::new("sh");

@@ -12,6 +12,17 @@ pub fn nearest<'n>(name: &str, candidates: impl IntoIterator<Item = &'n str>) ->
         .map(|(_, it)| it)
 }
 
+/// What to write instead of a name that is not among some: the nearest of them, or all.
+pub fn advice(name: &str, names: &[&str]) -> String {
+    let quoted: Vec<String> = names.iter().map(|it| format!("`{it}`")).collect();
+    match (nearest(name, names.iter().copied()), quoted.as_slice()) {
+        (Some(near), _) => format!("did you mean `{near}`?"),
+        (None, []) => "there are none".to_owned(),
+        (None, [one]) => format!("the only one is {one}"),
+        (None, several) => format!("there are {}", several.join(", ")),
+    }
+}
+
 /// Insertions, deletions, replacements and transpositions between two names (optimal string
 /// alignment), or `None` above the limit. A difference of case alone counts as 1.
 fn distance(a: &str, b: &str, limit: usize) -> Option<usize> {

@@ -28,18 +28,21 @@ pub(crate) fn definition(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Vec
 /// state have one definition, the first.
 fn state_targets(view: &FileView<'_>, at: usize, targets: &[Target]) -> Vec<NavTarget> {
     let elaborated = view.elaborated();
-    let is_state = |it: &Target| matches!(it, Target::Definition(id) if elaborated.definition(*id).kind == DefKind::State);
+    let is_state = |target: &Target| match target {
+        Target::Definition(id) => elaborated.definition(*id).kind == DefKind::State,
+        _ => false,
+    };
     if !targets.iter().any(is_state) {
         return Vec::new();
     }
     let states = call_hierarchy::prepare(view, at).unwrap_or_default();
-    let states = states.into_iter().map(|it| NavTarget {
-        path: it.path,
-        full_range: it.range.clone(),
-        focus_range: it.range,
-        name: it.name.into(),
-        kind: it.kind,
-        container: Some(it.key.owner),
+    let states = states.into_iter().map(|state| NavTarget {
+        path: state.path,
+        full_range: state.range.clone(),
+        focus_range: state.range,
+        name: state.name.into(),
+        kind: state.kind,
+        container: Some(state.key.owner),
     });
     states.collect()
 }

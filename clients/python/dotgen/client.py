@@ -16,6 +16,7 @@ from typing import Any, Generic, TypeVar, Union
 from .protocol import (
     Answer,
     Answers,
+    Described,
     Error,
     Failed,
     Lost,
@@ -24,12 +25,10 @@ from .protocol import (
     Signature,
     Wrong,
     known,
-    missing,
     only,
     outputs,
     ports,
     sockets,
-    summary,
     tcp_port,
 )
 
@@ -233,29 +232,17 @@ class Service:
         return activity.accepted(timeout) if ack else activity.wait(timeout)
 
 
-class Component:
+class Component(Described):
     """A component: its services are functions, its output ports are `Port`s."""
 
     def __init__(self, connection: Connection, description: dict[str, Any]) -> None:
         self._connection = connection
-        self._description = description
-        self.__doc__ = description.get("doc")
+        super().__init__(description)
         name = description["name"]
         for port in ports(description, "out"):
             setattr(self, port, Port[Any](connection, f"{name}/{port}"))
         for service in description["services"]:
             setattr(self, service["name"], Service(connection, Signature(name, service)))
-
-    def __repr__(self) -> str:
-        return summary(self._description)
-
-    def __dir__(self) -> list[str]:
-        return sorted(name for name in self.__dict__ if not name.startswith("_"))
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("__"):
-            raise AttributeError(name)
-        raise AttributeError(missing(self._description, name, self.__dir__()))
 
 
 class Connection:

@@ -329,8 +329,8 @@ def known(components: list[dict[str, Any]], name: str) -> dict[str, Any]:
     for each in components:
         if each["name"] == name:
             return each
-    names = ", ".join(each["name"] for each in components)
-    raise Wrong(f"no component `{name}` in this run; there are {names}")
+    names = [each["name"] for each in components]
+    raise Wrong(f"no component `{name}` in this run; {_all(names)}")
 
 
 def ports(description: dict[str, Any], direction: str) -> list[str]:
@@ -343,7 +343,14 @@ def missing(description: dict[str, Any], name: str, names: list[str]) -> str:
     component = description["name"]
     if name in ports(description, "in"):
         return f"`{component}/{name}` is an input port: use `{component}.connect_port`"
-    return f"`{component}` has no `{name}`; it has {', '.join(names)}"
+    return f"`{component}` has no `{name}`; {_all(names)}"
+
+
+def _all(names: list[str]) -> str:
+    quoted = [f"`{name}`" for name in names]
+    if len(quoted) < 2:
+        return f"the only one is {quoted[0]}" if quoted else "there are none"
+    return f"there are {', '.join(quoted)}"
 
 
 def summary(description: dict[str, Any]) -> str:
@@ -351,6 +358,25 @@ def summary(description: dict[str, Any]) -> str:
     services = ", ".join(each["name"] for each in description["services"])
     out = ", ".join(ports(description, "out"))
     return f"<Component {description['name']}: services {services}{'; ports ' + out if out else ''}>"
+
+
+class Described:
+    """A component with a member for each of its services and ports, as its description names them."""
+
+    def __init__(self, description: dict[str, Any]) -> None:
+        self._description = description
+        self.__doc__ = description.get("doc")
+
+    def __repr__(self) -> str:
+        return summary(self._description)
+
+    def __dir__(self) -> list[str]:
+        return sorted(name for name in self.__dict__ if not name.startswith("_"))
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        raise AttributeError(missing(self._description, name, self.__dir__()))
 
 
 def tcp_port(path: str | os.PathLike[str]) -> int | None:

@@ -158,10 +158,7 @@ pub fn plan(
             .map(|&it| folder.unit.spec.components[it as usize].name.as_str())
             .collect()
     };
-    let sources = || {
-        let all = folder.sources.sources.iter();
-        all.filter(|it| !it.is_of_another(&own))
-    };
+    let sources = || folder.sources.of_components(&own);
     let compile: Vec<Step> = sources()
         .map(|source| compile_step(source, place, codels, tools, packages, names.as_ref()))
         .collect();

@@ -150,22 +150,15 @@ pub struct IndexedFile {
 }
 
 impl IndexedFile {
-    /// Whether the file includes the types of another component (`…_c_types.h`) and those of none of these.
-    pub(super) fn is_of_another(&self, components: &[&str]) -> bool {
-        let mut named = self.index.includes.iter().filter_map(|it| {
+    /// Returns the components whose types the file includes.
+    fn included_types(&self) -> impl Iterator<Item = &str> {
+        self.index.includes.iter().filter_map(|it| {
             let file = it.path.rsplit('/').next()?;
             let of = |end: &str| file.strip_suffix(end);
             of("_c_types.h").or_else(|| of("_cxx_types.h"))
-        });
-        let first = named.next();
-        first.is_some_and(|first| {
-            let mut all = std::iter::once(first).chain(named);
-            !all.any(|it| components.contains(&it))
         })
     }
-}
 
-impl IndexedFile {
     /// Reads a text; `cxx` reads headers as C++ too.
     pub fn new(path: Utf8PathBuf, text: Arc<str>, cxx: bool) -> IndexedFile {
         let grammar = match Grammar::of_path(path.as_str()) {
@@ -253,6 +246,17 @@ impl Sources {
             let mut found = file.text.match_indices(name);
             found.any(|(at, _)| !file.text[at + name.len()..].starts_with(goes_on))
         })
+    }
+
+    /// Returns the sources that may be of these components. A folder that several specifications share has
+    /// sources that include the types of other components (`…_c_types.h`) and those of none of these. If no
+    /// source includes theirs, the component may have another name now, and all are returned.
+    pub(super) fn of_components(&self, components: &[&str]) -> impl Iterator<Item = &IndexedFile> {
+        let own = |it: &IndexedFile| it.included_types().any(|of| components.contains(&of));
+        let any = self.sources.iter().any(own);
+        self.sources
+            .iter()
+            .filter(move |it| !any || own(it) || it.included_types().next().is_none())
     }
 
     /// Like [`Sources::load`], with a function that may remember the indexes of texts (its

@@ -89,7 +89,9 @@ impl<'a> Lookup<'a> {
         let mut types = Types::default();
         let mapped = mapping::types(self.expected).ok()?;
         types.read(&mapped, mapping::grammar(self.expected));
-        for file in sources.all() {
+        // Other sources are not visible to this one.
+        let headers = sources.headers.iter();
+        for file in headers.chain([self.file]) {
             types.read(&file.text, file.index.grammar);
         }
         let scope = Scope::new(self.function(), &self.file.text, &types);
@@ -122,22 +124,11 @@ impl<'a> Lookup<'a> {
 
     fn identifier(&self, root: Node<'a>) -> Vec<Src> {
         let path = qualifiers(self.node, &self.file.text);
-        if path.is_empty()
-            && let Some((function, around)) = self.codels()
-        {
-            let named = |it: &super::source::Parameter| it.name.as_deref() == Some(self.name);
-            if self.is_shadowed() {
-                return Vec::new();
-            }
-            if let Some(position) = around.parameters.iter().position(named) {
-                let component = self.expected.component();
-                let uses = function.uses.iter();
-                let params = uses.filter_map(|at| component.codel(*at).params.get(position));
-                return params.map(|it| it.src).collect();
-            }
-            let local = Types::default();
-            if Scope::new(self.function(), &self.file.text, &local).has(self.name) {
-                return Vec::new();
+        if path.is_empty() {
+            let no_types = Types::default();
+            let scope = Scope::new(self.function(), &self.file.text, &no_types);
+            if scope.has(self.name) {
+                return self.parameter();
             }
         }
         for spelling in self.spellings(&path, root) {
@@ -147,6 +138,21 @@ impl<'a> Lookup<'a> {
             }
         }
         Vec::new()
+    }
+
+    /// The parameters of the codels whose function has a parameter of the name, if nothing shadows it.
+    fn parameter(&self) -> Vec<Src> {
+        let named = |it: &super::source::Parameter| it.name.as_deref() == Some(self.name);
+        let Some((function, around)) = self.codels().filter(|_| !self.is_shadowed()) else {
+            return Vec::new();
+        };
+        let Some(position) = around.parameters.iter().position(named) else {
+            return Vec::new();
+        };
+        let component = self.expected.component();
+        let uses = function.uses.iter();
+        let params = uses.filter_map(|at| component.codel(*at).params.get(position));
+        params.map(|it| it.src).collect()
     }
 
     /// Returns true if a block around the name declares a variable of the name.

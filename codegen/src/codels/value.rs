@@ -15,7 +15,7 @@ use dotgen_analysis::model::{
     InitValue, Initializer, Label, Param, ParamDir, PathElement, Service, Spec, TypeId, TypeKind,
     Value as Constant,
 };
-use dotgen_syntax::near::nearest;
+use dotgen_syntax::near::advice;
 use serde_json::{Map, Value};
 
 /// Levels of types within types before a value is refused.
@@ -50,16 +50,9 @@ pub(super) fn wrong<T>(at: &str, wanted: impl Into<String>) -> Result<T, Wrong> 
 
 /// An unknown name, with the known one that is near, or else all known ones.
 fn unknown<T>(at: &str, what: &str, name: &str, known: &[&str]) -> Result<T, Wrong> {
-    let known_names: Vec<String> = known.iter().map(|it| format!("`{it}`")).collect();
-    let advice = match (nearest(name, known.iter().copied()), known) {
-        (Some(near), _) => format!("did you mean `{near}`?"),
-        (None, []) => "there are none".to_owned(),
-        (None, [_]) => format!("the only one is {}", known_names.concat()),
-        (None, _) => format!("there are {}", known_names.join(", ")),
-    };
     Err(Wrong {
         at: at.to_owned(),
-        what: format!("is not {what}; {advice}"),
+        what: format!("is not {what}; {}", advice(name, known)),
     })
 }
 

@@ -118,3 +118,20 @@ fn sources_of_another_component_in_the_folder_are_not_judged() {
         );
     }
 }
+
+/// A component that got another name by hand: its sources still include the types of the old one.
+#[test]
+fn sources_of_a_component_with_a_new_name_stay_its_own() {
+    let (_guard, folder) = temporary();
+    let source = "#include \"old_c_types.h\"\ngenom_event old_go(const genom_context self) { return genom_ok; }\n";
+    let specification =
+        "component new { version \"1\"; lang \"c\"; function go() { codel new_go(); }; };\n";
+    std::fs::create_dir(folder.join("codels")).expect("a folder");
+    std::fs::write(folder.join("codels/new_codels.c"), source).expect("a file");
+    std::fs::write(folder.join("new.gen"), specification).expect("a file");
+    let mut host = host(Vec::new());
+    let mut project = Project::new(&mut host, &Disk, FilesConfig::default(), stubs());
+    let counts = check(&mut project, &[folder.join("new.gen")]).counts();
+    let all = counts.keys().copied().collect::<Vec<_>>();
+    assert!(counts.contains_key("codel/orphan"), "{all:?}");
+}

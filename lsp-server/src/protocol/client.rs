@@ -76,6 +76,10 @@ pub struct ClientCaps {
     pub show_document: bool,
     /// Registration of what is offered for documents in other languages.
     pub documents_registration: bool,
+    /// Registration of definitions.
+    pub definition_registration: bool,
+    /// Registration of hovers.
+    pub hover_registration: bool,
 }
 
 impl ClientCaps {
@@ -176,23 +180,19 @@ impl ClientCaps {
                     .is_some_and(|it| it.iter().any(|it| it == "edit")),
             code_lens_refresh: flag(raw, "/capabilities/workspace/codeLens/refreshSupport"),
             show_document: flag(raw, "/capabilities/window/showDocument/support"),
-            documents_registration: [
-                "synchronization",
-                "codeAction",
-                "codeLens",
-                "definition",
-                "hover",
-                "references",
-            ]
-            .iter()
-            .all(|it| {
-                flag(
-                    raw,
-                    &format!("/capabilities/textDocument/{it}/dynamicRegistration"),
-                )
-            }),
+            documents_registration: ["synchronization", "codeAction", "codeLens", "references"]
+                .iter()
+                .all(|it| registers(raw, it)),
+            definition_registration: registers(raw, "definition"),
+            hover_registration: registers(raw, "hover"),
         }
     }
+}
+
+/// Returns true if a request about documents can be registered later.
+fn registers(raw: &Value, request: &str) -> bool {
+    let path = format!("/capabilities/textDocument/{request}/dynamicRegistration");
+    flag(raw, &path)
 }
 
 /// Whether workspace edits may do something to files.

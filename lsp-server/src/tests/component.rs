@@ -122,9 +122,15 @@ async fn a_file_that_is_not_found_is_searched_where_it_is() {
     drop(client);
 }
 
-/// A client that can create files, with one specification open; and the quick fix of a title at a place of
-/// it.
+/// The quick fix of a title among the [`quick_fixes`].
 async fn quick_fix(folder: &Folder, at: Value, title: &str) -> (Client, String, Value) {
+    let (client, uri, all) = quick_fixes(folder, at).await;
+    let action = all.iter().find(|it| it["title"] == title).cloned();
+    (client, uri, action.unwrap_or_else(|| panic!("{all:#?}")))
+}
+
+/// A client that can create files, with `arm.gen` open; and the quick fixes at a place of it.
+async fn quick_fixes(folder: &Folder, at: Value) -> (Client, String, Vec<Value>) {
     let mut capable = super::client::pulling();
     capable["textDocument"]["codeAction"] =
         json!({ "codeActionLiteralSupport": { "codeActionKind": { "valueSet": [] } } });
@@ -138,10 +144,7 @@ async fn quick_fix(folder: &Folder, at: Value, title: &str) -> (Client, String, 
     params["range"] = json!({ "start": at, "end": at });
     params["context"] = json!({ "diagnostics": [] });
     let actions = client.ok("textDocument/codeAction", params).await;
-    let mut all = actions.as_array().expect("actions").iter();
-    let action = all.find(|it| it["title"] == title);
-    let action = action.unwrap_or_else(|| panic!("{actions:#}")).clone();
-    (client, uri, action)
+    (client, uri, actions.as_array().expect("actions").clone())
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -222,10 +225,11 @@ component arm {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_package_and_what_it_may_bring_have_the_same_offers() {
-    let text = "#pragma require \"nav-idl\"\n#include \"nav/nav.gen\"\n";
+    let text = "#pragma require \"nav-idl\"\n#include \"nav/nav.gen\"\n#include \"nav/map.gen\"\n";
     let folder = Folder::new(&[
         ("arm.gen", text),
         ("idl/nav/nav.gen", "interface nav {};\n"),
+        ("idl/nav/map.gen", "interface map {};\n"),
         ("pc/nav-idl.pc", "Name: nav\nDescription: x\nVersion: 1\n"),
     ]);
     for line in [0, 1] {
@@ -235,7 +239,9 @@ async fn a_package_and_what_it_may_bring_have_the_same_offers() {
             "Write a stand-in for `nav/nav.gen`",
         ] {
             let at = json!({ "line": line, "character": 12 });
-            let (mut client, _, _) = quick_fix(&folder, at, title).await;
+            let (mut client, _, all) = quick_fixes(&folder, at).await;
+            let titles = all.iter().filter(|it| it["title"] == title);
+            assert_eq!(titles.count(), 1, "{all:#?}");
             client.ignore("textDocument/publishDiagnostics");
             drop(client);
         }

@@ -23,9 +23,14 @@ pub(crate) struct FirstAnswer {
     /// Which requests are assumed.
     pub(crate) assuming: String,
     /// What it amounts to.
-    pub(crate) outcome: &'static str,
+    #[serde(serialize_with = "counted")]
+    pub(crate) outcome: Outcome,
     /// What does not hold, or is not known.
     pub(crate) open: Vec<String>,
+}
+
+fn counted<S: serde::Serializer>(outcome: &Outcome, to: S) -> Result<S::Ok, S::Error> {
+    to.serialize_str(outcome.counted())
 }
 
 /// The first answers, in the order in which they are asked; none where a scenario is written or nothing can
@@ -74,7 +79,7 @@ fn answer(assuming: String, problem: &Problem, options: &Options, report: &Repor
     let checks = view.checks.iter().filter(|it| open(&it.outcome));
     FirstAnswer {
         assuming,
-        outcome: outcome.counted(),
+        outcome,
         open: checks.map(|it| it.title()).collect(),
     }
 }

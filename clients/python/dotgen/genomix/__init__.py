@@ -20,7 +20,7 @@ from typing import Any
 
 from .. import client
 from ..client import Activity, Error, Failed, Lost, Wrong
-from ..protocol import HERE, Signature, missing, ports, summary, tcp_port
+from ..protocol import HERE, Described, Signature, ports, tcp_port
 from .event import GenoMError, Status
 
 __all__ = [
@@ -95,29 +95,17 @@ class _Port:
         return {self._name: self._port(instance)}
 
 
-class Component:
+class Component(Described):
     """A component: its services and output ports are functions."""
 
     def __init__(self, connection: client.Connection, description: dict[str, Any]) -> None:
-        self._description = description
-        self.__doc__ = description.get("doc")
+        super().__init__(description)
         name = description["name"]
         for port in ports(description, "out"):
             found = client.Port[Any](connection, f"{name}/{port}")
             setattr(self, port, _Port(found, port))
         for service in description["services"]:
             setattr(self, service["name"], _Service(connection, Signature(name, service)))
-
-    def __repr__(self) -> str:
-        return summary(self._description)
-
-    def __dir__(self) -> list[str]:
-        return sorted(name for name in self.__dict__ if not name.startswith("_"))
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("__"):
-            raise AttributeError(name)
-        raise AttributeError(missing(self._description, name, self.__dir__()))
 
 
 class Connection:

@@ -8,7 +8,7 @@ use super::finding::Differing;
 use super::{Drift, DriftCode, DriftOptions, FunctionIn, Repair};
 use crate::codels::{
     expected::{Expected, ExpectedFunction, cut_tag, owner_words},
-    files::{IndexedFile, Sources},
+    files::Sources,
     source::{Function, Layer},
 };
 use crate::lang::Language;
@@ -28,9 +28,8 @@ pub(super) fn find<'a>(
             })
     };
     let components: Vec<&str> = all.iter().map(|it| it.component().name.as_str()).collect();
-    let own = |file: &&IndexedFile| !file.is_of_another(&components);
     let mut out = Vec::new();
-    for file in sources.sources.iter().filter(own) {
+    for file in sources.of_components(&components) {
         for function in &file.index.functions {
             let found = FunctionIn { file, function };
             if function.body.is_some()

@@ -228,14 +228,14 @@ fn add_excerpt<'d>(
     )
 }
 
-/// The best fix as the text it makes, if it is in one file.
-/// The title of a fix after a colon. Titles of their own, as in editor menus, begin with a capital letter.
+/// The title of a fix as it stands after a colon, without the capital letter that it has in menus.
 pub(in crate::cli) fn title(of_fix: &str) -> String {
     let mut rest = of_fix.chars();
     let first = rest.next().into_iter().flat_map(char::to_lowercase);
     first.chain(rest).collect()
 }
 
+/// The best fix as the text it makes, if it is in one file.
 fn fix_group<'d>(fix: &'d Fix, texts: &'d Texts) -> Option<Group<'d>> {
     let path = &fix.edits.first()?.path;
     let lines = texts.get(path)?;

@@ -37,7 +37,7 @@ pub(super) fn head(answer: &Answer, is_first: bool, explained: bool) -> anyhow::
         answer.file(),
     )?;
     // Without any execution time, the table says all there is to say.
-    let is_nothing = |it: &FirstAnswer| it.outcome == Outcome::Nothing.counted();
+    let is_nothing = |it: &FirstAnswer| it.outcome == Outcome::Nothing;
     if !answer.first.iter().all(is_nothing) {
         writeln!(out)?;
         let width = answer.first.iter().map(|it| it.assuming.len()).max();
@@ -47,7 +47,12 @@ pub(super) fn head(answer: &Answer, is_first: bool, explained: bool) -> anyhow::
                 true => String::new(),
                 false => format!(": {}", it.open.join(", ")),
             };
-            writeln!(out, "  {:<width$}  {}{open}", it.assuming, it.outcome)?;
+            writeln!(
+                out,
+                "  {:<width$}  {}{open}",
+                it.assuming,
+                it.outcome.counted()
+            )?;
         }
         writeln!(out, "  any client:")?;
     }
@@ -240,6 +245,8 @@ struct Row {
     limit: String,
     slack: String,
     remark: String,
+    /// The number of a remark that is shown once, below the table.
+    shared: Option<usize>,
 }
 
 impl Row {
@@ -259,6 +266,7 @@ impl Row {
             limit: view.limit.clone().unwrap_or_default(),
             slack: view.slack.clone().unwrap_or_default(),
             remark: remarks.join("; "),
+            shared: None,
         }
     }
 }
@@ -277,9 +285,10 @@ fn shared_remarks(rows: &mut [Row]) -> Vec<String> {
         }
     }
     for row in rows {
-        if let Some(number) = shared.iter().position(|it| *it == row.remark) {
-            row.remark = format!("[{}]", number + 1);
-        }
+        row.shared = shared
+            .iter()
+            .position(|it| *it == row.remark)
+            .map(|it| it + 1);
     }
     shared
 }
@@ -334,10 +343,10 @@ fn table(out: &mut impl Write, rows: &[Row]) -> std::io::Result<()> {
             right(&row.limit, limit),
             right(&row.slack, slack),
         );
-        match row.remark.as_str() {
-            "" => {}
-            number if number.starts_with('[') => rest.push_str(&format!("  {number}")),
-            remark => rest.push_str(&format!("  ({remark})")),
+        match (row.shared, row.remark.as_str()) {
+            (Some(number), _) => rest.push_str(&format!("  [{number}]")),
+            (None, "") => {}
+            (None, remark) => rest.push_str(&format!("  ({remark})")),
         }
         writeln!(
             out,

@@ -1,5 +1,6 @@
 //! Fixes for an included file or a required package that is not found: the settings search its directory.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 use camino::{Utf8Path, Utf8PathBuf};
@@ -57,10 +58,11 @@ pub(crate) fn fixes(
     let Some(project) = project(snapshot, &subject.path) else {
         return Ok(());
     };
-    for it in includes {
-        for directory in below(&project, Utf8Path::new(&it.path)) {
-            add(snapshot, &project, &INCLUDES, &directory, out)?;
-        }
+    let of_includes = includes
+        .iter()
+        .flat_map(|it| below(&project, Utf8Path::new(&it.path)));
+    for directory in of_includes.collect::<BTreeSet<_>>() {
+        add(snapshot, &project, &INCLUDES, &directory, out)?;
     }
     for name in packages.into_iter().flat_map(|it| it.names) {
         // What has its requirement not met, but is found, is of a wrong version: no directory mends that.

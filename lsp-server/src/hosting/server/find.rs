@@ -1,7 +1,7 @@
 //! Components and ports by the names that clients write.
 
 use dotgen_analysis::model::PortDir;
-use dotgen_syntax::near::nearest;
+use dotgen_syntax::near::advice;
 
 use super::Shared;
 
@@ -34,16 +34,5 @@ pub(super) fn port(shared: &Shared, path: &str) -> Result<(usize, u32), String> 
 
 /// The message for a name that is not among those of a kind: the name that is near, or else all names.
 pub(super) fn missing(owner: &str, kind: &str, name: &str, all: &[&str]) -> String {
-    if let Some(near) = nearest(name, all.iter().copied()) {
-        return format!("{owner} has no {kind} `{name}`; did you mean `{near}`?");
-    }
-    let names: Vec<String> = all.iter().map(|it| format!("`{it}`")).collect();
-    match names.as_slice() {
-        [] => format!("{owner} has no {kind}s"),
-        [one] => format!("{owner} has no {kind} `{name}`, only {one}"),
-        several => format!(
-            "{owner} has no {kind} `{name}`; it has {}",
-            several.join(", ")
-        ),
-    }
+    format!("{owner} has no {kind} `{name}`; {}", advice(name, all))
 }

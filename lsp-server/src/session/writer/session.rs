@@ -69,12 +69,23 @@ impl State {
             return;
         }
         let before = std::mem::replace(&mut self.foreign, wanted.clone());
-        self.outbox.converse(|client| async move {
-            let gone = before.unregistrations();
+        let (definition, hover) = (
+            self.client.definition_registration,
+            self.client.hover_registration,
+        );
+        let offered = move |method: &str| match method {
+            "textDocument/definition" => definition,
+            "textDocument/hover" => hover,
+            _ => true,
+        };
+        self.outbox.converse(move |client| async move {
+            let mut gone = before.unregistrations();
+            gone.retain(|it| offered(&it.method));
             if !gone.is_empty() {
                 let _ = client.unregister_capability(gone).await;
             }
-            let new = wanted.registrations();
+            let mut new = wanted.registrations();
+            new.retain(|it| offered(&it.method));
             if !new.is_empty()
                 && let Err(error) = client.register_capability(new).await
             {
