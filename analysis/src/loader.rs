@@ -31,7 +31,7 @@ pub struct PackageFlags {
     pub own: Vec<String>,
 }
 
-/// All input and output of the analysis. Called at most once per path or query until a [`Change`] invalidates
+/// All input and output of the analysis. Called at most once per path or query until a `Change` invalidates
 /// it.
 pub trait Loader: Send + Sync {
     /// Reads a file.

@@ -86,7 +86,7 @@ pub(crate) struct Visits<'db> {
     pub(crate) visits: Vec<Visit<'db>>,
 }
 
-/// One inclusion of one file. See [`WalkVisit`].
+/// One inclusion of one file. See `WalkVisit`.
 #[derive(Debug, Clone, PartialEq, Eq, salsa::SalsaValue)]
 pub(crate) struct Visit<'db> {
     pub(crate) key: FileKey<'db>,

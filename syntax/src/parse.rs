@@ -42,7 +42,7 @@ impl Parse {
         broken
     }
 
-    /// The root of the tree, of kind [`SOURCE_FILE`].
+    /// The root of the tree, of kind `SOURCE_FILE`.
     pub fn syntax(&self) -> SyntaxNode {
         SyntaxNode::new_root(self.green.clone())
     }

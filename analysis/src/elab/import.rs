@@ -23,7 +23,7 @@ use crate::{
     release::Change,
 };
 
-/// Index into [`super::component::ComponentState::lists`] of the lists of a property.
+/// Index into `super::component::ComponentState::lists` of the lists of a property.
 fn list_of(word: &str) -> usize {
     match word {
         "uses" => 0,

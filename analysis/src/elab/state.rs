@@ -21,13 +21,13 @@ pub(super) struct ComponentState<'a> {
     pub(super) ids: Option<ScopeId>,
     /// Properties that do not merge, with the place where they were given.
     pub(super) given: FxHashMap<&'static str, Src>,
-    /// Parallel to [`Component::tasks`].
+    /// Parallel to `Component::tasks`.
     pub(super) tasks: Vec<TaskState<'a>>,
-    /// Parallel to [`Component::services`].
+    /// Parallel to `Component::services`.
     pub(super) services: Vec<ServiceState<'a>>,
-    /// Parallel to [`Component::ports`].
+    /// Parallel to `Component::ports`.
     pub(super) ports: Vec<DefId>,
-    /// Parallel to [`Component::remotes`].
+    /// Parallel to `Component::remotes`.
     pub(super) remotes: Vec<DefId>,
     pub(super) task_by_name: FxHashMap<Text, u32>,
     pub(super) service_by_name: FxHashMap<Text, u32>,

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Name, Src};
 
-/// Index into [`Spec::types`].
+/// Index into `Spec::types`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct TypeId(pub u32);
 
@@ -171,8 +171,8 @@ pub enum TypeKind {
     Event,
     /// The paused form of a state (`pause::s`); lives in scope `pause` of its component.
     PauseEvent,
-    /// The type object of a port; `component` and `port` index into [`Spec::components`] and
-    /// [`Component::ports`].
+    /// The type object of a port; `component` and `port` index into `Spec::components` and
+    /// `Component::ports`.
     Port {
         component: u32,
         port: u32,

@@ -178,8 +178,8 @@ enum DurationsName {
     Open,
 }
 
-/// States for a specification without a scenario: with a client that may send anything, most that is not
-/// found soon is not found at all, and nobody said that it matters.
+/// Maximum number of states for a specification without a scenario: with a client that may send anything,
+/// a longer search seldom finds more.
 const UNASKED_STATES: usize = 100_000;
 
 /// What `--sensitivity` finds.

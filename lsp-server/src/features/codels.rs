@@ -1,7 +1,7 @@
 //! Specifications beside the C and C++ sources of their codels, as a snapshot sees them.
 //!
 //! A source is parsed again only when its text changes, and a folder is compared again only when one
-//! of its sides does: what stays the same is kept in [`Cache`] from snapshot to snapshot. Texts come
+//! of its sides does: what stays the same is kept in `Cache` from snapshot to snapshot. Texts come
 //! from analysis, so open documents count and a change on its way cancels between two files.
 
 pub(crate) mod actions;

@@ -1,6 +1,6 @@
 //! Edits of the `.gen` side.
 //!
-//! Places come from [`Locations`]; an edit is made only where the text at the place is what the
+//! Places come from `Locations`; an edit is made only where the text at the place is what the
 //! model says, so that nothing that a macro wrote is touched.
 
 use std::{ops::Range, sync::Arc};

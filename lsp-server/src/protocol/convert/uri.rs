@@ -22,7 +22,7 @@ pub fn to_path(uri: &Uri) -> Utf8PathBuf {
 }
 
 /// The URI of a path. An open document has the spelling of its client; see
-/// [`crate::session::writer::Snapshot::uri`].
+/// `crate::session::writer::Snapshot::uri`.
 pub fn from_path(path: &Utf8Path) -> Option<Uri> {
     Uri::from_file_path(path.as_std_path())
 }

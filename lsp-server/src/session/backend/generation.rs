@@ -61,7 +61,7 @@ impl Drop for StopOnDrop {
 }
 
 impl Backend {
-    /// One of [`COMMANDS`].
+    /// One of `COMMANDS`.
     pub(crate) async fn generation_command(
         &self,
         command: &str,

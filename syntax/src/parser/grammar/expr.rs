@@ -38,7 +38,7 @@ pub(super) fn expr(p: &mut Parser<'_>) -> bool {
     expr_or(p, "a value")
 }
 
-/// Like [`expr`]; `what` is the expected thing, for the message.
+/// Like `expr`; `what` is the expected thing, for the message.
 pub(super) fn expr_or(p: &mut Parser<'_>, what: &str) -> bool {
     let outer = std::mem::replace(&mut p.in_angles, false);
     let found = binary(p, 1, what).is_some();

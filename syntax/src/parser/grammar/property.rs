@@ -72,7 +72,7 @@ fn reference(p: &mut Parser<'_>) -> bool {
     unless_item(p, name_ref)
 }
 
-/// Like [`reference`], for `[::]a::b`.
+/// Like `reference`, for `[::]a::b`.
 fn qualified(p: &mut Parser<'_>) -> bool {
     unless_item(p, path)
 }
