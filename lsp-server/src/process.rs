@@ -15,7 +15,7 @@ pub(crate) mod memory;
 mod watcher;
 
 use std::ffi::OsString;
-use std::io;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Sender, channel};
@@ -88,11 +88,29 @@ impl Processes for System {
 }
 
 /// Runs a command whose input is empty and whose output is read; for short questions to tools.
+///
+/// A tool that is machine code answers and ends: it is started directly. A script may start more and wait, so it
+/// is started like any other program, which takes two further processes.
 pub(crate) fn ask(
     program: &str,
     arguments: Vec<OsString>,
     environment: &[(&str, String)],
 ) -> io::Result<Process> {
+    let file = find(Path::new(program), Path::new(""))?;
+    let environment = environment.iter().map(|(name, value)| (name, value));
+    if is_machine_code(&file) {
+        let mut command = Command::new(file);
+        command.args(arguments).envs(environment);
+        pipes(&mut command, Channels::Pipes);
+        command.stdin(Stdio::null());
+        return Ok(Process {
+            child: start(command)?,
+            group: Box::new(Started {
+                own_group: false,
+                _watched: None,
+            }),
+        });
+    }
     let program = Program {
         path: program.into(),
         arguments,
@@ -102,7 +120,7 @@ pub(crate) fn ask(
         access: None,
     };
     let mut command = command(&program)?;
-    command.envs(environment.iter().map(|(name, value)| (name, value)));
+    command.envs(environment);
     let mut process = run(command, Channels::Pipes)?;
     drop(process.child.stdin.take());
     Ok(process)
@@ -119,7 +137,7 @@ fn command(program: &Program) -> io::Result<Command> {
     let mut command = match OWN.get() {
         Some(own) => {
             // What cannot be found is told as that, not as a failure of what is started in its place.
-            find(program)?;
+            find(&program.path, &program.directory)?;
             let mut command = again(own);
             command.args(launch::arguments(program));
             command
@@ -144,32 +162,48 @@ fn again(own: &Path) -> Command {
     command
 }
 
-/// Looks for a program as the system does.
-fn find(program: &Program) -> io::Result<()> {
-    let name = &program.path;
-    let path = std::env::var_os("PATH").unwrap_or_default();
+/// The file of a program, looked for as the system does: a path is relative to `directory`, a name is in `PATH`.
+///
+/// # Errors
+/// There is none.
+fn find(name: &Path, directory: &Path) -> io::Result<PathBuf> {
     let found = match name.components().count() > 1 {
-        true => program.directory.join(name).is_file(),
-        false => std::env::split_paths(&path).any(|it| it.join(name).is_file()),
+        true => Some(directory.join(name)).filter(|it| it.is_file()),
+        false => in_path(name),
     };
-    match found {
-        true => Ok(()),
-        false => Err(io::ErrorKind::NotFound.into()),
+    found.ok_or_else(|| io::ErrorKind::NotFound.into())
+}
+
+/// The first file of this name in the directories of `PATH`.
+pub(crate) fn in_path(name: &Path) -> Option<PathBuf> {
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    std::env::split_paths(&path)
+        .map(|it| it.join(name))
+        .find(|it| it.is_file())
+}
+
+/// The file is an ELF program, no script.
+pub(crate) fn is_machine_code(file: &Path) -> bool {
+    let mut magic = [0; 4];
+    std::fs::File::open(file)
+        .and_then(|mut it| it.read_exact(&mut magic))
+        .is_ok_and(|()| magic == *b"\x7fELF")
+}
+
+/// Connects a command as `channels` says.
+fn pipes(command: &mut Command, channels: Channels) {
+    if channels == Channels::Shared {
+        return;
     }
+    command.stdin(Stdio::piped()).stdout(Stdio::piped());
+    command.stderr(match channels {
+        Channels::Pipes => Stdio::piped(),
+        _ => Stdio::inherit(),
+    });
 }
 
 fn run(mut command: Command, channels: Channels) -> io::Result<Process> {
-    match channels {
-        Channels::Pipes => {
-            command.stdin(Stdio::piped()).stdout(Stdio::piped());
-            command.stderr(Stdio::piped());
-        }
-        Channels::PipesBut => {
-            command.stdin(Stdio::piped()).stdout(Stdio::piped());
-            command.stderr(Stdio::inherit());
-        }
-        Channels::Shared => {}
-    }
+    pipes(&mut command, channels);
     let own_group = channels != Channels::Shared;
     #[cfg(unix)]
     if own_group {

@@ -28,6 +28,25 @@ fn said(directory: &Directory, arguments: &[&str], environment: &[(&str, &str)])
     line.unwrap_or(&text).to_owned()
 }
 
+/// `/opt/robot/bin/pkg-config` looks in `/opt/robot/lib/pkgconfig`: the release is read there without running it.
+#[test]
+fn the_release_beside_the_package_tool_counts() {
+    let directory = directory();
+    let package = b"Name: genom3\nDescription: G\nVersion: 2.99.41\n";
+    directory.write("robot/lib/pkgconfig/genom3.pc", package);
+    directory.write("robot/bin/none", b"");
+    let bin = directory.path().join("robot/bin");
+    // Machine code that gives no answer.
+    std::os::unix::fs::symlink("/bin/false", bin.join("pkg-config")).expect("a link");
+    let mut command = directory.command(&["check", "--verbose", "arm.gen"]);
+    let output = command.env("PATH", bin).output().expect("the program runs");
+    let text = stderr(&output);
+    assert!(
+        text.contains("GenoM3 2.99.41 (installed: package `genom3`)"),
+        "{text}"
+    );
+}
+
 #[test]
 fn the_strongest_word_counts() {
     let directory = directory();

@@ -3,6 +3,7 @@
 
 use std::ffi::OsString;
 use std::io::{ErrorKind, Read};
+use std::path::Path;
 use std::sync::mpsc;
 use std::time::Duration;
 
@@ -100,25 +101,26 @@ pub(crate) fn words(
     }
 }
 
-/// The version of a package, if pkg-config may be run and knows it.
+/// The version of a package, from a tool that may know of more directories than [`pkg_file::search_path`]: a
+/// script, or the program that the environment names. The plain tool is not asked, and no process is started.
 pub(super) fn version(config: &PackageConfig, name: &str) -> Option<String> {
-    if !config.may_run {
+    let program = program();
+    let is_plain = program == PLAIN
+        && process::in_path(Path::new(PLAIN)).is_none_or(|it| process::is_machine_code(&it));
+    if !config.may_run || is_plain {
         return None;
     }
-    let output = run(
-        &program(),
-        &config.paths,
-        "--modversion",
-        &[name.to_owned()],
-    )
-    .ok()?;
+    let output = run(&program, &config.paths, "--modversion", &[name.to_owned()]).ok()?;
     first_line(&output).map(str::to_owned)
 }
+
+/// The name of the tool.
+pub(super) const PLAIN: &str = "pkg-config";
 
 /// The package tool.
 fn program() -> String {
     let named = std::env::var("PKG_CONFIG").ok().filter(|it| !it.is_empty());
-    named.unwrap_or_else(|| "pkg-config".to_owned())
+    named.unwrap_or_else(|| PLAIN.to_owned())
 }
 
 enum Failure {

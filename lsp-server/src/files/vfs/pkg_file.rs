@@ -3,6 +3,7 @@
 //! followed for flags, versions compare as in RPM.
 
 use std::cmp::Ordering;
+use std::path::Path;
 
 use camino::{Utf8Path, Utf8PathBuf};
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -25,7 +26,7 @@ struct Requirement {
 }
 
 /// Where `.pc` files are looked for: configured directories, `PKG_CONFIG_PATH`, then
-/// `PKG_CONFIG_LIBDIR` or the usual system directories.
+/// `PKG_CONFIG_LIBDIR` or the directories beside the tool and of the system.
 pub(super) fn search_path(configured: &[Utf8PathBuf]) -> Vec<Utf8PathBuf> {
     let variable = |name: &str| -> Option<Vec<Utf8PathBuf>> {
         let value = std::env::var(name).ok()?;
@@ -36,7 +37,7 @@ pub(super) fn search_path(configured: &[Utf8PathBuf]) -> Vec<Utf8PathBuf> {
     path.extend(variable("PKG_CONFIG_PATH").unwrap_or_default());
     path.extend(variable("PKG_CONFIG_LIBDIR").unwrap_or_else(|| {
         let multiarch = format!("/usr/lib/{}-linux-gnu/pkgconfig", std::env::consts::ARCH);
-        [
+        let system = [
             "/usr/local/lib/pkgconfig",
             "/usr/local/share/pkgconfig",
             &multiarch,
@@ -44,10 +45,26 @@ pub(super) fn search_path(configured: &[Utf8PathBuf]) -> Vec<Utf8PathBuf> {
             "/usr/lib64/pkgconfig",
             "/usr/share/pkgconfig",
         ]
-        .map(Utf8PathBuf::from)
-        .to_vec()
+        .map(Utf8PathBuf::from);
+        let mut directories = beside_the_tool();
+        directories.extend(system);
+        directories
     }));
     path
+}
+
+/// The directories of the installation that the tool is part of: `/opt/robot/lib/pkgconfig` for
+/// `/opt/robot/bin/pkg-config`. The tool is built with these.
+fn beside_the_tool() -> Vec<Utf8PathBuf> {
+    let tool = crate::process::in_path(Path::new(super::pkg_config::PLAIN));
+    let tool = tool.and_then(|it| Utf8PathBuf::from_path_buf(it).ok());
+    let prefix = tool.as_deref().and_then(Utf8Path::parent);
+    let Some(prefix) = prefix.and_then(Utf8Path::parent) else {
+        return Vec::new();
+    };
+    ["lib/pkgconfig", "share/pkgconfig"]
+        .map(|it| prefix.join(it))
+        .to_vec()
 }
 
 /// Names of the packages that have a `.pc` file on the search path, sorted.
