@@ -5,57 +5,84 @@ use std::cmp::Reverse;
 use rustc_hash::FxHashSet;
 use smol_str::SmolStr;
 
-use super::{FileRange, WorkspaceSymbol, resolve::container_name, view::place};
+use super::{
+    FileRange, WorkspaceSymbol,
+    resolve::{container_name, elaborated_of_many},
+    view::place,
+};
 use crate::{
-    base::Db,
+    base::{Db, SourceFile},
     elab::DefKind,
-    queries::elaborated,
+    parallel,
     source_map::bytes,
     unit::{roots_of, unit_of_root},
 };
 
+/// A declaration and how well it matches, as it is sorted.
+type Ranked = (Reverse<u8>, SmolStr, WorkspaceSymbol);
+
 /// The best `limit` declarations that match a query.
 pub(crate) fn workspace_symbols(db: &dyn Db, query: &str, limit: usize) -> Vec<WorkspaceSymbol> {
-    let mut found: Vec<(Reverse<u8>, SmolStr, WorkspaceSymbol)> = Vec::new();
-    let mut seen = FxHashSet::default();
-    for path in db.workspace().roots(db) {
-        let root = db.file(path);
+    let workspace = db.workspace();
+    let paths = workspace.roots(db);
+    let roots: Vec<SourceFile> = paths.iter().map(|it| db.file(it)).collect();
+    let found = parallel::over(db, &roots, |db, &root| {
         // A file that is included elsewhere is listed there.
-        if roots_of(db, root).first() != Some(&root) {
-            continue;
-        }
-        let unit = unit_of_root(db, root);
-        let elaborated = elaborated(db, unit);
-        for it in &elaborated.definitions {
-            if !is_listed(it.kind) {
-                continue;
+        match roots_of(db, root).first() == Some(&root) {
+            true => {
+                let mut found = of_unit(db, root, query, roots.len());
+                best(&mut found, limit);
+                found
             }
-            let Some(rank) = rank(&it.name, query) else {
-                continue;
-            };
-            let Some((file, range)) = place(db, unit, it.src) else {
-                continue;
-            };
-            if seen.insert((file, range, it.name.clone())) {
-                let symbol = WorkspaceSymbol {
-                    name: it.name.clone(),
-                    kind: it.kind.into(),
-                    container: container_name(&elaborated.definitions, it),
-                    target: FileRange {
-                        path: file.path(db).clone(),
-                        range: bytes(range),
-                    },
-                };
-                found.push((Reverse(rank), it.name.clone(), symbol));
-            }
+            false => Vec::new(),
         }
-    }
-    found.sort_by(|a, b| {
-        let place = |it: &WorkspaceSymbol| (it.target.path.clone(), it.target.range.start);
-        (a.0, &a.1, place(&a.2)).cmp(&(b.0, &b.1, place(&b.2)))
     });
-    found.truncate(limit);
+    let mut seen = FxHashSet::default();
+    let mut found: Vec<Ranked> = found.into_iter().flatten().collect();
+    found.retain(|(.., it)| {
+        let place = &it.target;
+        seen.insert((place.path.clone(), place.range.clone(), it.name.clone()))
+    });
+    best(&mut found, limit);
     found.into_iter().map(|(.., it)| it).collect()
+}
+
+/// Keeps the first `limit` of the sorted list.
+fn best(found: &mut Vec<Ranked>, limit: usize) {
+    let place = |it: &WorkspaceSymbol| (it.target.path.clone(), it.target.range.start);
+    found.sort_by(|a, b| (a.0, &a.1, place(&a.2)).cmp(&(b.0, &b.1, place(&b.2))));
+    found.truncate(limit);
+}
+
+/// The declarations of the unit of one of `count` roots that match a query. A large workspace is searched without
+/// keeping what was computed.
+fn of_unit(db: &dyn Db, root: SourceFile, query: &str, count: usize) -> Vec<Ranked> {
+    let unit = unit_of_root(db, root);
+    let elaborated = elaborated_of_many(db, unit, count);
+    let mut found = Vec::new();
+    for it in elaborated
+        .definitions
+        .iter()
+        .filter(|it| is_listed(it.kind))
+    {
+        let Some(rank) = rank(&it.name, query) else {
+            continue;
+        };
+        let Some((file, range)) = place(db, unit, it.src) else {
+            continue;
+        };
+        let symbol = WorkspaceSymbol {
+            name: it.name.clone(),
+            kind: it.kind.into(),
+            container: container_name(&elaborated.definitions, it),
+            target: FileRange {
+                path: file.path(db).clone(),
+                range: bytes(range),
+            },
+        };
+        found.push((Reverse(rank), it.name.clone(), symbol));
+    }
+    found
 }
 
 /// Returns false for parameters and local variables, which are not listed outside their service.

@@ -156,6 +156,10 @@ fn serve(dotgen: &Path, folder: &Path, count: usize) -> Result<Figures> {
     let (peak, settled) = (session.peak()?, session.memory()?);
     figures.push(("peak memory of the server, MB", peak));
     figures.push(("memory after all that, MB", settled));
+    let query = json!({ "query": "slow" });
+    let (time, _) = session.editor.answer("workspace/symbol", query)?;
+    figures.push(("symbols of the workspace", seconds(time)));
+    figures.push(("memory after the symbols, MB", session.memory()?));
     session.editor.close(&shared)?;
     session.editor.close(&component)?;
     session.settle()?;
