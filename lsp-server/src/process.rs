@@ -89,8 +89,8 @@ impl Processes for System {
 
 /// Runs a command whose input is empty and whose output is read; for short questions to tools.
 ///
-/// A tool that is machine code answers and ends: it is started directly. A script may start more and wait, so it
-/// is started like any other program, which takes two further processes.
+/// A tool that is machine code answers and ends: it is started directly. A script may start more and wait,
+/// so it is started like any other program, which takes two further processes.
 pub(crate) fn ask(
     program: &str,
     arguments: Vec<OsString>,
@@ -162,7 +162,8 @@ fn again(own: &Path) -> Command {
     command
 }
 
-/// The file of a program, looked for as the system does: a path is relative to `directory`, a name is in `PATH`.
+/// The file of a program, looked for as the system does: a path is relative to `directory`, a name is in
+/// `PATH`.
 ///
 /// # Errors
 /// There is none.

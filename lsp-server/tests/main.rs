@@ -11,6 +11,7 @@ mod faults;
 mod hosted;
 mod hostile;
 mod interfaces;
+mod listening;
 mod manners;
 mod measure;
 mod monitor;

@@ -28,7 +28,8 @@ fn said(directory: &Directory, arguments: &[&str], environment: &[(&str, &str)])
     line.unwrap_or(&text).to_owned()
 }
 
-/// `/opt/robot/bin/pkg-config` looks in `/opt/robot/lib/pkgconfig`: the release is read there without running it.
+/// `/opt/robot/bin/pkg-config` looks in `/opt/robot/lib/pkgconfig`: the release is read there without
+/// running it.
 #[test]
 fn the_release_beside_the_package_tool_counts() {
     let directory = directory();

@@ -54,8 +54,8 @@ fn best(found: &mut Vec<Ranked>, limit: usize) {
     found.truncate(limit);
 }
 
-/// The declarations of the unit of one of `count` roots that match a query. A large workspace is searched without
-/// keeping what was computed.
+/// The declarations of the unit of one of `count` roots that match a query. A large workspace is searched
+/// without keeping what was computed.
 fn of_unit(db: &dyn Db, root: SourceFile, query: &str, count: usize) -> Vec<Ranked> {
     let unit = unit_of_root(db, root);
     let elaborated = elaborated_of_many(db, unit, count);

@@ -36,6 +36,7 @@ from .protocol import (
     ports,
     sockets,
     tcp_port,
+    token,
 )
 
 __all__ = [
@@ -315,6 +316,7 @@ async def _open(path: _Path) -> Connection:
             reader, writer = await asyncio.open_unix_connection(shown, limit=_LONGEST)
         else:
             reader, writer = await asyncio.open_connection("127.0.0.1", port, limit=_LONGEST)
+            writer.write(token(port))
     except OSError as error:
         raise Lost(f"no run listens at `{shown}`: {error.strerror}") from None
     connection = Connection(shown, reader, writer)

@@ -30,6 +30,7 @@ from .protocol import (
     ports,
     sockets,
     tcp_port,
+    token,
 )
 
 __all__ = [
@@ -255,6 +256,8 @@ class Connection:
         self._socket = socket.socket(family, socket.SOCK_STREAM)
         try:
             self._socket.connect(self._path if port is None else ("127.0.0.1", port))
+            if port is not None:
+                self._socket.sendall(token(port))
         except OSError as error:
             self._socket.close()
             raise Lost(f"no run listens at `{self._path}`: {error.strerror}") from None

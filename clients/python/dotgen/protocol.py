@@ -385,12 +385,26 @@ def tcp_port(path: str | os.PathLike[str]) -> int | None:
     return int(port) if host in HERE and port.isdecimal() else None
 
 
+def _folder() -> pathlib.Path:
+    """Returns the folder with the sockets and tokens of runs of this user."""
+    runtime = os.environ.get("XDG_RUNTIME_DIR")
+    if runtime:
+        return pathlib.Path(runtime) / "dotgen"
+    return pathlib.Path(tempfile.gettempdir()) / f"dotgen-{os.getuid()}"
+
+
+def token(port: int) -> bytes:
+    """Returns the line that a client sends first to a TCP port: empty if the run serves all users."""
+    try:
+        text = (_folder() / f"{port}.token").read_text(encoding="ascii")
+    except OSError:
+        return b""
+    return json.dumps({"token": text}).encode() + b"\n"
+
+
 def sockets() -> list[pathlib.Path]:
     """Returns the sockets of runs of this user. A killed run can have left one behind."""
-    runtime = os.environ.get("XDG_RUNTIME_DIR")
-    folder = pathlib.Path(tempfile.gettempdir()) / f"dotgen-{os.getuid()}"
-    if runtime:
-        folder = pathlib.Path(runtime) / "dotgen"
+    folder = _folder()
     try:
         info = folder.lstat()
         private = stat.S_ISDIR(info.st_mode) and info.st_uid == os.getuid()

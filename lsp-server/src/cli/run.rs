@@ -71,10 +71,14 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "PATH")]
     socket: Option<Utf8PathBuf>,
 
-    /// Also listen on this local TCP port, for all users of this machine, with --clock real; 0 selects a free
-    /// port
+    /// Also listen on this local TCP port, with --clock real; 0 selects a free port. Clients send the token
+    /// in PORT.token, which only this user can read
     #[arg(long, value_name = "PORT")]
     listen: Option<u16>,
+
+    /// Serve all users of this machine on the TCP port, without a token
+    #[arg(long, requires = "listen")]
+    listen_anyone: bool,
 
     /// Exchange port data with other machines, with --clock real: listen for Zenoh at this endpoint, for
     /// example tcp/0.0.0.0:7447

@@ -35,6 +35,14 @@ pub(crate) fn socket(name: &str) -> io::Result<PathBuf> {
     Ok(folder()?.join(format!("{name}.{SUFFIX}")))
 }
 
+/// The file with the token of a run that listens at a TCP port.
+///
+/// # Errors
+/// The folder cannot be made, or belongs to somebody else.
+pub(super) fn token(port: u16) -> io::Result<PathBuf> {
+    Ok(folder()?.join(format!("{port}.token")))
+}
+
 /// Connects to a run: the one at a path, else the only one there is.
 ///
 /// # Errors

@@ -2,19 +2,19 @@
 
 mod data;
 mod find;
+mod followers;
+mod token;
 
 use std::collections::{BTreeMap, HashMap};
 use std::io::{self, BufReader, Write};
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::os::unix::net::{UnixListener, UnixStream};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard};
-use std::time::{Duration, Instant};
 
 use dotgen_analysis::model::PortDir;
 use dotgen_codegen::codels::value::Values;
 use dotgen_runtime::hosts::{Answer, Connection, Message, Wanted};
-use dotgen_runtime::progress::{Follow, Progress};
 use rustix::fs::Mode;
 use rustix::process::umask;
 use serde_json::{Map, Value, json};
@@ -25,36 +25,57 @@ use super::known::{CONNECT, Known, describe, detail_of};
 use super::stream::Stream;
 use crate::files::disk::Passing;
 use find::{component, port};
-
-/// Whoever looks at how far the run has come is told at most so often: eyes see no more, and telling takes
-/// time.
-const LOOK_EVERY: Duration = Duration::from_millis(100);
+use followers::{Followers, Lookers};
+use token::Token;
 
 /// Listens until it is dropped; then its socket is gone.
 pub(crate) struct Server {
     _socket: Passing,
+    /// The token of the TCP port.
+    token: Option<Passing>,
     shared: Arc<Shared>,
 }
 
+/// The clients that a TCP port serves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Clients {
+    /// Those of this user, who can read the file with the token.
+    OfThisUser,
+    /// All of this machine.
+    Anyone,
+}
+
 impl Server {
-    /// Listens at a TCP port as well, on loopback: every user of this machine may connect there. Port 0 is
-    /// any; the result is the one that was taken.
+    /// Listens at a TCP port as well, on loopback. Port 0 is any. Returns the address that was taken, and the
+    /// file with the token that clients have to send.
     ///
     /// # Errors
-    /// In words: where somebody else listens there, or nobody may.
-    pub(crate) fn listen_on_loopback(&self, port: u16) -> Result<SocketAddr, String> {
+    /// In words: another program listens there, it is not allowed, or the file cannot be made.
+    pub(crate) fn listen_on_loopback(
+        &mut self,
+        port: u16,
+        clients: Clients,
+    ) -> Result<(SocketAddr, Option<PathBuf>), String> {
         let address = SocketAddr::from((Ipv4Addr::LOCALHOST, port));
         let wrong = |it: io::Error| format!("cannot listen at {address}: {it}");
         let listener = TcpListener::bind(address).map_err(wrong)?;
         let taken = listener.local_addr().map_err(wrong)?;
+        let mut token = None;
+        if clients == Clients::OfThisUser {
+            let no_file = |it: io::Error| format!("cannot make the token of {taken}: {it}");
+            let (text, file) = Token::new(taken.port()).map_err(no_file)?;
+            self.token = Some(file);
+            token = Some(Arc::new(text));
+        }
         let shared = self.shared.clone();
         // It waits until the process ends.
         std::thread::spawn(move || {
             for stream in listener.incoming().flatten() {
-                accept(&shared, Stream::Tcp(stream));
+                accept(&shared, Stream::Tcp(stream), token.clone());
             }
         });
-        Ok(taken)
+        let file = self.token.as_ref().map(Passing::path);
+        Ok((taken, file.map(Path::to_owned)))
     }
 
     /// Tells how far the run has come, to whoever looks on.
@@ -68,56 +89,6 @@ impl Server {
     /// Takes the lines of the profile, one at a time, for whoever follows the run.
     pub(crate) fn followers(&self) -> Followers {
         Followers(self.shared.clone())
-    }
-}
-
-/// See [`Server::lookers`].
-pub(crate) struct Lookers {
-    shared: Arc<Shared>,
-    /// When they were told last.
-    told: Option<Instant>,
-}
-
-impl Follow for Lookers {
-    fn wants(&mut self) -> bool {
-        let due = self.told.is_none_or(|it| it.elapsed() >= LOOK_EVERY);
-        if !due {
-            return false;
-        }
-        self.told = Some(Instant::now());
-        !self.shared.state().lookers.is_empty()
-    }
-
-    fn hear(&mut self, progress: Progress) {
-        let Ok(mut told) = serde_json::to_value(&progress) else {
-            return;
-        };
-        told["event"] = "progress".into();
-        for (client, id) in &self.shared.state().lookers {
-            // What was missed is in the next one.
-            client.offer(told.clone(), id);
-        }
-    }
-}
-
-/// See [`Server::followers`].
-pub(crate) struct Followers(Arc<Shared>);
-
-impl Write for Followers {
-    fn write(&mut self, line: &[u8]) -> io::Result<usize> {
-        let state = self.0.state();
-        if !state.followers.is_empty() {
-            let text = String::from_utf8_lossy(line);
-            let told = json!({"event": "ran", "line": text.trim_end()});
-            for (client, id) in &state.followers {
-                client.say(told.clone(), id);
-            }
-        }
-        Ok(line.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
     }
 }
 
@@ -207,17 +178,18 @@ pub(crate) fn listen(
     // It waits until the process ends.
     std::thread::spawn(move || {
         for stream in listener.incoming().flatten() {
-            accept(&accepting, Stream::Unix(stream));
+            accept(&accepting, Stream::Unix(stream), None);
         }
     });
     let server = Server {
         _socket: socket,
+        token: None,
         shared: shared.clone(),
     };
     Ok((server, Box::new(Teller { shared })))
 }
 
-fn accept(shared: &Arc<Shared>, stream: Stream) {
+fn accept(shared: &Arc<Shared>, stream: Stream, token: Option<Arc<Token>>) {
     let mut state = shared.state();
     let kind = usize::from(stream.is_private());
     if state.open[kind] >= MOST_CLIENTS {
@@ -234,15 +206,15 @@ fn accept(shared: &Arc<Shared>, stream: Stream) {
     drop(state);
     let shared = shared.clone();
     std::thread::spawn(move || {
-        serve(&shared, stream, number);
+        serve(&shared, stream, number, token.as_deref());
         shared.state().open[kind] -= 1;
     });
 }
 
-fn serve(shared: &Shared, stream: Stream, number: u64) {
+fn serve(shared: &Shared, stream: Stream, number: u64, token: Option<&Token>) {
     let stream = Arc::new(stream);
     let client = Client::new(number, stream.clone());
-    let stays = hear(shared, &stream, &client);
+    let stays = hear(shared, &stream, &client, token);
     // From now on only its requests hold the connection.
     drop(client);
     if stays {
@@ -258,8 +230,9 @@ fn serve(shared: &Shared, stream: Stream, number: u64) {
     stream.wait_for_end();
 }
 
-/// Reads requests to their end. Returns whether the client may get answers after the end.
-fn hear(shared: &Shared, stream: &Stream, client: &Client) -> bool {
+/// Reads requests to their end. The first one is the token, if there is one. Returns whether the client may
+/// get answers after the end.
+fn hear(shared: &Shared, stream: &Stream, client: &Client, mut token: Option<&Token>) -> bool {
     let mut input = BufReader::new(stream);
     let mut line = Vec::new();
     loop {
@@ -287,6 +260,19 @@ fn hear(shared: &Shared, stream: &Stream, client: &Client) -> bool {
             }
         };
         let id = request.get("id").cloned().unwrap_or(Value::Null);
+        if let Some(wanted) = token.take() {
+            if wanted.is_in(&request) {
+                continue;
+            }
+            let file = wanted.path().display();
+            let why = format!("first send {{\"token\": \"…\"}}, the text of `{file}`");
+            client.say(json!({"event": "error", "message": why}), &id);
+            return false;
+        }
+        if request.get("token").is_some() {
+            // Left behind by a run that was killed; this one needs none.
+            continue;
+        }
         match answer(shared, client, &request, &id) {
             Ok(Some(it)) => client.say(it, &id),
             Ok(None) => {}

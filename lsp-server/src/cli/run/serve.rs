@@ -17,7 +17,7 @@ use crate::hosting::known::Known;
 #[cfg(feature = "zenoh")]
 use crate::hosting::network::Network;
 use crate::hosting::places;
-use crate::hosting::server::{Server, listen};
+use crate::hosting::server::{Clients, Server, listen};
 use crate::verification::Problem;
 
 /// Who listens; nobody does any more when it is dropped.
@@ -80,13 +80,24 @@ pub(super) fn start(
              zenoh`"
         );
     }
-    let (server, outside) = listen(&path, known, children.door()).map_err(anyhow::Error::msg)?;
+    let (mut server, outside) =
+        listen(&path, known, children.door()).map_err(anyhow::Error::msg)?;
     children.tell(outside);
     if let Some(port) = arguments.listen {
-        let address = server
-            .listen_on_loopback(port)
+        let clients = match arguments.listen_anyone {
+            true => Clients::Anyone,
+            false => Clients::OfThisUser,
+        };
+        let (address, token) = server
+            .listen_on_loopback(port, clients)
             .map_err(anyhow::Error::msg)?;
-        report::note(&format!("for all users of this machine at {address}"));
+        report::note(&match token {
+            Some(file) => format!(
+                "listening at {address}, with the token in `{}`",
+                file.display()
+            ),
+            None => format!("listening at {address}, for all users of this machine"),
+        });
     }
     report::note(&format!("listening at `{}`", path.display()));
     Ok(Serving {
