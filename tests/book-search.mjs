@@ -30,7 +30,7 @@ function searchIndex() {
 
 /** The questions of the page, each with the address of its answer in the book. */
 function questions() {
-  const rows = readFileSync(join(root, 'docs/questions.md'), 'utf8').matchAll(/^\| (.+?) \| \[[^\]]+\]\((.+?)\) \|$/gm);
+  const rows = readFileSync(join(root, 'docs/questions.md'), 'utf8').matchAll(/^\| (.+?) \| \[[^\]]+\]\((.+?)\)/gm);
   return [...rows].map(([, question, link]) => ({ question, answer: link.replace(/\.md(?=#|$)/, '.html') }));
 }
 
