@@ -1,4 +1,5 @@
-//! What goes wrong in a run: it ends as docs/run.md says, in time, and leaves nothing behind.
+//! What goes wrong in a run: it ends as docs/run.md and docs/socket.md say, in time, and leaves nothing
+//! behind.
 #![cfg(target_os = "linux")]
 
 use std::io::{BufRead as _, BufReader, Write as _};

@@ -157,7 +157,7 @@ pub(super) const CODES: &[Code] = &[
     ),
     error(
         "fsm/undefined-state",
-        "A codel leads to a state that no codel implements.",
+        "A codel leads to an undefined state, which no codel implements.",
         "The machine would have nowhere to go when the codel returns that state. States of other tasks \
          and services do not count.",
         "Correct the spelling, add a codel for the state, or remove it from the `yields` list.",
