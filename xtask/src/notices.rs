@@ -2,7 +2,7 @@
 //!
 //! The crates are those that `cargo metadata` reaches from the program by normal dependencies, on any system;
 //! the npm packages are those that the lock file reaches from the language client, which is bundled. Each
-//! must be under a licence of [`ACCEPTED`]: texts of licences travel with what is distributed, and nothing
+//! must be under a licence that `deny.toml` allows: texts of licences travel with what is distributed, and nothing
 //! may ask for more than that.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -31,28 +31,6 @@ const PROGRAM: &str = "dotgen-lsp-server";
 /// The npm packages that are bundled with the extension; the others are tools.
 const BUNDLED: &[&str] = &["vscode-languageclient"];
 
-/// SPDX identifiers. They ask for their text and for the names of the authors, and for nothing else of a
-/// program that is passed on unchanged; MPL-2.0 (of a crate that Zenoh reads settings with) also asks that
-/// whoever gets it can find the source, so the notices name where each crate is from.
-const ACCEPTED: &[&str] = &[
-    "0BSD",
-    "Apache-2.0",
-    "BlueOak-1.0.0",
-    "BSD-2-Clause",
-    "BSD-3-Clause",
-    "BSL-1.0",
-    "CC0-1.0",
-    "ISC",
-    "MIT",
-    "MIT-0",
-    "MPL-2.0",
-    "OFL-1.1",
-    "Ubuntu-font-1.0",
-    "Unicode-3.0",
-    "Unlicense",
-    "Zlib",
-];
-
 /// One thing that others wrote.
 struct Part {
     name: String,
@@ -67,7 +45,9 @@ struct Part {
 pub(crate) fn notices(options: &Options) -> Result<bool> {
     let mut parts = crates()?;
     parts.extend(npm_packages()?);
-    let refused: Vec<String> = parts.iter().filter_map(refusal).collect();
+    let allowed = allowed()?;
+    let refused = parts.iter().filter_map(|it| refusal(it, &allowed));
+    let refused: Vec<String> = refused.collect();
     if !refused.is_empty() {
         bail!(
             "licences that nobody has accepted (the list is in xtask/src/notices.rs):\n{}",
@@ -88,10 +68,28 @@ pub(crate) fn notices(options: &Options) -> Result<bool> {
     Ok(same)
 }
 
-/// Why a package cannot be distributed.
-fn refusal(part: &Part) -> Option<String> {
+/// SPDX identifiers of the licences that `deny.toml` allows.
+///
+/// # Errors
+/// The file cannot be read, or has no such list.
+fn allowed() -> Result<Vec<String>> {
+    #[derive(serde::Deserialize)]
+    struct Deny {
+        licenses: Licenses,
+    }
+    #[derive(serde::Deserialize)]
+    struct Licenses {
+        allow: Vec<String>,
+    }
+    let text = std::fs::read_to_string(crate::root().join("deny.toml"))?;
+    let deny: Deny = toml::from_str(&text).context("deny.toml")?;
+    Ok(deny.licenses.allow)
+}
+
+/// The line of a package that cannot be distributed, because its licence is not allowed.
+fn refusal(part: &Part, allowed: &[String]) -> Option<String> {
     let accepted = |licence: &LicenseItem| match licence {
-        LicenseItem::Spdx { id, .. } => ACCEPTED.contains(&id.name),
+        LicenseItem::Spdx { id, .. } => allowed.iter().any(|it| it == id.name),
         LicenseItem::Other { .. } => false,
     };
     let lax = spdx::ParseMode::LAX;
