@@ -191,3 +191,64 @@ fn a_client_is_told_its_limits() {
         answer.contains("description").then_some(())
     });
 }
+
+/// Requests with 1 MB of text and of numbers: the process of the component gives the memory back.
+#[test]
+fn memory_of_requests_is_given_back_in_c() {
+    if !crate::running::compilers() {
+        return;
+    }
+    let specification = r#"
+struct load { string text; sequence<string> names; sequence<sequence<octet> > rows; };
+component store { version "1"; lang "c"; ids { load last; };
+  task main { period 10 ms; };
+  function take(in load it, out long pages) { codel take_it(in it, out pages); };
+  function keep(in load it) { codel keep_it(in it, out last); };
+  attribute kept(out last); };
+"#;
+    let source = r#"#include "acstore.h"
+#include <stdio.h>
+#include <string.h>
+#include "store_c_types.h"
+genom_event keep_it(const load *it, load *last, const genom_context self) {
+  *last = *it;
+  return genom_ok;
+}
+genom_event take_it(const load *it, int32_t *pages, const genom_context self) {
+  long all = 0, mine = -1;
+  FILE *f = fopen("/proc/self/statm", "r");
+  if (f) { if (fscanf(f, "%ld %ld", &all, &mine) != 2) mine = -1; fclose(f); }
+  if (strlen(it->text) != 300000 || it->names._length != 3 || it->rows._length != 2) mine = -1;
+  *pages = mine;
+  return genom_ok;
+}
+"#;
+    let directory = Directory::new(&[("store.gen", specification), ("codels/store.c", source)]);
+    let arguments = ["run", "store.gen", "--clock", "real", "--socket", "s"];
+    let _run = Listening::start(&directory, &arguments);
+    let text = "x".repeat(300_000);
+    let input = json!({"it": { "text": text, "names": [text, "b", text], "rows": [[1, 2], vec![7; 100_000]] }});
+    let request = json!({"id": 1, "call": "store.take", "input": input});
+    let client = UnixStream::connect(directory.path().join("s")).expect("it listens");
+    let mut lines = BufReader::new(&client).lines();
+    let mut output = |request: &Value| -> Value {
+        writeln!(&client, "{request}").expect("it reads");
+        let answer: Value =
+            serde_json::from_str(&lines.next().expect("a line").expect("text")).expect("JSON");
+        assert_eq!(answer["event"], "done", "{answer}");
+        answer["output"].clone()
+    };
+    let mut pages = || {
+        let pages = output(&request)["pages"].as_i64();
+        pages.filter(|it| *it > 0).expect("what was sent arrives")
+    };
+    let first = (0..10).map(|_| pages()).max().expect("ten");
+    let last = (0..60).map(|_| pages()).max().expect("sixty");
+    // Pages of 4 kB: 50 MB would be 12,000.
+    assert!(last - first < 1_000, "from {first} to {last} pages");
+    // What a codel assigns to the ids stays there after the request.
+    output(&json!({"id": 2, "call": "store.keep", "input": input}));
+    output(&request);
+    let kept = output(&json!({"id": 3, "call": "store.kept"}));
+    assert!(kept["last"] == input["it"]);
+}

@@ -8,6 +8,7 @@
 
 mod calls;
 mod ports;
+mod release;
 mod types;
 
 use dotgen_analysis::model::{Name, Param, ParamSource, TypeId, TypeKind};

@@ -57,6 +57,14 @@ impl Glue<'_, '_> {
                  \x20   (void)b;\n{save}    {delete}\n    break;\n  }}\n"
             );
         }
+        let (own, disown, forget) = match self.is_cxx() {
+            true => ("", "", ""),
+            false => (
+                "  glue_owner = instance;\n",
+                "  glue_owner = GLUE_NOBODY;\n",
+                "    glue_forget(instance);\n",
+            ),
+        };
         _ = write!(
             out,
             "\nGLUE_C GLUE_EXPORT int\n\
@@ -64,7 +72,7 @@ impl Glue<'_, '_> {
              \x20 struct glue_reader r = {{ (const unsigned char *)data, size, 0 }};\n\
              \x20 struct glue_activity *it = (struct glue_activity *)calloc(1, sizeof(*it));\n\
              \x20 if (it == NULL) abort();\n  it->instance = instance;\n\
-             \x20 pthread_mutex_lock(&glue_mutex);\n  switch (service) {{\n{make}  }}\n\
+             \x20 pthread_mutex_lock(&glue_mutex);\n{own}  switch (service) {{\n{make}  }}\n{disown}\
              \x20 it->next = glue_activities;\n  glue_activities = it;\n\
              \x20 pthread_mutex_unlock(&glue_mutex);\n  return r.bad || r.left > 0;\n}}\n\n\
              GLUE_C GLUE_EXPORT void\n\
@@ -72,7 +80,7 @@ impl Glue<'_, '_> {
              \x20 struct glue_activity **at, *it;\n  pthread_mutex_lock(&glue_mutex);\n\
              \x20 for (at = &glue_activities; *at != NULL && (*at)->instance != instance;)\n\
              \x20   at = &(*at)->next;\n  it = *at;\n  if (it != NULL) {{\n    *at = it->next;\n\
-             \x20   switch (service) {{\n{end}    }}\n    free(it);\n  }}\n\
+             \x20   switch (service) {{\n{end}    }}\n{forget}    free(it);\n  }}\n\
              \x20 pthread_mutex_unlock(&glue_mutex);\n}}\n"
         );
         Ok(out)
@@ -271,9 +279,10 @@ impl Glue<'_, '_> {
         if !self.is_cxx() {
             arguments.push("&glue_context".into());
             let call = self.mapper.invoke(component, codel, &arguments)?;
+            let keep = self.keep_written(codel)?;
             return Ok(format!(
                 "\nstatic void\nglue_codel_{number}(uint32_t instance, struct glue_buffer *out)\n{{\n\
-                 \x20 genom_event event;\n{params}  (void)instance;\n  event = {call};\n\
+                 \x20 genom_event event;\n{params}  (void)instance;\n  event = {call};\n{keep}\
                  \x20 glue_tell_event(event, out);\n  glue_finish(out);\n}}\n"
             ));
         }

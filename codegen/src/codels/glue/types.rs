@@ -19,6 +19,8 @@ impl Glue<'_, '_> {
                  static void glue_load_{number}(struct glue_reader *r, glue_t{number} *x);"
             );
         }
+        let (prototypes, functions) = self.keepers()?;
+        out += &prototypes;
         for (number, &ty) in self.order.iter().enumerate() {
             let (save, load) = self.copying(ty)?;
             _ = writeln!(
@@ -31,6 +33,7 @@ impl Glue<'_, '_> {
                  {{\n  (void)r; (void)x;\n{load}}}"
             );
         }
+        out += &functions;
         Ok(out)
     }
 
@@ -83,7 +86,7 @@ impl Glue<'_, '_> {
                 "  glue_put_text(b, *x != NULL ? *x : \"\", *x != NULL ? strlen(*x) : 0);\n".into(),
                 "  char *old = *x;\n\
                  \x20 *x = glue_string_make(r);\n\
-                 \x20 if (old != NULL) glue_string_free(old);\n"
+                 \x20 if (old != NULL) glue_free(old);\n"
                     .into(),
             ),
             TypeKind::Array { element, length } => {
@@ -129,7 +132,7 @@ impl Glue<'_, '_> {
         })
     }
 
-    fn member_name(&self, member: TypeId) -> LangResult {
+    pub(super) fn member_name(&self, member: TypeId) -> LangResult {
         let name = self.mapper.short_name(member)?;
         Ok(match self.is_cxx() {
             true => name.to_string(),
@@ -153,7 +156,9 @@ impl Glue<'_, '_> {
                     "  if (n > {bound}u) {{ r->bad = 1; n = 0; }}\n\
                      \x20 *(uint32_t *)&x->_maximum = {bound}u;\n"
                 ),
-                None => "  if (n > x->_maximum && genom_sequence_reserve(x, n) != 0) abort();\n\
+                None => "  if (n > x->_maximum) {\n\
+                         \x20   if (genom_sequence_reserve(x, n) != 0) abort();\n\
+                         \x20   glue_add(x->_buffer);\n    x->_release = glue_free;\n  }\n\
                          \x20 if (n > x->_length)\n\
                          \x20   memset(&x->_buffer[x->_length], 0, \
                          (n - x->_length) * sizeof(x->_buffer[0]));\n"
@@ -202,6 +207,24 @@ impl Glue<'_, '_> {
         members: &[TypeId],
     ) -> Result<(String, String), crate::lang::LangError> {
         let of = self.known(switch)?;
+        let text = |verb: &str, to: &str| -> LangResult {
+            let cases = self.cases(members, |member, name| {
+                Ok(format!(
+                    "    {verb}_{}({to}, &x->_u.{name});\n",
+                    self.known(member)?
+                ))
+            })?;
+            Ok(format!("  {verb}_{of}({to}, &x->_d);\n{cases}"))
+        };
+        Ok((text("glue_save", "b")?, text("glue_load", "r")?))
+    }
+
+    /// A `switch` over the members of the union `*x`; `each` writes what is done with a member of that name.
+    pub(super) fn cases(
+        &self,
+        members: &[TypeId],
+        each: impl Fn(TypeId, &str) -> LangResult,
+    ) -> LangResult {
         let mut cases = String::new();
         let mut has_default = false;
         for &member in members {
@@ -219,17 +242,13 @@ impl Glue<'_, '_> {
                     }
                 }
             }
-            let (name, number) = (self.member_name(member)?, self.known(member)?);
-            _ = writeln!(cases, "    VERB_{number}(TO, &x->_u.{name});\n    break;");
+            cases += &each(member, &self.member_name(member)?)?;
+            cases += "    break;\n";
         }
         if !has_default {
             cases += "  default: break;\n";
         }
-        let text = |verb: &str, to: &str| {
-            let cases = cases.replace("VERB", verb).replace("TO", to);
-            format!("  {verb}_{of}({to}, &x->_d);\n  switch ((long long)x->_d) {{\n{cases}  }}\n")
-        };
-        Ok((text("glue_save", "b"), text("glue_load", "r")))
+        Ok(format!("  switch ((long long)x->_d) {{\n{cases}  }}\n"))
     }
 
     fn label(&self, value: &Value) -> LangResult {
