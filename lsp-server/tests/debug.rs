@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 use serde_json::Value;
 
 use crate::directory::{status, stderr};
-use crate::running::{Listening, compilers, ended, processes, with_body};
+use crate::running::{Listening, compilers, ended, processes, soon, with_body};
 
 fn has_gdb() -> bool {
     let mut command = Command::new("gdb");
@@ -103,4 +103,56 @@ fn a_debugger_is_for_one_run_of_codels() {
         assert_eq!(status(&output), 2);
         assert!(stderr(&output).contains(why), "{}", stderr(&output));
     }
+}
+
+#[test]
+fn processes_and_threads_have_the_names_of_components_and_tasks() {
+    if !compilers() {
+        return;
+    }
+    let directory = with_body("");
+    let arguments = [
+        "run",
+        "bad/bad.gen",
+        "good/good.gen",
+        "--clock",
+        "real",
+        "--socket",
+        "s",
+    ];
+    let _run = Listening::start(&directory, &arguments);
+    let path = directory.path().to_str().expect("text").to_owned();
+    let name = |path: std::path::PathBuf| {
+        let name = std::fs::read_to_string(path.join("comm")).unwrap_or_default();
+        name.trim().to_owned()
+    };
+    let names = || {
+        let all = std::fs::read_dir("/proc").expect("Linux has it").flatten();
+        let mine = all.filter(|it| {
+            let words = std::fs::read(it.path().join("cmdline")).unwrap_or_default();
+            let words = String::from_utf8_lossy(&words).into_owned();
+            words.contains("-run.so") && words.contains(&path)
+        });
+        let mut found: Vec<(String, Vec<String>)> = mine
+            .map(|it| {
+                let threads = std::fs::read_dir(it.path().join("task"))
+                    .into_iter()
+                    .flatten();
+                let mut threads: Vec<String> =
+                    threads.flatten().map(|it| name(it.path())).collect();
+                threads.sort();
+                (name(it.path()), threads)
+            })
+            .collect();
+        found.sort();
+        found
+    };
+    let is = |component: &str| {
+        (
+            component.to_owned(),
+            vec![component.to_owned(), "main".to_owned()],
+        )
+    };
+    let wanted = [is("bad"), is("good")];
+    soon("their names", || (names() == wanted).then_some(()));
 }

@@ -1,7 +1,6 @@
 //! The engine's side of the hosts.
 
 use std::collections::{BTreeSet, HashMap, VecDeque};
-use std::ffi::OsString;
 use std::io::{self, BufReader, Write as _};
 use std::path::PathBuf;
 use std::process::{ChildStdin, ExitStatus};
@@ -19,7 +18,7 @@ use rustix::fs::OFlags;
 use rustix::process::Pid;
 
 use super::board::Board;
-use super::host::{COMMAND, DEBUG, REAL};
+use super::host::{COMMAND, Manner};
 use super::strays;
 use super::wire::{Order, Reply};
 use crate::process::System;
@@ -123,6 +122,8 @@ pub(crate) type Waiting = Box<dyn Fn(&str, u32)>;
 pub(crate) struct Children {
     children: Vec<Child>,
     names: Vec<String>,
+    /// Component and name of each task, by its lane.
+    tasks: Vec<(usize, String)>,
     real: bool,
     /// Hosts wait for a debugger, and nobody waits for them with a clock in the hand.
     debug: Option<Waiting>,
@@ -164,10 +165,12 @@ struct Boards {
 }
 
 impl Children {
-    /// Hosts of the components of a system that have a shared object, with the names of all.
+    /// Hosts of the components of a system that have a shared object, with the names of all, and the component and
+    /// name of each task.
     pub(crate) fn new(
         libraries: Vec<Option<Utf8PathBuf>>,
         names: Vec<String>,
+        tasks: Vec<(usize, String)>,
         real: bool,
         interrupt: Interrupt,
     ) -> Children {
@@ -180,6 +183,7 @@ impl Children {
         Children {
             children: children.collect(),
             names,
+            tasks,
             real,
             debug: None,
             interrupt,
@@ -229,23 +233,25 @@ impl Children {
             return Ok(());
         };
         let name = &self.names[component];
-        let mut arguments: Vec<OsString> = vec![COMMAND.into()];
-        if self.real {
-            arguments.push(REAL.into());
-        }
-        if self.debug.is_some() {
-            arguments.push(DEBUG.into());
-        }
-        arguments.push(library.as_std_path().into());
+        let tasks = (0..).zip(&self.tasks).filter(|it| it.1.0 == component);
+        let manner = Manner {
+            component: name.clone(),
+            tasks: tasks
+                .map(|(lane, (_, name))| (lane, name.clone()))
+                .collect(),
+            real_time: self.real,
+            debug: self.debug.is_some(),
+        };
+        let wrong = |it: std::io::Error| format!("cannot start a host for `{name}`: {it}");
+        let manner = serde_json::to_string(&manner).map_err(|it| wrong(it.into()))?;
         let program = Program {
             path: own(),
-            arguments,
+            arguments: vec![COMMAND.into(), manner.into(), library.as_std_path().into()],
             directory: PathBuf::new(),
             channels: Channels::PipesBut,
             resources: Resources::default(),
             access: None,
         };
-        let wrong = |it: std::io::Error| format!("cannot start a host for `{name}`: {it}");
         let mut process = System.start(&program).map_err(wrong)?;
         let output = process.child.stdout.take();
         let output = output.ok_or_else(|| format!("the host of `{name}` has no output"))?;

@@ -3,7 +3,7 @@
 //! It takes orders on its standard input until that ends, and tells on its standard output what came of them.
 //! What codels print goes to the error output, and they have nothing to read.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::ffi::c_int;
 use std::fs::File;
 use std::io::{self, BufReader};
@@ -15,16 +15,28 @@ use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use dotgen_runtime::hosts::Ran;
+use serde::{Deserialize, Serialize};
 
 use super::debugger;
 use super::library::{BRING, Bring, Component};
 use super::realtime;
 use super::wire::{Order, Reply};
 
-/// The subcommand, and the words that ask for threads of real time, and for a debugger.
+/// The subcommand.
 pub(super) const COMMAND: &str = "host";
-pub(super) const REAL: &str = "--real-time";
-pub(super) const DEBUG: &str = "--debug";
+
+/// How a host works: its first argument, as JSON.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Manner {
+    /// The component, which the process is named after.
+    pub(super) component: String,
+    /// Tasks by lane, which threads are named after.
+    pub(super) tasks: BTreeMap<u32, String>,
+    /// Threads have real-time priority and locked memory.
+    pub(super) real_time: bool,
+    /// It waits for a debugger before it begins.
+    pub(super) debug: bool,
+}
 
 /// Runs the subcommand when the words of the command line are for it.
 pub(crate) fn intercept() -> Option<ExitCode> {
@@ -35,18 +47,18 @@ pub(crate) fn intercept() -> Option<ExitCode> {
     if command != COMMAND {
         return None;
     }
-    let [options @ .., library] = rest else {
+    let [manner, library] = rest else {
         return None;
     };
-    if options.iter().any(|it| it != REAL && it != DEBUG) {
-        return None;
-    }
-    let has = |word: &str| options.iter().any(|it| it == word);
-    Some(match serve(Path::new(library), has(REAL), has(DEBUG)) {
+    let manner: Manner = serde_json::from_str(manner.to_str()?).ok()?;
+    Some(match serve(Path::new(library), &manner) {
         Ok(()) => ExitCode::SUCCESS,
         Err(_) => ExitCode::from(2),
     })
 }
+
+/// The name of the thread that validates requests, and copies attributes.
+const CONTROL: &str = "control";
 
 type Output = Arc<Mutex<File>>;
 
@@ -77,18 +89,20 @@ fn bring(output: Output, waiting: Arc<Mutex<Waiting>>) -> Bring {
     })
 }
 
-fn serve(library: &Path, real: bool, debug: bool) -> io::Result<()> {
+fn serve(library: &Path, manner: &Manner) -> io::Result<()> {
+    realtime::name_process(&manner.component);
+    let real = manner.real_time;
     let (mut input, output) = channels()?;
     let component = match Component::load(library) {
         Ok(it) => Arc::new(it),
         Err(why) => return tell(&output, &Reply::Unusable(why)),
     };
-    if debug {
+    if manner.debug {
         debugger::permit();
         tell(&output, &Reply::Waiting)?;
         debugger::wait();
     }
-    if real && !realtime::lock_memory() {
+    if real && !realtime::lock_memory(realtime::Pages::All) {
         tell(&output, &Reply::Denied("locked memory".to_owned()))?;
     }
     let waiting = Arc::<Mutex<Waiting>>::default();
@@ -128,9 +142,10 @@ fn serve(library: &Path, real: bool, debug: bool) -> io::Result<()> {
                 instance,
                 core,
             } => {
-                let thread = lanes
-                    .entry(lane)
-                    .or_insert_with(|| start(&component, &output, real.then_some(core)));
+                let thread = lanes.entry(lane).or_insert_with(|| {
+                    let name = manner.tasks.get(&lane).map_or(CONTROL, String::as_str);
+                    start(name, &component, &output, real.then_some(core))
+                });
                 let _ = thread.send((ticket, codel, instance));
             }
         }
@@ -157,13 +172,14 @@ fn tell(output: &Output, reply: &Reply) -> io::Result<()> {
 /// A thread that runs the codels of a task, one after the other; `real` for real time, with the core it is
 /// tied to.
 fn start(
+    name: &str,
     component: &Arc<Component>,
     output: &Output,
     real: Option<Option<u32>>,
 ) -> Sender<(u32, u32, u32)> {
     let (orders, queue) = channel::<(u32, u32, u32)>();
     let (component, output) = (component.clone(), output.clone());
-    std::thread::spawn(move || {
+    let work = move || {
         if let Some(core) = real {
             // Whether that is granted was told by the engine, which asks for the same.
             realtime::raise_priority();
@@ -189,6 +205,11 @@ fn start(
                 std::process::exit(2);
             }
         }
-    });
+    };
+    let thread = std::thread::Builder::new().name(name.to_owned());
+    if thread.spawn(work).is_err() {
+        // As if it had crashed: the engine says that the component is lost.
+        std::process::exit(2);
+    }
     orders
 }

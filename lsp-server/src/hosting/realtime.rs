@@ -12,8 +12,28 @@ const PRIORITY: i32 = 40;
 #[cfg(target_os = "linux")]
 const LOWEST: libc::c_int = 19;
 
-/// Keeps all pages of this process in memory; whether that is granted.
-pub(crate) fn lock_memory() -> bool {
+/// The pages of a process that are kept in memory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Pages {
+    /// Those that it has.
+    Present,
+    /// Those that it will have, too.
+    All,
+}
+
+/// Names this process, as `ps` and `top` show it: the first 15 bytes.
+pub(crate) fn name_process(name: &str) {
+    #[cfg(target_os = "linux")]
+    if let Ok(name) = std::ffi::CString::new(name) {
+        // SAFETY: the kernel only reads the text, to its end or 15 bytes.
+        unsafe { libc::prctl(libc::PR_SET_NAME, name.as_ptr()) };
+    }
+    #[cfg(not(target_os = "linux"))]
+    let _ = name;
+}
+
+/// Keeps pages of this process in memory; whether that is granted.
+pub(crate) fn lock_memory(pages: Pages) -> bool {
     #[cfg(target_os = "linux")]
     // SAFETY: the calls take numbers and a structure that is filled.
     unsafe {
@@ -23,8 +43,14 @@ pub(crate) fn lock_memory() -> bool {
         if libc::geteuid() != 0 && !(known && limit.rlim_cur == libc::RLIM_INFINITY) {
             return false;
         }
-        return libc::mlockall(libc::MCL_CURRENT | libc::MCL_FUTURE) == 0;
+        let flags = match pages {
+            Pages::Present => libc::MCL_CURRENT,
+            Pages::All => libc::MCL_CURRENT | libc::MCL_FUTURE,
+        };
+        return libc::mlockall(flags) == 0;
     }
+    #[cfg(not(target_os = "linux"))]
+    let _ = pages;
     #[allow(unreachable_code, reason = "elsewhere nothing is asked for")]
     false
 }

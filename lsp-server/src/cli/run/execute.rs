@@ -248,11 +248,14 @@ impl Context<'_, '_> {
         };
         let system = &opened.built.system;
         let names = system.components.iter().map(|it| it.name.clone()).collect();
+        let tasks = system.tasks.iter();
+        let tasks = tasks.map(|it| (it.component, it.name.clone()));
         // Dropped after the hosts.
         let _strays = Strays::adopt();
         let mut children = Children::new(
             hosted.libraries(prepared),
             names,
+            tasks.collect(),
             real,
             self.interrupt.clone(),
         );
@@ -269,6 +272,10 @@ impl Context<'_, '_> {
                 "the system grants no real-time scheduling: times depend on what else runs"
                     .to_owned(),
             );
+        }
+        if real {
+            // What is not granted, hosts tell.
+            realtime::lock_memory(realtime::Pages::Present);
         }
         let serving = match real {
             true => Some(super::serve::start(
