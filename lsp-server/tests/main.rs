@@ -21,6 +21,7 @@ mod pictures;
 mod processes;
 mod protocol;
 mod python;
+mod recordings;
 mod releases;
 mod remote;
 mod replay;

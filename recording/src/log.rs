@@ -37,6 +37,8 @@ pub enum Origin<'l> {
     Simulated,
     /// A simulated codel in a run on the real clock, by its path.
     Codel(&'l str),
+    /// The end of the run: the log is whole.
+    End,
 }
 
 /// Returns the lines of a log that name the source of its times.
@@ -52,11 +54,17 @@ pub fn origins<'c>(measured: bool, simulated: impl Iterator<Item = &'c str>) -> 
     out
 }
 
+/// Returns the last line of a log.
+pub fn end() -> String {
+    format!("{}end of the run\n", String::from_utf8_lossy(SAYS))
+}
+
 /// Reads a line that names the source of times; returns `None` for other lines.
 pub fn origin(text: &[u8]) -> Option<Origin<'_>> {
     match std::str::from_utf8(text.strip_prefix(SAYS)?).ok()?.trim() {
         "times are measured" => Some(Origin::Measured),
         "times are simulated" => Some(Origin::Simulated),
+        "end of the run" => Some(Origin::End),
         other => other.strip_prefix("simulated ").map(Origin::Codel),
     }
 }
@@ -278,6 +286,35 @@ impl Lines {
     /// Returns the last line if its line break is missing: the writer may have been stopped within the line.
     pub fn unended(&self) -> Option<(u64, &[u8])> {
         (self.lost || !self.rest.is_empty()).then_some((self.number + 1, self.rest.as_slice()))
+    }
+}
+
+/// Finds out if a log breaks off: within a line, or without the line that ends a log of `dotgen run`.
+#[derive(Debug, Default)]
+pub struct Breaks {
+    /// A run has begun, and has not ended.
+    open: bool,
+    cut: bool,
+    last: u64,
+}
+
+impl Breaks {
+    /// Reads a line of a log. `ended`: the line has its line break.
+    pub fn line(&mut self, number: u64, text: &[u8], ended: bool) {
+        match ended {
+            true => self.last = number,
+            false => self.cut = true,
+        }
+        match origin(text).filter(|_| ended) {
+            Some(Origin::Measured | Origin::Simulated) => self.open = true,
+            Some(Origin::End) => self.open = false,
+            _ => {}
+        }
+    }
+
+    /// Returns the number of the last whole line, if the log breaks off after it.
+    pub fn after(&self) -> Option<u64> {
+        (self.open || self.cut).then_some(self.last)
     }
 }
 
@@ -531,6 +568,34 @@ mod tests {
             assert_eq!(read(size), whole);
         }
         assert!(line(&whole[0].1).is_some_and(|it| it.tail.ends_with(b"::pause::start")));
+    }
+
+    #[test]
+    fn a_log_is_read_up_to_any_byte() {
+        let text = format!(
+            "{}{PLAIN}\n{PLAIN}\n{}",
+            origins(false, [].into_iter()),
+            end()
+        );
+        for length in 0..=text.len() {
+            let (mut lines, mut breaks) = (Lines::default(), Breaks::default());
+            let (mut left, mut kinds) = (Left::default(), Kinds::default());
+            let mut runs = 0;
+            let mut read = |number, line: &[u8], ended| {
+                breaks.line(number, line, ended);
+                runs += usize::from(left.sift(&mut kinds, line, ended).is_some());
+            };
+            lines.feed(&text.as_bytes()[..length], |number, line| {
+                read(number, line, true);
+            });
+            if let Some((number, line)) = lines.unended() {
+                read(number, line, false);
+            }
+            let whole = text[..length].matches('\n').count();
+            assert_eq!(runs, whole.saturating_sub(1).min(2), "{length}");
+            let expected = (length > 0 && length < text.len()).then_some(whole as u64);
+            assert_eq!(breaks.after(), expected, "{length}");
+        }
     }
 
     #[test]

@@ -103,11 +103,11 @@ impl Measured {
                     section.codels.insert(path.to_owned());
                 }
             }
-            Some(it) => self.sections.push(Section {
+            Some(it @ (Origin::Measured | Origin::Simulated)) => self.sections.push(Section {
                 simulated: it == Origin::Simulated,
                 ..Section::default()
             }),
-            None => {}
+            Some(Origin::End) | None => {}
         }
         let Some((line, kind)) = self.left.sift(&mut self.kinds, text, ended) else {
             return;

@@ -2,12 +2,17 @@
 //!
 //! Each output port is a channel of JSON messages with the JSON Schema of its type, so
 //! [Foxglove](https://foxglove.dev) opens the file. One more channel, [`STEPS`], contains the steps of the
-//! run, for a [replay](crate::replay). The metadata [`RUN`] describes the run.
+//! run, for a [replay](crate::replay). The metadata [`RUN`] describes the run: at the beginning of the file,
+//! and once more at its end, with the time at which the run ended. A recording without its end is read as far
+//! as it goes.
+
+mod records;
 
 use std::collections::BTreeMap;
 use std::io::Write;
+use std::ops::ControlFlow;
 
-use mcap::records::{MessageHeader, Metadata};
+use mcap::records::{MessageHeader, Metadata, Record};
 use mcap::write::NoSeek;
 use mcap::{McapError, McapResult, WriteOptions};
 use rustc_hash::FxHashMap;
@@ -39,6 +44,26 @@ pub struct About {
     pub end: u64,
 }
 
+impl About {
+    /// Returns the metadata, with the end of the run if it is known.
+    fn metadata(&self, ended: bool) -> Metadata {
+        let text = |it: &str| it.to_owned();
+        let mut metadata = BTreeMap::from([
+            (text("scenario"), self.scenario.clone()),
+            (text("unit"), self.unit.clone()),
+            (text("clock"), self.clock.clone()),
+            (text("outside"), self.outside.to_string()),
+        ]);
+        if ended {
+            metadata.insert(text("end"), self.end.to_string());
+        }
+        Metadata {
+            name: RUN.to_owned(),
+            metadata,
+        }
+    }
+}
+
 /// Writes a recording.
 pub struct Writer<W: Write> {
     out: mcap::Writer<NoSeek<W>>,
@@ -48,18 +73,19 @@ pub struct Writer<W: Write> {
 }
 
 impl<W: Write> Writer<W> {
-    /// Begins a recording.
+    /// Begins a recording. The end of the run is not known yet.
     ///
     /// # Errors
     ///
     /// Returns an error if the recording cannot be written.
-    pub fn new(out: W) -> McapResult<Self> {
+    pub fn new(out: W, about: &About) -> McapResult<Self> {
         let options = WriteOptions::new()
             .compression(None)
             .chunk_size(Some(CHUNK))
             .disable_seeking(true)
             .library(concat!("dotgen ", env!("CARGO_PKG_VERSION")));
         let mut out = mcap::Writer::with_options(NoSeek::new(out), options)?;
+        out.write_metadata(&about.metadata(false))?;
         let text = json!({"type": "string"});
         let schema = json!({
             "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -135,24 +161,22 @@ impl<W: Write> Writer<W> {
         self.out.write_to_known_channel(&header, data)
     }
 
+    /// Ends the present chunk: all messages so far are in the output.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if the recording cannot be written.
+    pub fn flush(&mut self) -> McapResult<()> {
+        self.out.flush()
+    }
+
     /// Ends the recording.
     ///
     /// # Errors
     ///
     /// Returns an error if the recording cannot be written.
     pub fn finish(mut self, about: &About) -> McapResult<W> {
-        let text = |it: &str| it.to_owned();
-        let metadata = BTreeMap::from([
-            (text("scenario"), about.scenario.clone()),
-            (text("unit"), about.unit.clone()),
-            (text("clock"), about.clock.clone()),
-            (text("outside"), about.outside.to_string()),
-            (text("end"), about.end.to_string()),
-        ]);
-        self.out.write_metadata(&Metadata {
-            name: RUN.to_owned(),
-            metadata,
-        })?;
+        self.out.write_metadata(&about.metadata(true))?;
         self.out.finish()?;
         Ok(self.out.into_inner().into_inner())
     }
@@ -167,42 +191,56 @@ pub struct Read {
     pub steps: Vec<Step>,
     /// Number of messages of ports.
     pub data: u64,
+    /// The reason why the recording breaks off; `None` if it is whole.
+    pub broken: Option<String>,
 }
 
-/// Reads a recording.
+/// Reads a recording. If it breaks off, because its run was killed or had no room for more, everything before
+/// is read, and the run ends with its last step.
 ///
 /// # Errors
 ///
-/// Returns a message if the bytes are not a recording, are truncated, or contain no steps.
+/// Returns a message if the bytes are not a recording, or do not describe a run.
 pub fn read(bytes: &[u8]) -> Result<Read, String> {
-    let wrong = |it: McapError| format!("it is no whole MCAP file: {it}");
     let mut out = Read::default();
-    for message in mcap::MessageStream::new(bytes).map_err(wrong)? {
-        let message = message.map_err(wrong)?;
-        if message.channel.topic != STEPS {
-            out.data += 1;
-            continue;
+    let mut steps = None;
+    let mut about: BTreeMap<String, String> = BTreeMap::new();
+    let broken = records::each(bytes, &mut |record| {
+        match record {
+            Record::Channel(channel) if channel.topic == STEPS => steps = Some(channel.id),
+            Record::Metadata(metadata) if metadata.name == RUN => about.extend(metadata.metadata),
+            Record::Message { header, data } if steps == Some(header.channel_id) => {
+                match serde_json::from_slice(&data) {
+                    Ok(step) => out.steps.push(step),
+                    Err(error) => {
+                        let number = out.steps.len() + 1;
+                        return ControlFlow::Break(format!("step {number} is none: {error}"));
+                    }
+                }
+            }
+            Record::Message { .. } => out.data += 1,
+            _ => {}
         }
-        let step = serde_json::from_slice(&message.data);
-        let step = step.map_err(|it| format!("step {} is none: {it}", out.steps.len() + 1))?;
-        out.steps.push(step);
+        ControlFlow::Continue(())
+    })?;
+    out.broken = broken;
+    if about.is_empty() {
+        return Err(match out.broken {
+            Some(why) => format!("it breaks off before the first step of a run: {why}"),
+            None => "it has no steps of a run: `dotgen run --record` writes them".to_owned(),
+        });
     }
-    let summary = mcap::Summary::read(bytes).map_err(wrong)?;
-    let indexes = summary.map_or(Vec::new(), |it| it.metadata_indexes);
-    let index = indexes.iter().find(|it| it.name == RUN);
-    let index = index.ok_or("it has no steps of a run: `dotgen run --record` writes them")?;
-    let end = index.offset.checked_add(index.length);
-    if end.is_none_or(|it| it > bytes.len() as u64) {
-        return Err(wrong(McapError::BadIndex));
-    }
-    let about = mcap::read::metadata(bytes, index).map_err(wrong)?.metadata;
     let text = |key: &str| about.get(key).cloned().unwrap_or_default();
+    let last = out.steps.last().map_or(0, |it| it.time);
     out.about = About {
         scenario: text("scenario"),
         unit: text("unit"),
         clock: text("clock"),
         outside: text("outside") == "true",
-        end: text("end").parse().unwrap_or_default(),
+        end: text("end").parse().unwrap_or(last),
     };
     Ok(out)
 }
+
+#[cfg(test)]
+mod tests;

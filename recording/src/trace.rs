@@ -4,6 +4,9 @@
 //! each other; overlapping slices get further tracks. A log does not contain the core of a codel, so codels
 //! of tasks are assigned to as few cores as possible. It does not contain clients either: a request lasts
 //! from its first codel, that of the control task if there is one, to its last codel.
+//!
+//! Packets are written as soon as their slice has ended, so a trace that breaks off has everything before.
+//! Perfetto sorts packets by time.
 
 mod proto;
 
@@ -20,13 +23,19 @@ use proto::{Message, annotation, descriptor, event as track_event, packet};
 /// The single sequence of packets.
 const SEQUENCE: u64 = 1;
 
-/// Collects the lines of a log.
-#[derive(Debug, Default)]
-pub struct Trace {
+/// Makes packets of the lines of a log.
+#[derive(Debug)]
+pub struct Trace<'n> {
     /// Lines that are not in the trace.
     pub left: Left,
+    names: Option<&'n Names<'n>>,
     kinds: Kinds,
+    /// Locks of codels, by kind.
+    locks: Vec<Vec<String>>,
+    /// Runs whose packets are not made yet.
     runs: Vec<Run>,
+    requests: Requests,
+    tracks: Tracks,
 }
 
 /// The place of a slice: a group, and a track of the group.
@@ -59,7 +68,20 @@ struct Request {
     awaited: String,
 }
 
-impl Trace {
+impl<'n> Trace<'n> {
+    /// Creates a trace. Locks are included if the specifications are given.
+    pub fn new(names: Option<&'n Names<'n>>) -> Self {
+        Trace {
+            left: Left::default(),
+            names,
+            kinds: Kinds::default(),
+            locks: Vec::new(),
+            runs: Vec::new(),
+            requests: Requests::default(),
+            tracks: Tracks::default(),
+        }
+    }
+
     /// Reads a line of a log. `ended`: the line has its line break.
     pub fn line(&mut self, text: &[u8], ended: bool) {
         let Some((line, kind)) = self.left.sift(&mut self.kinds, text, ended) else {
@@ -73,68 +95,90 @@ impl Trace {
         });
     }
 
-    /// Returns the number of runs in the trace.
-    pub fn runs(&self) -> usize {
-        self.runs.len()
+    /// Returns the bytes that the lines since the last call add to the trace.
+    pub fn packets(&mut self) -> Vec<u8> {
+        let mut slices = Vec::new();
+        let mut runs = std::mem::take(&mut self.runs);
+        // Codels are logged as they end. Lines of several logs are mixed.
+        runs.sort_by_key(|it| it.ended);
+        for run in &runs {
+            self.run(run, &mut slices);
+        }
+        let mut out = Message::default();
+        for slice in &slices {
+            self.tracks.write(slice, &mut out);
+        }
+        out.into_bytes()
     }
 
-    /// Returns the bytes of the trace. Locks are included if the specifications are given.
-    pub fn finish(mut self, names: Option<&Names<'_>>) -> Vec<u8> {
-        self.runs.sort_by_key(|it| (it.began, it.ended));
-        let locks: Vec<Vec<String>> = (self.kinds.all.iter())
-            .map(|it| names.map_or(Vec::new(), |names| locks_of(names, it)))
-            .collect();
+    /// Returns the last bytes of the trace.
+    pub fn finish(mut self) -> Vec<u8> {
+        let mut bytes = self.packets();
         let mut slices = Vec::new();
-        let mut requests = Requests::default();
-        for run in &self.runs {
-            let Some(kind) = self.kinds.all.get(run.kind as usize) else {
-                continue;
-            };
-            let flow = requests.flow(kind, run, &mut slices);
-            let group = kind.instance.clone();
-            let place = |group: String, rank, track: String| TrackPlace { group, rank, track };
-            let task = match kind.task.as_str() {
-                CONTROL => "control task".to_owned(),
-                task => format!("task {task}"),
-            };
-            let notes = vec![
-                ("service", kind.service.clone()),
-                ("from", kind.from.clone()),
-                ("to", kind.to.clone()),
-            ];
-            if run.asked < run.began {
-                slices.push(Slice {
-                    place: place(group.clone(), 0, task.clone()),
-                    name: format!("waits for locks: {}", kind.function),
-                    category: "wait",
-                    begin: run.asked,
-                    end: run.began,
-                    flow: None,
-                    notes: Vec::new(),
-                });
-            }
-            let codel = |place: TrackPlace, category, flow, notes| Slice {
-                place,
-                name: kind.function.clone(),
-                category,
-                begin: run.began,
-                end: run.ended,
-                flow,
-                notes,
-            };
-            slices.push(codel(place(group.clone(), 0, task), "codel", flow, notes));
-            if kind.task != CONTROL {
-                let cores = place("cores".to_owned(), 0, "core".to_owned());
-                let whose = vec![("task", format!("{}.{}", kind.instance, kind.task))];
-                slices.push(codel(cores, "core", None, whose));
-            }
-            for lock in locks.get(run.kind as usize).into_iter().flatten() {
-                let place = place(group.clone(), 1, format!("lock {lock}"));
-                slices.push(codel(place, "lock", None, Vec::new()));
-            }
+        self.requests.end(&mut slices);
+        let mut out = Message::default();
+        for slice in &slices {
+            self.tracks.write(slice, &mut out);
         }
-        requests.end(&mut slices);
-        written(slices)
+        bytes.extend(out.into_bytes());
+        bytes
+    }
+
+    /// Adds the slices of a run.
+    fn run(&mut self, run: &Run, slices: &mut Vec<Slice>) {
+        while self.locks.len() < self.kinds.all.len()
+            && let Some(kind) = self.kinds.all.get(self.locks.len())
+        {
+            let locks = self.names.map(|names| locks_of(names, kind));
+            self.locks.push(locks.unwrap_or_default());
+        }
+        let Some(kind) = self.kinds.all.get(run.kind as usize) else {
+            return;
+        };
+        let mut ended = Vec::new();
+        let flow = self.requests.flow(kind, run, &mut ended);
+        let group = kind.instance.clone();
+        let place = |group: String, rank, track: String| TrackPlace { group, rank, track };
+        let task = match kind.task.as_str() {
+            CONTROL => "control task".to_owned(),
+            task => format!("task {task}"),
+        };
+        let notes = vec![
+            ("service", kind.service.clone()),
+            ("from", kind.from.clone()),
+            ("to", kind.to.clone()),
+        ];
+        if run.asked < run.began {
+            slices.push(Slice {
+                place: place(group.clone(), 0, task.clone()),
+                name: format!("waits for locks: {}", kind.function),
+                category: "wait",
+                begin: run.asked,
+                end: run.began,
+                flow: None,
+                notes: Vec::new(),
+            });
+        }
+        let codel = |place: TrackPlace, category, flow, notes| Slice {
+            place,
+            name: kind.function.clone(),
+            category,
+            begin: run.began,
+            end: run.ended,
+            flow,
+            notes,
+        };
+        slices.push(codel(place(group.clone(), 0, task), "codel", flow, notes));
+        if kind.task != CONTROL {
+            let cores = place("cores".to_owned(), 0, "core".to_owned());
+            let whose = vec![("task", format!("{}.{}", kind.instance, kind.task))];
+            slices.push(codel(cores, "core", None, whose));
+        }
+        for lock in self.locks.get(run.kind as usize).into_iter().flatten() {
+            let place = place(group.clone(), 1, format!("lock {lock}"));
+            slices.push(codel(place, "lock", None, Vec::new()));
+        }
+        slices.append(&mut ended);
     }
 }
 
@@ -254,50 +298,55 @@ fn slice_of(instance: String, service: String, request: &Request) -> Slice {
     }
 }
 
-/// Returns the packets: descriptions of tracks, then slices.
-fn written(mut slices: Vec<Slice>) -> Vec<u8> {
-    slices.sort_by(|a, b| (&a.place, a.begin, a.end).cmp(&(&b.place, b.begin, b.end)));
-    let mut trace = Message::default();
-    let mut uuid = 0;
-    let mut groups: BTreeMap<String, u64> = BTreeMap::new();
-    let mut events: Vec<(i64, Message)> = Vec::new();
-    for track in slices.chunk_by(|a, b| a.place == b.place) {
-        let Some(place) = track.first().map(|it| &it.place) else {
-            continue;
+/// The tracks that have been described.
+#[derive(Debug, Default)]
+struct Tracks {
+    groups: BTreeMap<String, u64>,
+    /// Lanes of each place, each with its identifier and the end of its last slice.
+    lanes: BTreeMap<TrackPlace, Vec<(u64, i64)>>,
+    /// Last identifier.
+    uuid: u64,
+}
+
+impl Tracks {
+    /// Writes a slice, after the description of its track if that is new.
+    fn write(&mut self, slice: &Slice, out: &mut Message) {
+        let place = &slice.place;
+        let parent = match self.groups.get(&place.group) {
+            Some(&parent) => parent,
+            None => {
+                self.uuid += 1;
+                describe(out, self.uuid, None, &place.group, 0);
+                self.groups.insert(place.group.clone(), self.uuid);
+                self.uuid
+            }
         };
-        let parent = *groups.entry(place.group.clone()).or_insert_with(|| {
-            uuid += 1;
-            describe(&mut trace, uuid, None, &place.group, 0);
-            uuid
-        });
-        // Lanes, with the end of the last slice of each.
-        let mut lanes: Vec<(u64, i64)> = Vec::new();
-        for slice in track {
-            let lane = lanes.iter_mut().position(|it| it.1 <= slice.begin);
-            let lane = lane.unwrap_or_else(|| {
-                uuid += 1;
+        let lanes = match self.lanes.get_mut(place) {
+            Some(lanes) => lanes,
+            None => self.lanes.entry(place.clone()).or_default(),
+        };
+        // Slices come as they end. The free lane that was used last is the one that leads to the fewest.
+        let free = lanes.iter_mut().filter(|it| it.1 <= slice.begin);
+        let lane = match free.max_by_key(|it| it.1) {
+            Some(lane) => {
+                lane.1 = slice.end;
+                lane.0
+            }
+            None => {
+                self.uuid += 1;
                 let name = match (place.track.as_str(), lanes.len()) {
                     ("core", number) => format!("core {number}"),
                     (track, 0) => track.to_owned(),
                     (track, number) => format!("{track} ({})", number + 1),
                 };
-                describe(&mut trace, uuid, Some(parent), &name, place.rank);
-                lanes.push((uuid, i64::MIN));
-                lanes.len() - 1
-            });
-            if let Some(lane) = lanes.get_mut(lane) {
-                lane.1 = slice.end;
-                events.push((slice.begin, begin(slice, lane.0)));
-                events.push((slice.end, end(slice, lane.0)));
+                describe(out, self.uuid, Some(parent), &name, place.rank);
+                lanes.push((self.uuid, slice.end));
+                self.uuid
             }
-        }
+        };
+        out.message(1, &begin(slice, lane));
+        out.message(1, &end(slice, lane));
     }
-    // A stable sort: at equal times, the end of a slice stays before the beginning of the next one.
-    events.sort_by_key(|it| it.0);
-    for (_, event) in &events {
-        trace.message(1, event);
-    }
-    trace.into_bytes()
 }
 
 fn describe(trace: &mut Message, uuid: u64, parent: Option<u64>, name: &str, rank: u64) {

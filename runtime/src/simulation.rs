@@ -79,6 +79,9 @@ pub trait Record {
     /// Records new data of an output port.
     fn wrote(&mut self, stepper: &Stepper, written: &Published);
 
+    /// Is called after time has passed: on the real clock, many times a second.
+    fn moment(&mut self) {}
+
     /// Ends the recording.
     fn end(&mut self, stepper: &Stepper);
 }
@@ -261,6 +264,9 @@ impl<W: Write> Watch for Observer<'_, '_, '_, '_, W> {
 
     fn moment(&mut self, stepper: &Stepper) {
         self.judge.moment(stepper);
+        if let Some(record) = self.record.as_mut().filter(|_| self.first) {
+            record.moment();
+        }
         if let Some((follow, states)) = &mut self.follow
             && follow.wants()
         {

@@ -142,7 +142,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     // Each log is that of one run: what was awaited at the end of one does not come in the next.
     let mut reports = Vec::new();
-    let mut trace = arguments.trace.is_some().then(Trace::default);
+    let mut trace = (arguments.trace.is_some()).then(|| Trace::new(Some(&names)));
     for log in &files.logs {
         let mut monitor = Monitor::new(system, &names, bounds.clone());
         #[cfg(unix)]
@@ -163,7 +163,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         reports.push((log.clone(), monitor.report_so_far()));
     }
     if let (Some(path), Some(trace)) = (&arguments.trace, trace) {
-        write_trace(path, &trace.finish(Some(&names)))?;
+        write_trace(path, &trace.finish())?;
     }
     let empty = |it: &(Utf8PathBuf, MonitorReport)| it.1.runs == 0 && it.1.deviation_count == 0;
     let title = match problem.scenario.name.as_str() {

@@ -17,7 +17,7 @@ use super::session::display;
 use super::verify::told::Told;
 use super::verify::{Cores, PolicyName, SemanticsName, cores, one_problem};
 use super::wcet::unreadable;
-use super::{Outcome, Reading};
+use super::{Outcome, Reading, report};
 
 /// Compare a recorded run step by step with the verified model
 ///
@@ -72,6 +72,12 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let texts: Vec<Utf8PathBuf> = texts.into_iter().cloned().collect();
     let bytes = std::fs::read(path).map_err(|error| unreadable(path, &error))?;
     let recorded = record::read(&bytes).map_err(|it| anyhow::anyhow!("`{path}`: {it}"))?;
+    if let Some(why) = &recorded.broken {
+        report::note(&format!(
+            "`{path}` breaks off after step {} ({why}): its run was killed, found no room, or goes on",
+            recorded.steps.len()
+        ));
+    }
     let Some((session, problem)) = one_problem(&texts, &arguments.reading)? else {
         return Ok(Outcome::Unusable);
     };
@@ -119,6 +125,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             document["recording"] = path.as_str().into();
             document["unit"] = recorded.about.unit.into();
             document["clock"] = recorded.about.clock.into();
+            document["breaks-off"] = recorded.broken.is_some().into();
             let text = serde_json::to_string_pretty(&document)? + "\n";
             std::io::stdout().write_all(text.as_bytes())?;
         }

@@ -31,7 +31,7 @@ use super::verify::{Cores, PolicyName, SemanticsName, body, cores, interrupt, pa
 use super::{Outcome, Reading, report, trace};
 use crate::verification::Problem;
 use crate::verification::timeline::Ending;
-use recorder::Recorder;
+use recorder::Files;
 
 /// Run components and watch the checks of a scenario
 ///
@@ -358,8 +358,12 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             other => (other.as_ref(), None),
         };
         let log = arguments.profile.as_ref();
-        let mut recorder =
-            Recorder::new(log.map(|it| it.as_path()), perfetto.map(|it| it.as_path()))?;
+        let mut files = Files::open(
+            log.map(|it| it.as_path()),
+            perfetto.map(|it| it.as_path()),
+            arguments.record.as_ref().map(|it| it.as_path()),
+            &names,
+        )?;
         let context = execute::Context {
             session: &session,
             problem: &problem,
@@ -370,7 +374,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             measured,
             interrupt: &interrupt,
         };
-        let Some(run) = context.run_while_proving(arguments, prepared, recorder.as_mut())? else {
+        let Some(run) = context.run_while_proving(arguments, prepared, &mut files)? else {
             if interrupt.is_raised() {
                 report::note("interrupted before it ran");
                 return Ok(Outcome::GaveUp);
@@ -386,19 +390,29 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         } = run;
         report.notes.extend(untimed);
         let mut written = Vec::new();
-        // What happened is told also where it could not be written down.
-        let recorded = lines.map_err(anyhow::Error::new).and_then(|lines| {
-            recorder.map_or(Ok(()), |it| it.finish(&names))?;
-            Ok(lines)
-        });
-        let messages = trouble.or_tell(messages).flatten();
-        if let (Some(path), Some((data, steps))) = (&arguments.record, messages) {
-            written.push((path.clone(), data, Contents::Messages(steps)));
+        if let (Some(path), Some(it)) = (&arguments.record, trouble.or_tell(messages).flatten()) {
+            match it.whole {
+                true => written.push((path.clone(), it.data, Contents::Messages(it.steps))),
+                false => trouble.told(),
+            }
         }
-        if let Some(lines) = trouble.or_tell(recorded) {
-            let files = [(log, Contents::Lines), (perfetto, Contents::Codels)];
-            let files = files.into_iter().filter_map(|(path, of)| Some((path?, of)));
-            written.extend(files.map(|(path, of)| (path.clone(), lines, of)));
+        // What happened is told also where it could not be written down.
+        let recorded = lines.and_then(|lines| {
+            let whole = files.runs.map(|it| it.finish()).transpose()?;
+            Ok((lines, whole))
+        });
+        if let Some((lines, Some(whole))) = trouble.or_tell(recorded.map_err(Into::into)) {
+            let files = [
+                (log, whole.log, Contents::Lines),
+                (perfetto, whole.trace, Contents::Codels),
+            ];
+            for (path, whole, of) in files {
+                match (path, whole) {
+                    (Some(path), true) => written.push((path.clone(), lines, of)),
+                    (Some(_), false) => trouble.told(),
+                    (None, _) => {}
+                }
+            }
         }
         if let (Some(path), Some(run)) = (trace, told) {
             let recorded = trace::Recorded {
@@ -412,8 +426,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
                     false => Vec::new(),
                 },
             };
-            let steps = trace::write(path, recorded, &problem, &options)?;
-            written.push((path.clone(), u64::try_from(steps)?, Contents::Steps));
+            let steps = trouble.or_tell(trace::write(path, recorded, &problem, &options));
+            let steps = steps.and_then(|it| u64::try_from(it).ok());
+            written.extend(steps.map(|it| (path.clone(), it, Contents::Steps)));
         }
         answers.push(Answer {
             clock: arguments.clock,

@@ -8,9 +8,10 @@ use std::io::Read;
 
 use camino::{Utf8Path, Utf8PathBuf};
 use clap::{Args, Subcommand};
-use dotgen_recording::log::Lines;
+use dotgen_recording::log::{Breaks, Lines};
 
 use super::Outcome;
+use super::report;
 use super::session::is_standard_input;
 
 /// Bytes that are read at once.
@@ -38,7 +39,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
 }
 
-/// Reads a log piece by piece. The function gets each line with its number, and whether its end was there.
+/// Reads a log piece by piece. The function gets each line with its number, and whether its end was there. A
+/// note says where a log breaks off.
 pub(super) fn read_log(
     path: &Utf8Path,
     mut each: impl FnMut(u64, &[u8], bool),
@@ -49,6 +51,11 @@ pub(super) fn read_log(
     };
     let mut piece = vec![0; PIECE];
     let mut lines = Lines::default();
+    let mut breaks = Breaks::default();
+    let mut each = |number, line: &[u8], ended| {
+        breaks.line(number, line, ended);
+        each(number, line, ended);
+    };
     loop {
         let length = match source.read(&mut piece) {
             Ok(0) => break,
@@ -61,6 +68,11 @@ pub(super) fn read_log(
     }
     if let Some((number, line)) = lines.unended() {
         each(number, line, false);
+    }
+    if let Some(last) = breaks.after() {
+        report::note(&format!(
+            "`{path}` breaks off after line {last}: its run was killed, found no room, or goes on"
+        ));
     }
     Ok(())
 }

@@ -1,5 +1,6 @@
 //! The disk: the one way in which dotgen reads and writes files of users.
 
+mod growing;
 mod passing;
 mod stream;
 mod write;
@@ -9,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 use dotgen_codegen::disk::{Disk, Entry, Kind, NewContent, Status, WriteError};
 
+pub(crate) use growing::Growing;
 pub(crate) use passing::{Passing, leave};
 pub(crate) use stream::Stream;
 

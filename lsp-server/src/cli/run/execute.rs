@@ -13,9 +13,10 @@ use dotgen_timing::verify::{Cancel, Interrupt, Options, Prepared, SystemInput};
 
 use super::bounds::{self, Proving};
 use super::record::Recording;
-use super::recorder::{Recorder, Runs};
+use super::recorder::{Files, Recorder, Runs};
 use super::{Arguments, Clock, Simulate};
 use crate::cli::session::Session;
+use crate::files::disk::Growing;
 use crate::verification::Problem;
 
 /// What a run is about.
@@ -40,10 +41,19 @@ pub(super) struct Run {
     pub(super) executed: (usize, usize),
     /// Lines of the profile; the first error where they could not be written.
     pub(super) lines: io::Result<u64>,
-    /// Messages of the recording, of ports and steps, if one is made.
-    pub(super) messages: anyhow::Result<Option<(u64, u64)>>,
+    /// The recording, if one is made.
+    pub(super) messages: anyhow::Result<Option<Recorded>>,
     /// The first run, if it is to be shown.
     pub(super) told: Option<Told>,
+}
+
+/// A recording that has ended.
+pub(super) struct Recorded {
+    /// Messages of ports.
+    pub(super) data: u64,
+    pub(super) steps: u64,
+    /// All of it could be written; otherwise the reason was told.
+    pub(super) whole: bool,
 }
 
 /// What happened in a run.
@@ -63,7 +73,7 @@ impl Context<'_, '_> {
         &self,
         arguments: &Arguments,
         prepared: Prepared,
-        stream: Option<&mut Recorder<'_>>,
+        files: &mut Files<'_>,
     ) -> anyhow::Result<Option<Run>> {
         let cancel = Cancel::interrupted_by(self.interrupt);
         std::thread::scope(|scope| {
@@ -76,7 +86,7 @@ impl Context<'_, '_> {
                     proving.prove(problem, options, bounds::STATES, cancel);
                 });
             }
-            let run = self.run(arguments, prepared, stream);
+            let run = self.run(arguments, prepared, files);
             cancel.abandon();
             run
         })
@@ -95,14 +105,14 @@ impl Context<'_, '_> {
         &self,
         arguments: &Arguments,
         prepared: Prepared,
-        stream: Option<&mut Recorder<'_>>,
+        files: &mut Files<'_>,
     ) -> anyhow::Result<Option<Run>> {
         let real = arguments.clock == Clock::Real;
         if arguments.simulate == Simulate::All && !real {
-            return self.simulated(arguments, &prepared, stream).map(Some);
+            return self.simulated(arguments, &prepared, files).map(Some);
         }
         #[cfg(unix)]
-        return self.executed(arguments, &prepared, stream);
+        return self.executed(arguments, &prepared, files);
         #[cfg(not(unix))]
         anyhow::bail!("codels are executed on Unix systems only; use `--simulate all`");
     }
@@ -111,14 +121,14 @@ impl Context<'_, '_> {
         &self,
         arguments: &Arguments,
         prepared: &Prepared,
-        stream: Option<&mut Recorder<'_>>,
+        files: &mut Files<'_>,
     ) -> anyhow::Result<Run> {
         let plan = arguments.plan(prepared);
         let system = &prepared.built.system;
-        let mut profile = self.profile(prepared, stream, None, None)?;
+        let mut profile = self.profile(prepared, files.runs.as_mut(), None, None)?;
         let interrupted = || self.interrupt.is_raised();
         let bounds = self.bounds.clone();
-        let mut recording = self.recording(arguments, prepared, false)?;
+        let mut recording = self.recording(files.recording.take(), prepared, false)?;
         let mut outcome = simulate_recorded(
             prepared,
             bounds,
@@ -173,18 +183,18 @@ impl Context<'_, '_> {
     /// The recording that is wanted, if one is.
     fn recording<'r>(
         &'r self,
-        arguments: &'r Arguments,
+        file: Option<Growing>,
         prepared: &'r Prepared,
         real: bool,
     ) -> anyhow::Result<Option<Recording<'r, 'r>>> {
-        let Some(path) = &arguments.record else {
+        let Some(file) = file else {
             return Ok(None);
         };
         let scenario = match self.problem.scenario.name.as_str() {
             "" => crate::cli::session::display(&self.problem.path),
             name => name.to_owned(),
         };
-        Recording::new(path, prepared, self.names, scenario, real).map(Some)
+        Recording::new(file, prepared, self.names, scenario, real).map(Some)
     }
 
     fn told(&self, prepared: &Prepared, outcome: &Outcome<'_>) -> Option<Told> {
@@ -203,7 +213,7 @@ impl Context<'_, '_> {
         &self,
         arguments: &Arguments,
         prepared: &Prepared,
-        stream: Option<&mut Recorder<'_>>,
+        files: &mut Files<'_>,
     ) -> anyhow::Result<Option<Run>> {
         use super::hosted;
         use crate::hosting::children::Children;
@@ -235,7 +245,7 @@ impl Context<'_, '_> {
             }
         };
         if hosted.is_empty() && !real {
-            return self.simulated(arguments, prepared, stream).map(Some);
+            return self.simulated(arguments, prepared, files).map(Some);
         }
         let settings = settings(&self.problem.scenario, self.options);
         let parts = hosted.parts(prepared, self.names, &settings, &inputs);
@@ -297,7 +307,7 @@ impl Context<'_, '_> {
         let mut lookers = server.map(Server::lookers);
         let mut profile = self.profile(
             &opened,
-            stream,
+            files.runs.as_mut(),
             followers,
             real.then_some(&is_executed as &dyn Fn(usize) -> bool),
         )?;
@@ -309,7 +319,7 @@ impl Context<'_, '_> {
             pace,
             follow: lookers.as_mut().map(|it| it as &mut dyn Follow),
         };
-        let mut recording = self.recording(arguments, &opened, real)?;
+        let mut recording = self.recording(files.recording.take(), &opened, real)?;
         let mut outcome = simulate_recorded(
             &opened,
             bounds,
@@ -347,14 +357,14 @@ impl Context<'_, '_> {
     }
 }
 
-/// Ends a recording; how many messages of ports, and steps, are in it.
-fn messages(recording: Option<Recording<'_, '_>>) -> anyhow::Result<Option<(u64, u64)>> {
+/// Ends a recording.
+fn messages(recording: Option<Recording<'_, '_>>) -> anyhow::Result<Option<Recorded>> {
     let Some(it) = recording else {
         return Ok(None);
     };
-    let counts = (it.data, it.steps);
-    it.finish()?;
-    Ok(Some(counts))
+    let (data, steps) = (it.data, it.steps);
+    let whole = it.finish()?;
+    Ok(Some(Recorded { data, steps, whole }))
 }
 
 fn lines(profile: Option<Profile<'_, Runs<'_, '_>>>) -> io::Result<u64> {

@@ -1,9 +1,7 @@
 //! A run as a recording: its steps, and what its components write to their ports.
 
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use anyhow::Context;
-use camino::Utf8Path;
 use dotgen_codegen::codels::schema;
 use dotgen_codegen::codels::value::Values;
 use dotgen_recording::record::{About, Writer};
@@ -17,35 +15,37 @@ use dotgen_timing::verify::Prepared;
 use num_rational::Ratio;
 use serde_json::{Value, json};
 
-use crate::files::disk::Stream;
+use crate::files::disk::Growing;
+
+/// Longest time until messages are in the file, although their chunk is not full.
+const PAUSE: Duration = Duration::from_millis(500);
 
 /// See the [module](self).
 pub(super) struct Recording<'r, 's> {
-    path: &'r Utf8Path,
     system: &'r TimedSystem,
     /// By component of the system.
     members: Vec<Option<&'r Member<'s>>>,
-    out: Writer<Stream>,
+    out: Writer<Growing>,
     about: About,
     /// Nanoseconds since 1970 at which the run begins; 0 on the virtual clock.
     start: u64,
     /// Messages, steps apart.
     pub(super) data: u64,
     pub(super) steps: u64,
+    /// When the present chunk began, if it has messages.
+    begun: Option<Instant>,
     error: Option<anyhow::Error>,
 }
 
 impl<'r, 's> Recording<'r, 's> {
     /// For a run of a system, to a file.
     pub(super) fn new(
-        path: &'r Utf8Path,
+        file: Growing,
         prepared: &'r Prepared,
         names: &'r Names<'s>,
         scenario: String,
         real: bool,
     ) -> anyhow::Result<Self> {
-        let wrong = || format!("cannot write `{path}`");
-        let stream = Stream::create(path.as_std_path()).with_context(wrong)?;
         let system = &prepared.built.system;
         let mut members = vec![None; system.components.len()];
         for (&name, &component) in &prepared.built.components {
@@ -53,33 +53,37 @@ impl<'r, 's> Recording<'r, 's> {
         }
         let start = SystemTime::now().duration_since(UNIX_EPOCH);
         let start = start.map_or(0, |it| u64::try_from(it.as_nanos()).unwrap_or(0));
+        let about = About {
+            unit: system.unit.to_string(),
+            clock: if real { "real" } else { "virtual" }.to_owned(),
+            outside: real,
+            end: 0,
+            scenario,
+        };
         Ok(Recording {
-            out: Writer::new(stream).with_context(wrong)?,
-            about: About {
-                unit: system.unit.to_string(),
-                clock: if real { "real" } else { "virtual" }.to_owned(),
-                outside: real,
-                end: 0,
-                scenario,
-            },
+            out: Writer::new(file, &about)?,
+            about,
             start: if real { start } else { 0 },
             data: 0,
             steps: 0,
+            begun: None,
             error: None,
             members,
-            path,
             system,
         })
     }
 
-    /// Gives the file its name.
-    pub(super) fn finish(self) -> anyhow::Result<()> {
-        let wrong = || format!("cannot write `{}`", self.path);
-        if let Some(error) = self.error {
-            return Err(error).with_context(wrong);
+    /// Ends the file. Returns false if something could not be written, which was told.
+    pub(super) fn finish(self) -> anyhow::Result<bool> {
+        match self.error {
+            Some(error) => Err(error),
+            None => Ok(self.out.finish(&self.about)?.finish()),
         }
-        let stream = self.out.finish(&self.about).with_context(wrong)?;
-        stream.finish().with_context(wrong)
+    }
+
+    /// Keeps the first error of a write.
+    fn keep(&mut self, result: Result<(), impl Into<anyhow::Error>>) {
+        self.error = self.error.take().or(result.err().map(Into::into));
     }
 
     fn at(&self, stepper: &Stepper) -> u64 {
@@ -90,8 +94,9 @@ impl<'r, 's> Recording<'r, 's> {
 
     fn step(&mut self, at: u64, step: &Step) {
         self.steps += 1;
+        self.begun.get_or_insert_with(Instant::now);
         let result = self.out.step(at, step);
-        self.error = self.error.take().or(result.err().map(Into::into));
+        self.keep(result);
     }
 }
 
@@ -136,7 +141,16 @@ impl Record for Recording<'_, '_> {
         let at = self.at(stepper);
         let result = (self.out).data(at, &topic, value.to_string().as_bytes(), schema);
         self.data += 1;
-        self.error = self.error.take().or(result.err().map(Into::into));
+        self.begun.get_or_insert_with(Instant::now);
+        self.keep(result);
+    }
+
+    fn moment(&mut self) {
+        if self.begun.is_some_and(|it| it.elapsed() >= PAUSE) {
+            self.begun = None;
+            let result = self.out.flush();
+            self.keep(result);
+        }
     }
 
     fn end(&mut self, stepper: &Stepper) {

@@ -1,88 +1,112 @@
-//! Where the runs of codels of a run go: a log, a trace, who follows the run.
+//! The files that a run writes while it goes on: a log, a trace, a recording.
 
 use std::io::{self, Write};
 
-use anyhow::Context;
 use camino::Utf8Path;
-use dotgen_recording::log::Lines;
+use dotgen_recording::log::{self, Lines};
 use dotgen_recording::trace::Trace;
 use dotgen_timing::scn::names::Names;
 
-use crate::files::disk::Stream;
+use crate::cli::failure;
+use crate::files::disk::Growing;
 
-/// Lines of a log come in, files come out when the run is over.
+/// All files of a run that grow with it.
+pub(super) struct Files<'a> {
+    /// Those with the runs of codels, if any is wanted.
+    pub(super) runs: Option<Recorder<'a>>,
+    /// The recording, until the run begins.
+    pub(super) recording: Option<Growing>,
+}
+
+/// Lines of a log come in; a log and a trace are written.
 pub(super) struct Recorder<'a> {
-    log: Option<(&'a Utf8Path, Stream)>,
-    trace: Option<(&'a Utf8Path, Stream, Trace)>,
+    log: Option<Growing>,
+    trace: Option<(Growing, Trace<'a>)>,
     lines: Lines,
 }
 
-impl<'a> Recorder<'a> {
-    /// For the files that are wanted; `None` if there are none.
-    pub(super) fn new(
-        log: Option<&'a Utf8Path>,
-        trace: Option<&'a Utf8Path>,
-    ) -> anyhow::Result<Option<Self>> {
-        let create = |path: &'a Utf8Path| {
-            let stream = Stream::create(path.as_std_path());
-            let stream = stream.with_context(|| format!("cannot write `{path}`"))?;
-            anyhow::Ok((path, stream))
-        };
-        if log.is_none() && trace.is_none() {
-            return Ok(None);
-        }
-        let trace = trace.map(create).transpose()?;
-        Ok(Some(Recorder {
-            log: log.map(create).transpose()?,
-            trace: trace.map(|(path, stream)| (path, stream, Trace::default())),
-            lines: Lines::default(),
-        }))
-    }
+/// Opens a file. The run goes on if it cannot be written any more.
+fn open(path: &Utf8Path) -> anyhow::Result<Growing> {
+    let told = path.to_owned();
+    let tell = move |error: &io::Error| {
+        failure(&anyhow::anyhow!(
+            "cannot write `{told}`: {error}; the file ends here, the run goes on"
+        ));
+    };
+    let opened = Growing::create(path.as_std_path(), tell);
+    opened.map_err(|error| anyhow::anyhow!("cannot write `{path}`: {error}"))
+}
 
+impl<'a> Files<'a> {
+    /// Opens the files that are wanted.
+    ///
+    /// # Errors
+    /// One of them cannot be opened or made.
+    pub(super) fn open(
+        log: Option<&Utf8Path>,
+        trace: Option<&Utf8Path>,
+        recording: Option<&Utf8Path>,
+        names: &'a Names<'a>,
+    ) -> anyhow::Result<Self> {
+        let (log, trace) = (log.map(open).transpose()?, trace.map(open).transpose()?);
+        let wanted = log.is_some() || trace.is_some();
+        let runs = Recorder {
+            log,
+            trace: trace.map(|it| (it, Trace::new(Some(names)))),
+            lines: Lines::default(),
+        };
+        Ok(Files {
+            runs: wanted.then_some(runs),
+            recording: recording.map(open).transpose()?,
+        })
+    }
+}
+
+/// Files that are whole. For those that are not, the reason was told.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Whole {
+    pub(super) log: bool,
+    pub(super) trace: bool,
+}
+
+impl Recorder<'_> {
     /// Writes a line that only the log has.
     pub(super) fn say(&mut self, text: &str) -> io::Result<()> {
         match &mut self.log {
-            Some((_, stream)) => stream.write_all(text.as_bytes()),
+            Some(log) => log.write_all(text.as_bytes()),
             None => Ok(()),
         }
     }
 
-    /// Gives the files their names.
-    pub(super) fn finish(self, names: &Names<'_>) -> anyhow::Result<()> {
-        if let Some((path, stream)) = self.log {
-            stream
-                .finish()
-                .with_context(|| format!("cannot write `{path}`"))?;
+    /// Ends the files.
+    pub(super) fn finish(mut self) -> io::Result<Whole> {
+        self.say(&log::end())?;
+        let mut whole = Whole {
+            log: self.log.is_none_or(Growing::finish),
+            trace: true,
+        };
+        if let Some((mut file, trace)) = self.trace {
+            file.write_all(&trace.finish())?;
+            whole.trace = file.finish();
         }
-        if let Some((path, mut stream, trace)) = self.trace {
-            let write = || -> io::Result<()> {
-                stream.write_all(&trace.finish(Some(names)))?;
-                stream.finish()
-            };
-            write().with_context(|| format!("cannot write `{path}`"))?;
-        }
-        Ok(())
+        Ok(whole)
     }
 }
 
 impl Write for Recorder<'_> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        if let Some((path, stream)) = &mut self.log {
-            let named =
-                |it: io::Error| io::Error::new(it.kind(), format!("cannot write `{path}`: {it}"));
-            stream.write_all(bytes).map_err(named)?;
+        if let Some(log) = &mut self.log {
+            log.write_all(bytes)?;
         }
-        if let Some((_, _, trace)) = &mut self.trace {
+        if let Some((file, trace)) = &mut self.trace {
             self.lines.feed(bytes, |_, line| trace.line(line, true));
+            file.write_all(&trace.packets())?;
         }
         Ok(bytes.len())
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        match &mut self.log {
-            Some((_, stream)) => stream.flush(),
-            None => Ok(()),
-        }
+        Ok(())
     }
 }
 
@@ -104,6 +128,6 @@ impl Write for Runs<'_, '_> {
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.recorder.as_mut().map_or(Ok(()), |it| it.flush())
+        Ok(())
     }
 }

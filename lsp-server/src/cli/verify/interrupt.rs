@@ -30,6 +30,9 @@ struct Signals {
     interrupts: Signal,
     ends: Signal,
     hangs_up: Signal,
+    /// Where this is heard, a file that may not grow is an error of that file, and not the end.
+    #[cfg(target_os = "linux")]
+    _too_large: Option<Signal>,
 }
 
 #[cfg(unix)]
@@ -39,6 +42,8 @@ impl Signals {
             interrupts: signal(SignalKind::interrupt())?,
             ends: signal(SignalKind::terminate())?,
             hangs_up: signal(SignalKind::hangup())?,
+            #[cfg(target_os = "linux")]
+            _too_large: signal(SignalKind::from_raw(libc::SIGXFSZ)).ok(),
         })
     }
 

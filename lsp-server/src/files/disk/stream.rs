@@ -1,4 +1,4 @@
-//! A file that grows while it is written: a log. It gets its name when it is whole.
+//! A file that is written whole or not at all: a trace. It gets its name when it is whole.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -55,7 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_log_has_its_name_when_it_is_whole() {
+    fn a_file_has_its_name_when_it_is_whole() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("run.out");
         std::fs::write(&path, "before").expect("written");

@@ -1,0 +1,106 @@
+//! Recordings that break off.
+
+use super::*;
+use crate::replay::Rule;
+
+fn about() -> About {
+    About {
+        scenario: "sailing".to_owned(),
+        unit: "1/1000000".to_owned(),
+        clock: "real".to_owned(),
+        outside: true,
+        end: 70,
+    }
+}
+
+fn step(time: u64) -> Step {
+    Step {
+        time,
+        rule: Rule::Tick,
+        of: "sail.main".to_owned(),
+        what: String::new(),
+        to: String::new(),
+    }
+}
+
+/// A recording of two chunks, each with three steps and a message of a port.
+fn written() -> Vec<u8> {
+    let mut writer = Writer::new(Vec::new(), &about()).expect("memory");
+    for chunk in 0..2 {
+        for time in 0..3 {
+            let time = chunk * 30 + time * 10;
+            writer.step(time, &step(time)).expect("memory");
+        }
+        let schema = || ("sail.wind".to_owned(), b"{}".to_vec());
+        (writer.data(chunk, "/sail/wind", b"{}", schema)).expect("memory");
+        writer.flush().expect("memory");
+    }
+    writer.finish(&about()).expect("memory")
+}
+
+#[test]
+fn a_recording_is_read_up_to_any_byte() {
+    let bytes = written();
+    let whole = read(&bytes).expect("a recording");
+    assert_eq!(whole.broken, None);
+    assert_eq!((whole.about.clone(), whole.data), (about(), 2));
+    assert_eq!(whole.steps, [0, 10, 20, 30, 40, 50].map(step));
+    let mut counts = Vec::new();
+    for length in 0..bytes.len() {
+        let Ok(cut) = read(&bytes[..length]) else {
+            // Nothing is known of the run before its description.
+            assert!(counts.is_empty(), "{length}");
+            continue;
+        };
+        assert!(cut.broken.is_some(), "{length}");
+        let count = cut.steps.len();
+        assert_eq!(cut.steps, whole.steps[..count], "{length}");
+        assert!(counts.last() <= Some(&count), "{length}");
+        counts.push(count);
+        // A run without end ends with its last step.
+        let last = cut.steps.last().map_or(0, |it| it.time);
+        assert!([last, 70].contains(&cut.about.end), "{length}");
+        assert_eq!(cut.about.scenario, "sailing");
+        assert!(cut.about.outside);
+    }
+    counts.dedup();
+    // Steps of a chunk that is not whole are read, too.
+    assert_eq!(counts, [0, 1, 2, 3, 4, 5, 6]);
+}
+
+#[test]
+fn a_chunk_is_in_the_file_when_it_is_flushed() {
+    let mut writer = Writer::new(Vec::new(), &about()).expect("memory");
+    writer.step(1, &step(1)).expect("memory");
+    writer.flush().expect("memory");
+    writer.step(2, &step(2)).expect("memory");
+    // As a run leaves it that is killed.
+    let written = writer.out.into_inner().into_inner();
+    let read = read(&written).expect("a recording");
+    assert_eq!(read.steps, [step(1)]);
+    assert!(read.broken.is_some());
+    assert_eq!(read.about.end, 1);
+}
+
+#[test]
+fn zeros_of_a_power_cut_end_a_recording() {
+    let bytes = written();
+    for length in 0..bytes.len() {
+        let mut zeroed = bytes[..length].to_vec();
+        zeroed.resize(bytes.len(), 0);
+        if let Ok(read) = read(&zeroed) {
+            assert!(read.broken.is_some(), "{length}");
+        }
+        // A byte that is wrong, whatever it makes of the file.
+        let mut wrong = bytes.clone();
+        wrong[length] ^= 0xff;
+        let _ = read(&wrong);
+    }
+}
+
+#[test]
+fn other_files_are_refused() {
+    for bytes in [&b""[..], b"some text, and no recording"] {
+        assert!(read(bytes).is_err());
+    }
+}
