@@ -65,7 +65,7 @@ pub(super) fn write(
     })?;
     let wrong = || format!("cannot write `{path}`");
     let mut out = Stream::create(path.as_std_path()).with_context(wrong)?;
-    serde_json::to_writer(&mut out, &trace)?;
+    serde_json::to_writer(&mut out, &trace).with_context(wrong)?;
     out.write_all(b"\n").with_context(wrong)?;
     out.finish().with_context(wrong)?;
     Ok(trace.steps.len())

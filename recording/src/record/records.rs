@@ -1,7 +1,7 @@
 //! The records of an MCAP file, which may break off at any byte.
 //!
-//! The readers of the crate `mcap` expect whole files: they end at the first chunk that is not whole, and some
-//! damages make them panic. Chunks are not compressed, because dotgen compresses none.
+//! The readers of the crate `mcap` expect whole files: they end at the first chunk that is not whole, and
+//! some damages make them panic. Chunks are not compressed, because dotgen compresses none.
 
 use std::ops::ControlFlow;
 
