@@ -188,6 +188,7 @@ fn a_full_disk_ends_the_files_and_not_the_run() {
         ("--profile", "log"),
         ("--record", "x.mcap"),
         ("--trace", "x.pftrace"),
+        ("--trace", "x.json"),
     ] {
         let path = directory.path().join(name);
         std::os::unix::fs::symlink("/dev/full", &path).expect("a link");

@@ -8,11 +8,12 @@ use super::passing::Passing;
 use super::write;
 
 /// A file under a temporary name, beside the one whose place it will take. When it is dropped it is removed.
+/// Devices and pipes are written as they are.
 #[derive(Debug)]
 pub(crate) struct Stream {
     out: BufWriter<File>,
-    temporary: Passing,
-    target: PathBuf,
+    /// The temporary file, and the one whose place it will take.
+    replaces: Option<(Passing, PathBuf)>,
 }
 
 impl Stream {
@@ -21,11 +22,16 @@ impl Stream {
     /// # Errors
     /// It cannot be written there, or what is there is read-only.
     pub(crate) fn create(path: &Path) -> io::Result<Stream> {
-        let (temporary, target, file) = write::beside(path)?;
+        let (file, replaces) = match std::fs::metadata(path) {
+            Ok(it) if !it.is_file() => (File::options().write(true).open(path)?, None),
+            _ => {
+                let (temporary, target, file) = write::beside(path)?;
+                (file, Some((Passing::new(temporary), target)))
+            }
+        };
         Ok(Stream {
             out: BufWriter::with_capacity(1 << 20, file),
-            temporary: Passing::new(temporary),
-            target,
+            replaces,
         })
     }
 
@@ -35,8 +41,11 @@ impl Stream {
     /// Something could not be written. Then what was there stays.
     pub(crate) fn finish(mut self) -> io::Result<()> {
         self.out.flush()?;
+        let Some((temporary, target)) = &self.replaces else {
+            return Ok(());
+        };
         self.out.get_ref().sync_all()?;
-        std::fs::rename(self.temporary.path(), &self.target)
+        std::fs::rename(temporary.path(), target)
     }
 }
 
@@ -73,5 +82,25 @@ mod tests {
         stream.finish().expect("finished");
         assert_eq!(std::fs::read(&path).expect("a file"), b"whole");
         assert_eq!(names(), [path]);
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_device_is_written_and_not_replaced() {
+        let device = Path::new("/dev/full");
+        let kind = || {
+            let metadata = device.metadata().expect("a device");
+            std::os::unix::fs::FileTypeExt::is_char_device(&metadata.file_type())
+        };
+        assert!(kind());
+        let mut stream = Stream::create(device).expect("opened");
+        assert!(
+            stream.replaces.is_none(),
+            "it would take the place of the device"
+        );
+        stream.write_all(b"something").expect("it waits");
+        let error = stream.finish().expect_err("there is no room");
+        assert_eq!(error.kind(), io::ErrorKind::StorageFull);
+        assert!(kind());
     }
 }
