@@ -10,7 +10,7 @@ mod enemy;
 mod fischer;
 mod flight;
 mod growth;
-mod measure;
+pub(crate) mod measure;
 mod periodic;
 mod reductions;
 mod rivals;

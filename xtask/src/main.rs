@@ -6,6 +6,7 @@
 //! | `test` | every test there is, as a list of suites |
 //! | `docs` | the pictures of the documentation |
 //! | `bench` | what whole processes take, and instruction counts |
+//! | `budgets` | instructions and memory of what users do, against a file |
 //! | `campaign` | whether findings and edits are right, on real components and mutations |
 //! | `chart` | charts of what they take |
 //! | `fuzz` | inputs that break something, looked for with coverage |
@@ -17,6 +18,7 @@
 //! | `run` | running commands, with progress |
 
 mod bench;
+mod budgets;
 mod campaign;
 mod chart;
 mod demo;
@@ -57,6 +59,8 @@ enum Command {
     Test(test::Options),
     /// Measure whole processes, and count instructions; draw what grows.
     Bench(bench::Options),
+    /// Count the instructions of what users do, and compare them with xtask/budgets.txt.
+    Budgets(budgets::Options),
     /// Measure if findings are right and edits leave nothing worse.
     Campaign(campaign::Options),
     /// Look for inputs that break something, led by coverage.
@@ -74,6 +78,7 @@ fn main() -> ExitCode {
         Command::Demo(options) => demo::demo(&options),
         Command::Test(options) => test::test(&options),
         Command::Bench(options) => bench::bench(&options),
+        Command::Budgets(options) => budgets::budgets(&options),
         Command::Campaign(options) => campaign::campaign(&options),
         Command::Package => package::package().map(|_| true),
         Command::Fuzz(options) => fuzz::fuzz(&options),

@@ -318,6 +318,7 @@ impl Data {
             ..StubOptions::default()
         };
         let mut codel_files = Vec::new();
+        let mut values = Vec::new();
         let mut names = serde_json::Map::new();
         for (index, component) in &regular {
             let expected = Expected::new(spec, *index);
@@ -329,12 +330,15 @@ impl Data {
                 .filter_map(|it| it.path.file_name().map(Json::from))
                 .collect();
             names.insert(component.name.to_string(), own.into());
+            // Shared by all texts about the component.
+            let value = Value::from_serialize(json(&component.name));
             for file in files {
                 codel_files.push(context! {
-                    component => Value::from_serialize(json(&component.name)),
+                    component => value.clone(),
                     file => context! { path => file.path.to_string(), text => file.text },
                 });
             }
+            values.push(value);
         }
         let unique = |lists: Vec<&Vec<String>>| -> Vec<String> {
             let mut out: Vec<String> = Vec::new();
@@ -378,15 +382,13 @@ impl Data {
             package_variables => spec.release.has(Change::PackageVariables),
             codel_files => Value::from_serialize(&names),
         };
-        let components = regular
-            .iter()
-            .map(|(_, it)| context! { component => Value::from_serialize(json(&it.name)) })
-            .collect();
+        let mut components = Vec::new();
         let mut machines = Vec::new();
-        for (_, component) in &regular {
+        for ((_, component), value) in std::iter::zip(&regular, &values) {
+            components.push(context! { component => value.clone() });
             for owner in component.machines() {
                 machines.push(context! {
-                    component => Value::from_serialize(json(&component.name)),
+                    component => value.clone(),
                     owner => component.owner_name(owner).as_str(),
                 });
             }

@@ -1,6 +1,7 @@
 //! What a whole process takes: processor time, which others on the machine disturb least, and peak memory.
 
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use anyhow::{Context, Result};
@@ -77,7 +78,9 @@ const USED_UP: i32 = 128 + 24;
 
 /// One run. `None`: it took more than [`LIMIT`].
 fn once(job: &Job) -> Result<Option<Taken>> {
-    let report = target().join(format!("measured-{}", std::process::id()));
+    static NEXT: AtomicUsize = AtomicUsize::new(0);
+    let number = NEXT.fetch_add(1, Ordering::Relaxed);
+    let report = target().join(format!("measured-{}-{number}", std::process::id()));
     let report = report.to_string_lossy();
     let limit = LIMIT.to_string();
     let mut arguments = vec!["-c", SCRIPT, &limit];

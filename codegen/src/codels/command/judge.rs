@@ -23,6 +23,9 @@ use crate::codels::{
 /// Edits that are tried for one request or command; each costs about one analysis of the units concerned.
 pub const MOST_TRIALS: usize = 400;
 
+/// Bytes of specifications that are analysed in the trials of a command: the edits of a large file are fewer.
+const MOST_BYTES: usize = 2 << 20;
+
 /// Units in which an edit is tried. An edit of a file that more units include is not judged.
 pub const MOST_UNITS: usize = 8;
 
@@ -72,6 +75,11 @@ impl<'j, 'p> Judge<'j, 'p> {
         }
     }
 
+    /// Leaves room for as many trials as texts of this size allow.
+    pub fn limit(&mut self, size: usize) {
+        self.room = self.room.min(MOST_BYTES / size.max(1));
+    }
+
     /// The project on which edits are tried.
     pub fn project(&self) -> &Project<'p> {
         self.project
@@ -79,6 +87,61 @@ impl<'j, 'p> Judge<'j, 'p> {
 
     /// Judges an edit that is to remove a finding of the code `mends`, or to remove none.
     pub fn verdict(&mut self, edit: &Edit, mends: Option<&str>) -> Verdict {
+        let mends: Vec<(&str, usize)> = mends.into_iter().map(|it| (it, 1)).collect();
+        self.judged(edit, &mends)
+    }
+
+    /// Judges edits, each with the code of the finding that it is for. They are tried together first: many edits that
+    /// are whole together cost one analysis. Otherwise they are tried in halves, or, if edits are refused one after
+    /// the other, by themselves.
+    pub fn verdicts(&mut self, edits: &[(Edit, &str)]) -> Vec<Verdict> {
+        let mut out = Vec::with_capacity(edits.len());
+        let mut refused = 0;
+        while out.len() < edits.len() {
+            let rest = &edits[out.len()..];
+            if refused < 2 && rest.len() > 1 {
+                if self.are_whole_together(rest) {
+                    out.resize(edits.len(), Verdict::Whole);
+                    break;
+                }
+                if refused == 0 && rest.len() > 3 {
+                    let half = self.verdicts(&rest[..rest.len() / 2]);
+                    refused = half
+                        .iter()
+                        .rev()
+                        .take_while(|it| **it == Verdict::Refused)
+                        .count();
+                    out.extend(half);
+                    continue;
+                }
+            }
+            let (edit, code) = &rest[0];
+            let verdict = self.verdict(edit, Some(code));
+            refused = match verdict {
+                Verdict::Refused => refused + 1,
+                _ => 0,
+            };
+            out.push(verdict);
+        }
+        out
+    }
+
+    /// All edits as one are whole, and remove a finding each.
+    fn are_whole_together(&mut self, edits: &[(Edit, &str)]) -> bool {
+        let mut all = Edit::default();
+        let mut mends: BTreeMap<&str, usize> = BTreeMap::new();
+        for (edit, code) in edits {
+            if all.touches(edit) || !all.merge(edit.clone()) {
+                return false;
+            }
+            *mends.entry(code).or_default() += 1;
+        }
+        let mends: Vec<(&str, usize)> = mends.into_iter().collect();
+        self.judged(&all, &mends) == Verdict::Whole
+    }
+
+    /// Judges an edit that is to remove a number of findings of each of some codes.
+    fn judged(&mut self, edit: &Edit, mends: &[(&str, usize)]) -> Verdict {
         let Some(room) = self.room.checked_sub(1) else {
             return Verdict::Unknown;
         };
@@ -96,7 +159,7 @@ impl<'j, 'p> Judge<'j, 'p> {
         verdict
     }
 
-    fn tried(&mut self, edit: &Edit, mends: Option<&str>, before: &Findings) -> Verdict {
+    fn tried(&mut self, edit: &Edit, mends: &[(&str, usize)], before: &Findings) -> Verdict {
         let changes = self.project.changes(edit);
         let mut touched = Touched::default();
         changes.iter().for_each(|it| touched.note(it));
@@ -119,7 +182,9 @@ impl<'j, 'p> Judge<'j, 'p> {
             }
             after = Findings::of(self.project, &self.roots);
         }
-        let is_mended = mends.is_none_or(|code| after.count(code) < before.count(code));
+        let is_mended = mends
+            .iter()
+            .all(|&(code, number)| after.count(code).saturating_add(number) <= before.count(code));
         let is_whole = before.added(&after, &touched).is_empty() && is_mended;
         let paired = (is_whole && is_paired).then(|| self.difference(&originals));
         self.restore(originals);
@@ -136,6 +201,11 @@ impl<'j, 'p> Judge<'j, 'p> {
     ///
     /// With `follow`, the sources may follow an edit.
     pub fn together(&mut self, edits: &[(Edit, &str)], follow: bool) -> (Edit, Vec<usize>) {
+        if edits.len() > 1 && self.are_whole_together(edits) {
+            let mut all = Edit::default();
+            edits.iter().for_each(|it| _ = all.merge(it.0.clone()));
+            return (all, (0..edits.len()).collect());
+        }
         let mut chosen = Edit::default();
         let mut numbers = Vec::new();
         for (number, (edit, code)) in edits.iter().enumerate() {

@@ -85,22 +85,39 @@ pub(super) fn judge(session: &mut Session, changed: &Changed, found: &mut [Diagn
         let path = found[at].path.clone();
         let end = at + found[at..].iter().take_while(|it| it.path == path).count();
         let roots = project.roots_of(&path);
+        let size = project.text(&path).map_or(0, |it| it.len());
         let mut judge = Judge::new(&mut project, &roots);
         judge.room = room;
+        judge.limit(size);
+        let allowed = judge.room;
+        // The first fixes of all findings together, then the second ones: alternatives do not go together.
+        let most = found[at..end].iter().map(|it| it.fixes.len()).max();
+        let mut verdicts = vec![Vec::new(); end - at];
+        for rank in 0..most.unwrap_or(0) {
+            let of_rank = found[at..end].iter().enumerate();
+            let of_rank =
+                of_rank.filter_map(|(number, it)| Some((number, it.fixes.get(rank)?, it.code)));
+            let (numbers, edits): (Vec<usize>, Vec<(Edit, &str)>) = of_rank
+                .map(|(number, fix, code)| (number, (Edit::of(&fix.edits), code)))
+                .unzip();
+            for (number, verdict) in std::iter::zip(numbers, judge.verdicts(&edits)) {
+                verdicts[number].push(verdict);
+            }
+        }
+        let mut verdicts = verdicts.into_iter().flatten();
         let mut tried = 0;
         for number in at..end {
             let it = &mut found[number];
-            let code = it.code;
-            let mut keep = |fix: &mut Fix| {
-                let verdict = judge.verdict(&Edit::of(&fix.edits), Some(code));
+            it.fixes.retain_mut(|fix| {
+                let verdict = verdicts.next().unwrap_or(Verdict::Unknown);
                 if verdict != Verdict::Whole && fix.kind == FixKind::Plain {
                     fix.kind = FixKind::Guess;
                 }
                 matches!(verdict, Verdict::Whole | Verdict::Unknown)
-            };
-            it.fixes.retain_mut(&mut keep);
+            });
             if it.severity == Severity::Error && it.fixes.is_empty() && tried < MOST_TRIED {
                 tried += 1;
+                let code = it.code;
                 let mut fixes = judge.project().trials(&found[number], &found[at..end]);
                 fixes.retain_mut(|fix| {
                     judge.verdict(&Edit::of(&fix.edits), Some(code)) == Verdict::Whole
@@ -108,7 +125,7 @@ pub(super) fn judge(session: &mut Session, changed: &Changed, found: &mut [Diagn
                 found[number].fixes = fixes;
             }
         }
-        room = judge.room;
+        room -= allowed - judge.room;
         at = end;
     }
 }
