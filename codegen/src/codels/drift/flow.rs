@@ -333,7 +333,7 @@ impl Flow<'_> {
         self.respelled(self.returned_places(event), event, to)
     }
 
-    /// Another name at some places of the function, with the scopes of the present one.
+    /// Another name at some places of the function. Scopes that the present name omits are omitted there too.
     fn respelled<'s>(
         &self,
         places: impl Iterator<Item = &'s Span>,
