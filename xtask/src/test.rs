@@ -247,8 +247,7 @@ fn rust() -> Result<Outcome> {
             false => cargo.args(["--lib", "--bins", "--tests"]),
         };
         if !documentation && cfg!(unix) {
-            // The variable is set only for test programs: set for cargo itself, it would cause a complete
-            // rebuild.
+            // Set only for test programs: set for cargo itself, the variable would cause a complete rebuild.
             cargo.args([
                 "--config",
                 "target.'cfg(unix)'.runner = ['env', 'RUSTC_BOOTSTRAP=1']",

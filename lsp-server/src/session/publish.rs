@@ -123,8 +123,8 @@ impl Publisher {
         })
     }
 
-    /// Sends the changed part of a result. Returns true if findings between files have changed, so that a
-    /// client that pulls has to ask again.
+    /// Sends the changed part of a result. Returns true if findings about specifications and sources together
+    /// have changed, so that a client that pulls has to ask again.
     pub(crate) fn publish(
         &mut self,
         computed: Computed,

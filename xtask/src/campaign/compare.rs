@@ -88,7 +88,7 @@ impl Findings {
         out
     }
 
-    /// What an edit added: findings that make it worse, and findings that a mended error had hidden.
+    /// The findings that an edit adds: those that make it worse, and those that a fixed error had hidden.
     ///
     /// A new finding was hidden if there are fewer errors than before, and it is away from the changed lines
     /// or no more than an information.

@@ -84,7 +84,7 @@ pub(crate) struct VerificationResult {
     cores: Option<u32>,
     policy: String,
     durations: String,
-    /// Why there is no answer.
+    /// The errors that prevent an answer.
     errors: Vec<String>,
     /// Assumptions of the model, and their places.
     warnings: Vec<WarningShown>,

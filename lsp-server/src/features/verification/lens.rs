@@ -190,7 +190,7 @@ fn whole(entry: &Entry) -> String {
 }
 
 /// The summary of a verification without failures. It is not a proof if a response time without a limit
-/// exceeds the period of its task, or if a check never occurs.
+/// exceeds the period of its task, or if a check is vacuous.
 fn proved(entry: &Entry) -> &'static str {
     let weak = |it: &CheckView| matches!(it.outcome, Outcome::Exceeds | Outcome::Vacuous);
     let answer = entry.known();

@@ -50,7 +50,7 @@ impl SensitivityParams {
 pub(crate) struct SensitivityResult {
     /// Version of the analysed document.
     version: Option<i32>,
-    /// Why there is no answer.
+    /// The errors that prevent an answer.
     errors: Vec<String>,
     /// The smallest number of cores; none if no number is sufficient.
     cores: Option<u32>,
