@@ -277,7 +277,7 @@ fn options(
     Ok(files.map(|inputs| Options { inputs, ..options }))
 }
 
-/// The requirement in build files if a specification does not state its release; GenoM3 writes the same.
+/// The requirement on GenoM3 in build files if the specification has none; GenoM3 writes the same.
 const LEAST_GENOM: &str = "genom3 >= 2.99.4";
 
 /// The data of the texts.
