@@ -1,6 +1,6 @@
 //! Templates without Tcl: MiniJinja texts over the JSON model, described by a `template.toml`.
 //!
-//! Some are part of dotgen; any folder with a `template.toml` on the search path is one too. See
+//! Some are included in dotgen. Any folder with a `template.toml` on the search path is one too. See
 //! docs/templates.md for the format.
 
 mod expand;
@@ -26,7 +26,7 @@ use crate::template::reach;
 pub use expand::serve as serve_renderer;
 pub use manifest::{Each, FileRule, Manifest};
 
-/// A template that is part of dotgen.
+/// A template included in dotgen.
 struct Embedded {
     name: &'static str,
     files: &'static [(&'static str, &'static str)],
@@ -66,7 +66,7 @@ pub const SUPPORT: &[(&str, &str)] = &[
     ),
 ];
 
-/// Where the texts of a template are.
+/// The location of a template's texts.
 pub(crate) enum Texts {
     /// In the program.
     Embedded(&'static [(&'static str, &'static str)]),
@@ -80,8 +80,8 @@ impl Texts {
             .map_err(|error| format!("template.toml: {}", error.message()))
     }
 
-    /// A text. That of a folder is in the folder, whatever links there are: a template may be anybody's, and
-    /// what it reads is shown.
+    /// A text. The text of a folder must be in that folder, also after following links: a template may not be
+    /// trusted, and its output shows what it reads.
     fn read(&self, disk: &dyn Disk, name: &str) -> Result<String, String> {
         match self {
             Texts::Embedded(files) => files
@@ -105,7 +105,7 @@ impl Texts {
     }
 }
 
-/// Names of the templates that are part of dotgen, sorted.
+/// Names of the templates included in dotgen, sorted.
 pub fn names() -> Vec<&'static str> {
     let mut names: Vec<&str> = EMBEDDED.iter().map(|it| it.name).collect();
     names.push("mappings");
@@ -113,7 +113,7 @@ pub fn names() -> Vec<&'static str> {
     names
 }
 
-/// What a template of dotgen is for.
+/// The description of a template of dotgen.
 pub(crate) fn about(disk: &dyn Disk, name: &str) -> String {
     if name == "mappings" {
         return mappings::ABOUT.to_owned();
@@ -123,13 +123,13 @@ pub(crate) fn about(disk: &dyn Disk, name: &str) -> String {
     manifest.map(|it| it.about).unwrap_or_default()
 }
 
-/// What the template of a folder is for.
+/// The description of the template in a folder.
 pub(crate) fn about_folder(disk: &dyn Disk, dir: &Path) -> Option<String> {
     let manifest = Texts::Folder(dir.to_owned()).manifest(disk);
     manifest.ok().map(|it| it.about)
 }
 
-/// Runs a template of dotgen; `None` when there is none of that name.
+/// Runs a template of dotgen; `None` if there is no template of that name.
 pub(crate) fn run(
     name: &str,
     args: &[String],
@@ -153,8 +153,8 @@ pub(crate) fn run(
     Some(finish(name, result, env))
 }
 
-/// Runs the Tcl template of a folder without Tcl, where it is known to be that of the release in force and is
-/// called in a way that ours answers with the same bytes; `None` otherwise.
+/// Runs the Tcl template of a folder without Tcl, if the folder is the known template of the release in force
+/// and dotgen's own produces the same bytes for these arguments; `None` otherwise.
 pub(crate) fn run_known(
     dir: &Path,
     args: &[String],
@@ -201,7 +201,7 @@ fn finish(name: &str, result: Result<i32, String>, env: &mut Environment<'_>) ->
     })
 }
 
-/// The confinement of templates that are part of dotgen: their hidden and executable results are known.
+/// The confinement of templates included in dotgen: their hidden and executable results are allowed.
 fn of_dotgen(confined: crate::template::Confined) -> crate::template::Confined {
     crate::template::Confined {
         confirmed: crate::template::Confirmed::All,

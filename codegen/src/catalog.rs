@@ -1,4 +1,4 @@
-//! The templates there are, and the options they take: what a user chooses from.
+//! The available templates, and their options, for a user to choose from.
 
 use std::path::PathBuf;
 
@@ -8,11 +8,11 @@ use crate::builtin;
 use crate::disk::Disk;
 use crate::template::discover::SearchPath;
 
-/// What a template is written in.
+/// The language of a template.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum TemplateKind {
-    /// Part of dotgen.
+    /// Included in dotgen.
     Builtin,
     /// A `template.tcl`; needs Tcl.
     Tcl,
@@ -23,17 +23,17 @@ pub enum TemplateKind {
 /// A template.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TemplateInfo {
-    /// As given on the command line.
+    /// The name on the command line.
     pub name: String,
-    /// What it is written in.
+    /// Its language.
     pub kind: TemplateKind,
-    /// What it is for, in one line; empty when that is not known.
+    /// Its description, in one line; empty if unknown.
     pub about: String,
-    /// Its folder; `None` for those in the program.
+    /// Its folder; `None` for templates in the program.
     pub dir: Option<PathBuf>,
 }
 
-/// All templates below a search path and those of dotgen, by name. A folder of the search path wins
+/// All templates in a search path, and those of dotgen, by name. A folder in the search path takes precedence
 /// over a template of dotgen.
 pub fn templates(disk: &dyn Disk, search: &SearchPath) -> Vec<TemplateInfo> {
     let mut all: Vec<TemplateInfo> = Vec::new();
@@ -67,20 +67,20 @@ pub fn templates(disk: &dyn Disk, search: &SearchPath) -> Vec<TemplateInfo> {
     all
 }
 
-/// An option of a template, as its usage text tells.
+/// An option of a template, from its usage text.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TemplateOption {
     /// All its spellings, as `-l` and `--language`.
     pub flags: Vec<String>,
-    /// What to write for its value, when it takes one.
+    /// The placeholder of its value, if it takes one.
     pub value: Option<String>,
-    /// What it does.
+    /// Its description.
     pub help: String,
 }
 
-/// Reads the options out of a usage text: lines that begin with blanks and a dash, the spellings
-/// parted by commas or dots, a value after `=` or a blank, and what it does after a tab or two
-/// blanks. Options that only print help are left out.
+/// Reads the options from a usage text: lines that begin with blanks and a dash, then the spellings with
+/// commas or dots between them, a value after `=` or a blank, and the description after a tab or two blanks.
+/// Options that only print help are omitted.
 pub fn options(usage: &str) -> Vec<TemplateOption> {
     let mut all: Vec<TemplateOption> = Vec::new();
     for line in usage.lines() {
@@ -91,7 +91,7 @@ pub fn options(usage: &str) -> Vec<TemplateOption> {
             continue;
         }
         if !text.starts_with('-') {
-            // A longer explanation goes on below its beginning.
+            // A long description continues on the next lines.
             if let Some(last) = all.last_mut()
                 && indent > 8
             {

@@ -1,11 +1,12 @@
-//! Codels: keeps a specification and the C or C++ functions it names in step.
+//! Codels: comparison of a specification with the C or C++ functions that it names, and repairs.
 //!
-//! Data flows one way: `source` reads one C or C++ text, `files` says which texts belong to a component,
-//! `folder` which components share them, `expected` says what the specification wants, `drift` compares the
-//! two, `repair` turns a finding into text edits, `stub` writes missing functions, `headers` writes what a
-//! C compiler needs beside them, `build` plans how they are compiled, `glue` and `hosted`
-//! how they come to run, and `value` reads what crosses. `command` holds what the command line
-//! does. Everything but `command` is a pure function of texts and models.
+//! Data flows in one direction. `source` reads a C or C++ text. `files` selects the texts of a component, and
+//! `folder` the components that share them. `expected` derives the functions from the specification, and
+//! `drift` compares both. `repair` turns a finding into text edits. `stub` writes missing functions.
+//! `headers` writes the other files that a C compiler needs. `build` plans the compilation. `glue` and
+//! `hosted` generate the code that runs codels. `value` converts the data between both sides. `command`
+//! implements the commands of the command line. Everything except `command` is a pure function of texts and
+//! models.
 
 mod allow;
 pub mod build;

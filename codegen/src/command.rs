@@ -1,4 +1,4 @@
-//! The command line of the generator: `dotgen generate`, and `genom3` where it stands in for it.
+//! The command line of the generator: `dotgen generate`, and `genom3` in place of GenoM3's own.
 
 mod preprocess;
 mod project;
@@ -19,9 +19,9 @@ use crate::template::discover::FindError;
 use crate::template::{Confined, Confirmed, Limits, OutputSink, Run, reach};
 pub use project::Project;
 
-/// Runs the generator with command line arguments (without the program's name); returns the exit
-/// status: 0; 1 for wrong options; 2 for what cannot be found or done, and for a failing template;
-/// that of a template's `exit`; and the number of errors when only parsing.
+/// Runs the generator with command line arguments (without the program's name). Returns the exit status: 0
+/// for success; 1 for wrong options; 2 for inputs that are missing, operations that fail, and a failing
+/// template; the status of a template's `exit`; with parsing only, the number of errors.
 pub fn generate(args: &[String], env: &mut Environment<'_>) -> i32 {
     let options = match options::parse(args, &env.disk.current_dir()) {
         Ok(options) => options,
@@ -72,7 +72,7 @@ fn list(options: &Options, env: &mut Environment<'_>) -> i32 {
     }
     let search = env.search_path(options);
     let mut names = search.list(&*env.disk);
-    // An installation of GenoM3 brings its own.
+    // An installation of GenoM3 has its own folder.
     if search.builtin.is_none() {
         names.extend(crate::builtin::names().into_iter().map(str::to_owned));
         names.sort();
@@ -88,7 +88,7 @@ fn list(options: &Options, env: &mut Environment<'_>) -> i32 {
     0
 }
 
-/// Runs a template as a preview does, and writes what comes of it if the template succeeds.
+/// Runs a template as a preview does, and writes its results if the template succeeds.
 fn confined(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>) -> i32 {
     let here = if env.base.as_os_str().is_empty() {
         Path::new(".")
@@ -120,8 +120,8 @@ fn confined(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>
     }
 }
 
-/// A folder with the files that templates expect in the built-in one. Kept between runs, since
-/// build files come to depend on them.
+/// A folder with the files that templates expect in the built-in one. It is kept between runs, because build
+/// files depend on its files.
 fn support_dir(env: &Environment<'_>) -> Option<PathBuf> {
     let home = || {
         env.variable("HOME")

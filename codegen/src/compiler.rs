@@ -1,4 +1,4 @@
-//! The front end over analysis: what is parsed piece by piece is compiled as one growing unit.
+//! The front end over analysis: inputs that are parsed one after the other are compiled as one growing unit.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -27,7 +27,7 @@ const INLINE: &str = "<inline string>";
 pub struct Compiler {
     disk: Arc<dyn Disk>,
     loader: Arc<dyn Loader>,
-    /// Directory where relative names of files start; empty for the current one.
+    /// Start of relative file names; empty for the current directory.
     base: Utf8PathBuf,
     /// Name of the program in messages about inputs.
     program: String,
@@ -38,8 +38,8 @@ pub struct Compiler {
 }
 
 impl Compiler {
-    /// A compiler without input. `include_dirs` and `defines` as given by `-I` and `-D`; everything is read
-    /// as the release does.
+    /// A compiler without input. `include_dirs` and `defines` are the values of `-I` and `-D`. Inputs are
+    /// read as the release.
     pub fn new(
         disk: Arc<dyn Disk>,
         loader: Arc<dyn Loader>,
@@ -87,14 +87,14 @@ impl Compiler {
         name.clone_into(&mut self.program);
     }
 
-    /// Compiles everything given so far and reports what is new.
+    /// Compiles all inputs so far and reports the new messages.
     fn compile(&mut self, report: &mut dyn FnMut(&str)) -> Result<(), ParseFailure> {
         let unit = match self.host.analysis().batch(&self.input) {
             Ok(unit) => unit,
             Err(reason) => return Err(ParseFailure::Unreadable(reason.to_string())),
         };
         let (mut errors, mut fatal) = (0, false);
-        // In the order in which files are read; GenoM3's preprocessor ends at its first error.
+        // In the order in which files are read; GenoM3's preprocessor stops at its first error.
         let place = |it: &&Diagnostic| unit.files.iter().position(|file| *file == it.path);
         let mut diagnostics: Vec<&Diagnostic> = unit.diagnostics.iter().collect();
         diagnostics.sort_by_key(place);
@@ -115,7 +115,7 @@ impl Compiler {
             Some((path.clone(), text))
         });
         let texts: FxHashMap<Utf8PathBuf, Arc<str>> = texts.collect();
-        // Included files too are named after following links.
+        // Included files are also named by their path with links followed.
         let files = unit.files.iter().map(|path| {
             let name = canonical(&*self.disk, path.clone());
             (path.clone(), name.into_string())
@@ -150,7 +150,7 @@ impl Compiler {
             _ => 1,
         };
         let is_error = it.severity == Severity::Error;
-        // GenoM3's preprocessor gives the whole path and a word for the severity.
+        // GenoM3's preprocessor prints the whole path and a word for the severity.
         if it.code.starts_with("pp-") {
             let word = if is_error { "error" } else { "warning" };
             return format!("{}:{line}: {word}: {text}", it.path);
@@ -161,9 +161,8 @@ impl Compiler {
     }
 }
 
-/// In GenoM3 a service or task that comes from an interface shares its list of exceptions with it, so that
-/// what one of its importers adds is thrown by all of them. Templates write these lists into comments and
-/// manuals.
+/// Shares the list of exceptions of an interface's service or task with its importers. In GenoM3 an exception
+/// that one importer adds is thrown by all of them. Templates write these lists into comments and manuals.
 fn share_throws(spec: &mut Arc<Spec>) {
     let mut additions = Vec::new();
     for component in &spec.components {
@@ -198,7 +197,7 @@ fn share_throws(spec: &mut Arc<Spec>) {
     }
 }
 
-/// Errors, and the warnings that GenoM3 gives too: advice of our own is for editors and `check`.
+/// True for errors, and for warnings that GenoM3 prints too. Other warnings are for editors and `check`.
 fn in_reference(it: &Diagnostic) -> bool {
     match it.severity {
         Severity::Error => true,
@@ -209,7 +208,7 @@ fn in_reference(it: &Diagnostic) -> bool {
     }
 }
 
-/// Codes after which the reference compiler reads no further.
+/// True for codes after which GenoM3 stops reading.
 fn stops(code: &str) -> bool {
     code.starts_with("pp-") || code.starts_with("syntax")
 }
@@ -240,7 +239,7 @@ impl Frontend for Compiler {
                 FileContent::Unreadable(why) => Some(why),
             };
             if let Some(problem) = problem {
-                // Without the directory where inputs are looked for, that is what is not there.
+                // If the base directory does not exist, the error is about that directory.
                 let base = self.absolute(self.base.clone());
                 let gone = !self.base.as_str().is_empty()
                     && self.loader.read(&base) == FileContent::Missing;
@@ -276,18 +275,18 @@ impl Frontend for Compiler {
     }
 }
 
-/// The path with links followed, where it leads to anything.
+/// The path with links followed, if it exists.
 fn canonical(disk: &dyn Disk, path: Utf8PathBuf) -> Utf8PathBuf {
     let found = disk.canonical(path.as_std_path()).ok();
     let found = found.and_then(|it| Utf8PathBuf::from_path_buf(it).ok());
     found.unwrap_or(path)
 }
 
-/// Places of a compiled unit, as GenoM3 tells them: the end of a token.
+/// Places of a compiled unit, as GenoM3 reports them: the end of a token.
 struct UnitPlaces {
     unit: UnitResult,
     texts: FxHashMap<Utf8PathBuf, Arc<str>>,
-    /// The files by the names that templates see.
+    /// The names of files in templates.
     names: FxHashMap<Utf8PathBuf, String>,
 }
 
@@ -333,8 +332,8 @@ impl Places for UnitPlaces {
     }
 }
 
-/// GenoM3 keeps 32 bits of an integer literal, and what is generated must agree with what others
-/// generate: constants that are a longer literal get that value, with a warning.
+/// Narrows constants to GenoM3's value. GenoM3 keeps 32 bits of an integer literal, and generated code must
+/// agree with that of GenoM3. A constant with a longer literal gets that value, with a warning.
 fn narrow_literals(
     unit: &UnitResult,
     texts: &FxHashMap<Utf8PathBuf, Arc<str>>,
@@ -382,8 +381,8 @@ fn narrow_literals(
     spec
 }
 
-/// In GenoM3 the packages of `#pragma requires` are one list for all components after the first of
-/// them: what one of these requires by itself, all do. Templates write these lists into build files.
+/// Shares the packages of `#pragma requires` of all components after the first. In GenoM3 they have one list,
+/// so that each requires the packages of all of them. Templates write these lists into build files.
 fn share_requires(spec: &mut Arc<Spec>) {
     let Some(first) = spec.pragma_requires.first() else {
         return;
@@ -429,12 +428,12 @@ fn is_word(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte == b'_'
 }
 
-/// How much shorter the preprocessor makes a line: it puts one blank for each comment.
+/// The number of characters by which the preprocessor shortens a line: it writes one blank for each comment.
 fn commented(text: &str, line: Range<usize>) -> usize {
     let mut less = 0;
     let before = text.get(..line.start).unwrap_or_default();
     let mut line = text.get(line).unwrap_or_default();
-    // A comment of lines before may end in it.
+    // A comment that began on an earlier line may end in this line.
     if before.rfind("/*") > before.rfind("*/")
         && let Some(end) = line.find("*/")
     {
@@ -451,7 +450,7 @@ fn commented(text: &str, line: Range<usize>) -> usize {
     less
 }
 
-/// The column of the end of a part of a line, with what the macros called in it stand for.
+/// The column of the end of a part of a line, after expansion of the macros in that part.
 fn expanded(text: &str, calls: &[MacroCall], part: Range<usize>, column: usize) -> usize {
     let from = calls.partition_point(|it| it.range.start < part.start);
     let mut column = column;
@@ -459,7 +458,7 @@ fn expanded(text: &str, calls: &[MacroCall], part: Range<usize>, column: usize) 
         if call.range.end >= part.end {
             break;
         }
-        // The preprocessor keeps punctuation apart from what is before.
+        // The preprocessor inserts a blank before punctuation.
         let before = text[..call.range.start].bytes().next_back();
         let apart = call.punctuation && before.is_some_and(|it| !it.is_ascii_whitespace());
         column += call.expanded + usize::from(apart);
@@ -504,7 +503,7 @@ fn first_token(text: &str) -> usize {
     }
 }
 
-/// Length of the number at the start of a text. A unit may be glued to it.
+/// Length of the number at the start of a text, with its unit.
 fn number(text: &str) -> usize {
     let bytes = text.as_bytes();
     let is = |at: usize, set: &[u8]| bytes.get(at).is_some_and(|it| set.contains(it));
@@ -559,7 +558,7 @@ fn tokens(text: &str) -> impl Iterator<Item = (usize, &str)> {
     })
 }
 
-/// End of the name that a parameter declaration gives: what stands before its value or its end.
+/// End of the name in the declaration of a parameter: the last name before its value or its end.
 fn declared_name(text: &str, name: &str) -> Option<usize> {
     let tokens: Vec<(usize, &str)> = tokens(text).collect();
     tokens
@@ -585,8 +584,8 @@ fn path_start(text: &str) -> Option<usize> {
     None
 }
 
-/// End of the last occurrence of a keyword before an offset. What a macro declares has its keyword in
-/// the definition of the macro, which does not count.
+/// End of the last occurrence of a keyword before an offset. The keyword of a declaration in a macro is in
+/// the macro's definition, which does not count.
 fn keyword_before(text: &str, start: usize, word: &str) -> Option<usize> {
     let bytes = text.as_bytes();
     let mut until = start;
@@ -597,7 +596,7 @@ fn keyword_before(text: &str, start: usize, word: &str) -> Option<usize> {
         let after = bytes.get(end).is_some_and(|it| is_word(*it));
         let alone = !before && !after;
         if alone {
-            // Only ports have a type, with whatever is in it, before their name.
+            // Only ports have a type before their name; the type may contain punctuation.
             let another = |it| word != "port" && text[end..start].contains(it);
             let elsewhere = another([';', '{', '}']) || is_in_directive(text, at);
             return (!elsewhere).then_some(end);
@@ -606,7 +605,7 @@ fn keyword_before(text: &str, start: usize, word: &str) -> Option<usize> {
     }
 }
 
-/// Whether the line of an offset is a directive, or joined to one.
+/// True if the line of an offset is a directive, or the continuation of one.
 fn is_in_directive(text: &str, at: usize) -> bool {
     let mut start = at;
     loop {

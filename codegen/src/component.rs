@@ -1,24 +1,24 @@
 //! A new component from a few answers: its specification and a scenario that verifies it, as text.
 //!
-//! Both come out of one template each and go through the formatter afterwards; the sources of the codels are
-//! stubs like all others ([`crate::codels::command::stub`]). Execution times are written as `#pragma wcet`,
-//! which every release of GenoM3 accepts.
+//! Each is made from a template, and formatted afterwards. The sources of the codels are ordinary stubs
+//! ([`crate::codels::command::stub`]). Execution times are written as `#pragma wcet`, which every release of
+//! GenoM3 accepts.
 
 use std::fmt;
 
 use minijinja::{Environment, UndefinedBehavior, context};
 use serde::Serialize;
 
-/// What a component shall have.
+/// The contents of a new component.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct NewComponent {
     /// Its name.
     pub name: String,
     /// Its tasks; at least one.
     pub tasks: Vec<NewTask>,
-    /// Interfaces whose ports it has as they are declared.
+    /// Interfaces whose ports it provides, in the declared direction.
     pub provides: Vec<NewInterface>,
-    /// Interfaces whose ports it has the other way round.
+    /// Interfaces whose ports it uses, in the opposite direction.
     pub uses: Vec<NewInterface>,
 }
 
@@ -27,18 +27,18 @@ pub struct NewComponent {
 pub struct NewTask {
     /// Its name.
     pub name: String,
-    /// Its period, as `10 ms`; without it the task is aperiodic.
+    /// Its period, such as `10 ms`; without one the task is aperiodic.
     pub period: Option<String>,
 }
 
-/// An interface, and how it comes into the component.
+/// An interface that the component provides or uses.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NewInterface {
     /// Its name.
     pub name: String,
-    /// What its `#include` names: a path from the folder of the component.
+    /// The path in its `#include`, relative to the folder of the component.
     pub include: String,
-    /// The ports that it brings, as the component sees them.
+    /// Its ports, in the directions of the component.
     pub ports: Vec<NewPort>,
 }
 
@@ -47,11 +47,11 @@ pub struct NewInterface {
 pub struct NewPort {
     /// Its name.
     pub name: String,
-    /// The component writes it; otherwise it reads it.
+    /// True if the component writes it, false if the component reads it.
     pub writes: bool,
 }
 
-/// Why a component cannot be made of the answers.
+/// An error in the answers.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum NewComponentError {
     /// The name is not an identifier of C.
@@ -60,16 +60,16 @@ pub enum NewComponentError {
     Keyword(String),
     /// Two tasks have this name.
     Twice(String),
-    /// It is no period: that of a task.
+    /// The period of a task is invalid.
     Period {
         /// The task.
         task: String,
-        /// What was given.
+        /// The given text.
         period: String,
     },
-    /// There is no task, so that nothing would execute.
+    /// There is no task, so nothing would execute.
     NoTask,
-    /// The text could not be made; a fault of the template.
+    /// The text could not be generated: an error in the template.
     Template(String),
 }
 
@@ -107,12 +107,12 @@ pub struct NewTexts {
     pub scenario: String,
 }
 
-/// A task as the templates see it.
+/// A task, in the form of the templates.
 #[derive(Serialize)]
 struct TaskData<'a> {
     name: &'a str,
     period: Option<String>,
-    /// Execution time of each of its codels, as written.
+    /// Execution time of each of its codels, as text.
     wcet: String,
     /// Ports that its main codel uses.
     ports: Vec<&'a NewPort>,
@@ -131,7 +131,7 @@ fn unit(word: &str) -> Option<f64> {
     })
 }
 
-/// `10 ms`, `10ms`, `0.5 s` in microseconds and as written in a specification.
+/// The period in microseconds, and its form in a specification, for texts such as `10 ms`, `10ms` or `0.5 s`.
 fn period(text: &str) -> Option<(f64, String)> {
     let text = text.trim();
     let end = text.find(|it: char| !it.is_ascii_digit() && it != '.')?;
@@ -141,7 +141,7 @@ fn period(text: &str) -> Option<(f64, String)> {
     (micros >= 1.0 && micros.is_finite()).then(|| (micros, format!("{number} {word}")))
 }
 
-/// Whether a text is an identifier of C.
+/// True if a text is an identifier of C.
 fn is_name(text: &str) -> bool {
     let mut chars = text.chars();
     let first = chars.next();
@@ -157,10 +157,10 @@ fn is_keyword(text: &str) -> bool {
 }
 
 impl NewComponent {
-    /// Its texts.
+    /// The texts of the component.
     ///
     /// # Errors
-    /// Answers of which no component can be made.
+    /// The first invalid answer.
     pub fn texts(&self) -> Result<NewTexts, NewComponentError> {
         use NewComponentError::{Keyword, Name, NoTask, Period, Template, Twice};
         let names = std::iter::once(&self.name).chain(self.tasks.iter().map(|it| &it.name));
@@ -185,7 +185,7 @@ impl NewComponent {
                 })
             });
             let given = given.transpose()?;
-            // A guess that leaves room for all of them on one core.
+            // An estimate with which all tasks fit on one core.
             let share = given.as_ref().map_or(1e3, |it| it.0) / (10.0 * self.tasks.len() as f64);
             let interfaces = self.provides.iter().chain(&self.uses);
             tasks.push(TaskData {

@@ -1,4 +1,4 @@
-//! The disk as code generation sees it. Nothing in this crate reads or writes files by itself: it asks
+//! The disk, as an interface for code generation. This crate does not read or write files itself: it uses
 //! this trait, which the caller implements (a server, a command, a test).
 
 use std::fmt;
@@ -6,75 +6,76 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// All access to files that code generation has, but for the specifications themselves, which come by
+/// All access of code generation to files, except specifications, which are read through
 /// `dotgen_analysis::host::Loader`.
 pub trait Disk: fmt::Debug + Send + Sync {
     /// The bytes of a file.
     ///
     /// # Errors
-    /// Those of the system; `NotFound` when nothing is there.
+    /// The errors of the system; `NotFound` if the file does not exist.
     fn read(&self, path: &Path) -> io::Result<Vec<u8>>;
 
-    /// What a path leads to, links followed; `None` when nothing is there or it cannot be reached.
+    /// The status of a path's target, with links followed; `None` if the target does not exist or cannot be
+    /// reached.
     fn status(&self, path: &Path) -> Option<Status>;
 
-    /// What a directory holds, in no order.
+    /// The entries of a directory, in no order.
     ///
     /// # Errors
-    /// Those of the system.
+    /// The errors of the system.
     fn list(&self, directory: &Path) -> io::Result<Vec<Entry>>;
 
     /// The absolute path with all links followed.
     ///
     /// # Errors
-    /// Those of the system; `NotFound` when nothing is there.
+    /// The errors of the system; `NotFound` if the path does not exist.
     fn canonical(&self, path: &Path) -> io::Result<PathBuf>;
 
-    /// The directory where relative paths start.
+    /// The current directory, where relative paths start.
     fn current_dir(&self) -> PathBuf;
 
-    /// Gives files new content: all of them, or none. Directories that are missing are made. Of a file that
-    /// is there, mode and owner stay, links are followed, and it is whole at any moment.
+    /// Gives files new content: either all of them or none. Missing directories are created. An existing file
+    /// keeps its mode and owner, links are followed, and the file is complete at any moment.
     ///
     /// # Errors
-    /// The first file that cannot be written, with what became of the others.
+    /// The first file that cannot be written, and the state of the others.
     fn write(&self, files: &[NewContent]) -> Result<(), WriteError>;
 
-    /// Sets the permissions of a file, as of `chmod`. Does nothing on systems without them.
+    /// Sets the permissions of a file, as `chmod` does. Has no effect on systems without permissions.
     ///
     /// # Errors
-    /// Those of the system.
+    /// The errors of the system.
     fn set_mode(&self, path: &Path, mode: u32) -> io::Result<()>;
 
-    /// Whether a path is a link itself.
+    /// True if a path is itself a link.
     fn is_link(&self, path: &Path) -> bool;
 
-    /// Writes a temporary file that nobody else knows, without the care that files of users get.
+    /// Writes a temporary file that no other program uses, without the precautions for files of users.
     ///
     /// # Errors
-    /// Those of the system.
+    /// The errors of the system.
     fn put(&self, path: &Path, bytes: &[u8]) -> io::Result<()>;
 
-    /// Removes a temporary file, if it is there.
+    /// Removes a temporary file, if it exists.
     fn remove(&self, path: &Path);
 
-    /// Whether a path leads to a file.
+    /// True if the target of a path is a file.
     fn is_file(&self, path: &Path) -> bool {
         self.status(path).is_some_and(|it| it.kind == Kind::File)
     }
 
-    /// Whether a path leads to a directory.
+    /// True if the target of a path is a directory.
     fn is_dir(&self, path: &Path) -> bool {
         self.status(path)
             .is_some_and(|it| it.kind == Kind::Directory)
     }
 
-    /// Whether a path leads to anything.
+    /// True if the target of a path exists.
     fn exists(&self, path: &Path) -> bool {
         self.status(path).is_some()
     }
 
-    /// The path, made absolute by putting the current directory in front.
+    /// The absolute path, with the current directory as prefix of a relative one.
     fn absolute(&self, path: &Path) -> PathBuf {
         match path.is_absolute() {
             true => path.to_owned(),
@@ -83,7 +84,7 @@ pub trait Disk: fmt::Debug + Send + Sync {
     }
 }
 
-/// What a path leads to.
+/// The kind of a path's target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// A regular file.
@@ -94,14 +95,14 @@ pub enum Kind {
     Other,
 }
 
-/// What is known of a file without reading it.
+/// The status of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Status {
-    /// What it is.
+    /// Its kind.
     pub kind: Kind,
     /// Unix permissions (`0o7777`); 0 on systems without them.
     pub mode: u32,
-    /// When it was changed, where the system knows.
+    /// Time of its last change, if the system provides it.
     pub modified: Option<SystemTime>,
 }
 
@@ -110,31 +111,31 @@ pub struct Status {
 pub struct Entry {
     /// Its path.
     pub path: PathBuf,
-    /// Whether it is a directory itself, not a link to one.
+    /// True if it is a directory itself, not a link to one.
     pub is_dir: bool,
 }
 
-/// What a file is to hold.
+/// New content of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NewContent {
     /// Its path, absolute or from the current directory.
     pub path: PathBuf,
-    /// All its bytes.
+    /// The whole content.
     pub bytes: Vec<u8>,
-    /// Unix permissions; `None` for those it has, or those the system gives to a new file.
+    /// Unix permissions; `None` for the present ones, or the system's default for a new file.
     pub mode: Option<u32>,
 }
 
-/// Why files were not written.
+/// A failure to write files.
 #[derive(Debug)]
 pub struct WriteError {
     /// The file that could not be written.
     pub path: PathBuf,
-    /// Why.
+    /// The error.
     pub reason: io::Error,
-    /// Files that have their new content already and could not be put back, each with the reason.
+    /// Files that have their new content and could not be restored, each with the error.
     pub changed: Vec<(PathBuf, io::Error)>,
-    /// How many files were to be written.
+    /// Total number of files.
     pub of: usize,
 }
 
@@ -165,7 +166,7 @@ impl fmt::Display for WriteError {
 
 impl std::error::Error for WriteError {}
 
-/// "permission denied", without the number of the operating system.
+/// The message of an error, without the error number: "permission denied".
 fn words(error: &io::Error) -> String {
     let text = error.to_string();
     match text.split_once(" (os error") {
@@ -174,8 +175,8 @@ fn words(error: &io::Error) -> String {
     }
 }
 
-/// As Tcl's `file normalize`: an absolute path, links followed but for the last one. `None` if nothing of it
-/// is there.
+/// Tcl's `file normalize`: an absolute path with links followed, except the last one. `None` if no part of it
+/// exists.
 pub(crate) fn normalize(disk: &dyn Disk, path: &Path) -> Option<PathBuf> {
     let path = disk.absolute(path);
     match (path.parent(), path.file_name()) {

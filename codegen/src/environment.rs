@@ -1,4 +1,4 @@
-//! What the command line of the generator needs of its surroundings, and what it finds there.
+//! The environment of the generator's command line.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -16,47 +16,47 @@ use crate::template::console::Console;
 use crate::template::discover::{SearchPath, release_of};
 use crate::template::{Confined, Limits, OutputSink, TemplatePlace};
 
-/// Environment variable that says the release of GenoM3 to stand in for.
+/// Environment variable that sets the release of GenoM3 to emulate.
 const RELEASE_VARIABLE: &str = "DOTGEN_GENOM_RELEASE";
 
-/// What the command line needs of its surroundings.
+/// The environment of the command line.
 pub struct Environment<'a> {
-    /// Name for messages: `genom3`, or `dotgen generate`.
+    /// Name of the program in messages: `genom3`, or `dotgen generate`.
     pub name: &'a str,
-    /// Absolute path of the program, as templates see it.
+    /// Absolute path of the program, for templates.
     pub program: PathBuf,
     /// Environment variables.
     pub variables: &'a dyn Fn(&str) -> Option<String>,
-    /// All access to files but those of specifications.
+    /// All access to files except specifications.
     pub disk: Arc<dyn Disk>,
-    /// Reads specifications and asks about packages.
+    /// Reads specifications and queries packages.
     pub loader: Arc<dyn Loader>,
-    /// What built-in templates and those of users have drawn.
+    /// Draws pictures for templates.
     pub pictures: Arc<Pictures>,
     /// The standard channels.
     pub console: &'a mut dyn Console,
-    /// What a template may use up.
+    /// The limits on the resources of a template.
     pub limits: Limits,
-    /// Directory where relative paths start; empty for the current one.
+    /// Start of relative paths; empty for the current directory.
     pub base: PathBuf,
-    /// Where files go. Afterwards it has what was kept of them.
+    /// The destination of result files. After the run it contains those that were kept.
     pub sink: OutputSink,
-    /// The release of GenoM3 that a project's settings say.
+    /// The release of GenoM3 in a project's settings.
     pub release: Option<ReleaseChoice>,
     /// Starts interpreters and tools.
     pub processes: Arc<dyn Processes>,
-    /// Keeps templates from what is not their business; `None` lets them do what their user can.
+    /// The confinement of templates. `None` gives them the rights of the user.
     pub confined: Option<Confined>,
-    /// Where the template failed, if it did and that is known.
+    /// The place at which the template failed, if it failed and the place is known.
     pub failed_at: Option<TemplatePlace>,
 }
 
 /// Draws the state machine of a task or activity of a component, both by name, in a form: `svg`, `mermaid` or
-/// `dot`. Empty when there is none. Pictures belong to another layer than templates, so the caller brings
-/// them.
+/// `dot`. Empty if there is no such state machine. The caller provides it, because pictures belong to another
+/// layer than templates.
 ///
 /// # Errors
-/// When there is no such form, in words.
+/// A message, if the form does not exist.
 pub type Pictures = dyn Fn(&Spec, &str, &str, &str) -> Result<String, String> + Send + Sync;
 
 impl Environment<'_> {
@@ -72,7 +72,7 @@ impl Environment<'_> {
         (self.variables)(name).filter(|value| !value.is_empty())
     }
 
-    /// Where templates are looked for.
+    /// The search path of templates.
     pub(crate) fn search_path(&self, options: &Options) -> SearchPath {
         search_path(options.templates.as_deref(), self.variables)
     }
@@ -82,8 +82,9 @@ impl Environment<'_> {
         Utf8PathBuf::from_path_buf(self.disk.current_dir()).unwrap_or_default()
     }
 
-    /// The release of GenoM3 to stand in for: what the command line says, the environment, the project; that
-    /// of the templates in use, the installed one; what the inputs require; or the newest that was verified.
+    /// The release of GenoM3 to emulate, from the first of: the command line, the environment, the project,
+    /// the templates in use, the installed GenoM3, the requirements of the inputs, the newest verified
+    /// release.
     pub(crate) fn release(&self, options: &Options) -> Result<ReleaseChoice, String> {
         if let Some(release) = options.release {
             let origin = ReleaseOrigin::CommandLine;
@@ -141,8 +142,8 @@ impl Environment<'_> {
     }
 }
 
-/// Where templates are looked for: the list given (`-t`), else that of `GENOM_TMPL_PATH`; and the
-/// folder of `DOTGEN_BUILTIN_TEMPLATES`.
+/// The search path of templates: the given list (`-t`), else `GENOM_TMPL_PATH`; and the folder in
+/// `DOTGEN_BUILTIN_TEMPLATES`.
 pub fn search_path(given: Option<&str>, variables: &dyn Fn(&str) -> Option<String>) -> SearchPath {
     let variable = |name: &str| variables(name).filter(|it| !it.is_empty());
     let given = given.map(str::to_owned);

@@ -1,4 +1,4 @@
-//! What the template engine needs of the language front end.
+//! The interface between the template engine and the language front end.
 
 use std::sync::Arc;
 
@@ -7,12 +7,12 @@ use dotgen_analysis::release::Release;
 
 use crate::lang::{NoPlaces, Places};
 
-/// A model and what belongs to it.
+/// A model with its places and files.
 #[derive(Clone)]
 pub struct Compiled {
     /// Everything parsed so far.
     pub spec: Arc<Spec>,
-    /// Where it was written.
+    /// The places of its declarations.
     pub places: Arc<dyn Places + Send + Sync>,
     /// Normalized paths of all files read, in order of first appearance.
     pub deps: Vec<String>,
@@ -25,7 +25,7 @@ impl Default for Compiled {
 }
 
 impl Compiled {
-    /// Nothing yet, to be read as a release does.
+    /// An empty model, for inputs of a release.
     pub fn of_release(release: Release) -> Compiled {
         Compiled {
             spec: Arc::new(Spec {
@@ -38,12 +38,12 @@ impl Compiled {
     }
 }
 
-/// Why parsing failed. The correct parts have been added to the model all the same.
+/// A failure to parse. The correct parts have been added to the model.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ParseFailure {
-    /// So many errors, each already reported.
+    /// The number of errors, which were already reported.
     Errors(usize),
-    /// Reading stopped before the end; reported.
+    /// Reading stopped before the end; the error was reported.
     Fatal,
     /// An input that cannot be read, with the reason; not yet reported.
     Unreadable(String),
@@ -62,8 +62,8 @@ impl std::fmt::Display for ParseFailure {
 
 /// Parses specifications into one growing model.
 pub trait Frontend {
-    /// Adds files, preprocessed as one unit. Each message (`BASENAME:LINE: TEXT`) goes to
-    /// `report` as it is found.
+    /// Adds files, preprocessed as one unit. Each message (`BASENAME:LINE: TEXT`) is passed to `report` when
+    /// it is found.
     ///
     /// # Errors
     /// Any error in the input; the correct parts are added.
@@ -73,10 +73,10 @@ pub trait Frontend {
         report: &mut dyn FnMut(&str),
     ) -> Result<(), ParseFailure>;
 
-    /// Adds texts, not preprocessed; their places name `<inline string>`.
+    /// Adds texts without preprocessing; their file name is `<inline string>`.
     ///
     /// # Errors
-    /// As for [`Frontend::parse_files`].
+    /// The same as of [`Frontend::parse_files`].
     fn parse_strings(
         &mut self,
         texts: &[String],

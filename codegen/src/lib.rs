@@ -15,7 +15,7 @@ pub mod process;
 pub mod release_diff;
 pub mod template;
 
-/// The files of the disk for unit tests, which name this crate as other tests do.
+/// The name of this crate in shared test code, which other crates' tests include as well.
 #[cfg(test)]
 extern crate self as dotgen_codegen;
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! General options, in the forms of GenoM3: those before the template's name.
+//! General options in the syntax of GenoM3: those before the template's name.
 
 use std::path::{Path, PathBuf};
 
@@ -6,16 +6,16 @@ use dotgen_analysis::release::Release;
 
 use crate::template::discover::absolute_text;
 
-/// The general options and what follows them.
+/// The general options and the remaining arguments.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(crate) struct Options {
-    /// `-I`, as given.
+    /// `-I`, unchanged.
     pub(crate) include_dirs: Vec<String>,
     /// `-D`: name and value.
     pub(crate) defines: Vec<(String, String)>,
-    /// `-t`, as given.
+    /// `-t`, unchanged.
     pub(crate) templates: Option<String>,
-    /// `-C`: where the names of inputs start; several are joined.
+    /// `-C`: the start of relative input names; several are joined.
     pub(crate) directory: String,
     /// `--release`.
     pub(crate) release: Option<Release>,
@@ -23,20 +23,20 @@ pub(crate) struct Options {
     pub(crate) tmpdir: Option<String>,
     /// `--confined`.
     pub(crate) confined: bool,
-    /// `--allow`, as given.
+    /// `--allow`, unchanged.
     pub(crate) allowed: Vec<String>,
     pub(crate) verbose: bool,
     pub(crate) debug: bool,
     pub(crate) mode: Mode,
-    /// The options as `dotgen genom cmdline` shows them.
+    /// The options in the form of `dotgen genom cmdline`.
     pub(crate) cmdline: String,
-    /// Directory where relative paths start.
+    /// Start of relative paths.
     here: PathBuf,
     /// The template and everything after it, or the inputs.
     pub(crate) rest: Vec<String>,
 }
 
-/// What to do.
+/// The requested action.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Mode {
     /// Run a template.
@@ -56,10 +56,10 @@ pub(crate) enum Mode {
     Help,
 }
 
-/// Why the options cannot be used.
+/// An error in the options.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum OptionError {
-    /// The usage follows; exit status 1.
+    /// The usage is printed after it; exit status 1.
     Usage(String),
     /// Exit status 2.
     Fatal(String),
@@ -116,7 +116,7 @@ pub(crate) fn parse(args: &[String], here: &Path) -> Result<Options, OptionError
             options.apply(option, value.unwrap_or_default(), &word)?;
             continue;
         }
-        // Letters may be joined; a value is the rest of the word or the next one.
+        // Letters may be joined; a value is the rest of the word or the next word.
         let letters = word.char_indices().skip(1);
         for (at, letter) in letters {
             let known = "CIDTtsElnNvdh".contains(letter);
@@ -212,7 +212,7 @@ impl Options {
                 self.release = Some(release);
                 return Ok(());
             }
-            // The engine is part of this program: another one cannot be named.
+            // The engine is part of this program: no other one can be selected.
             's' => {
                 self.cmdline += &format!(" -s {}", absolute_text(&self.here, &value));
                 return Ok(());
@@ -247,7 +247,7 @@ impl Options {
                 "mutually exclusive options near '{word}'"
             )));
         }
-        // Help and version are given at once, whatever follows.
+        // Help and version take precedence over all later options.
         if !matches!(self.mode, Mode::Version | Mode::Help) {
             self.mode = mode;
         }

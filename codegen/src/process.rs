@@ -1,6 +1,6 @@
-//! Programs that are to be started, and what must not outlive the process that wanted them.
+//! Programs to be started, and resources that must not outlive this process.
 //!
-//! Nothing here starts one: the layer that does input and output implements [`Processes`].
+//! This crate starts no program: the layer for input and output implements [`Processes`].
 
 use std::ffi::OsString;
 use std::fmt;
@@ -11,23 +11,23 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// How long at most it takes until somebody who wants to stop is heard.
+/// Maximum delay until a stop is noticed.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// A program and how it is to run.
+/// A program and the way it runs.
 #[derive(Debug, Clone)]
 pub struct Program {
-    /// The file to run, or a name to be looked for on the path.
+    /// The file, or a name to search on the path.
     pub path: PathBuf,
     /// Its arguments.
     pub arguments: Vec<OsString>,
-    /// Directory it runs in; empty for the current one.
+    /// Its working directory; empty for the current one.
     pub directory: PathBuf,
     /// Its standard channels.
     pub channels: Channels,
-    /// What it may use up.
+    /// The limits on its resources.
     pub resources: Resources,
-    /// What it may reach; `None` for all that its user may.
+    /// The files it may access; `None` for the rights of its user.
     pub access: Option<Access>,
 }
 
@@ -36,42 +36,42 @@ pub struct Program {
 pub enum Channels {
     /// Pipes for all three.
     Pipes,
-    /// Pipes for input and output; the error output is that of this process.
+    /// Pipes for input and output; the error output of this process.
     PipesBut,
-    /// Those of this process: for a tool that talks to the user of a terminal.
+    /// The channels of this process: for a tool that uses the terminal.
     Shared,
 }
 
-/// What a program may use up. What a system cannot limit is not limited.
+/// The limits on a program's resources. A limit that the system does not support has no effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Resources {
     /// Address space, in bytes.
     pub memory: Option<u64>,
-    /// Time on a processor.
+    /// Processor time.
     pub time: Option<Duration>,
     /// Size of each file it writes, in bytes.
     pub file: Option<u64>,
 }
 
-/// What a confined program may reach. It starts no other program, and has no network.
+/// The access of a confined program to files. It can neither start programs nor use the network.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Access {
-    /// Files and folders it may read, besides what it needs to run.
+    /// Files and folders it may read, in addition to those it needs to run.
     pub read: Vec<PathBuf>,
-    /// Folders in which it may do what it wants.
+    /// Folders with full access.
     pub write: Vec<PathBuf>,
 }
 
-/// Something that the system does not keep a confined program from.
+/// A part of the confinement that the system does not support.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Gap {
-    /// Reading and writing files elsewhere.
+    /// Access to other files.
     Files,
-    /// Starting programs.
+    /// Start of programs.
     Programs,
     /// Connections.
     Network,
-    /// Using up memory and time.
+    /// Use of memory and time.
     Resources,
 }
 
@@ -88,41 +88,41 @@ impl fmt::Display for Gap {
 
 /// Starts programs.
 pub trait Processes: Send + Sync {
-    /// Starts a program. It ends with this process, however that ends, and so does what it has started.
+    /// Starts a program. It ends with this process, however that ends, and so do its children.
     ///
     /// # Errors
-    /// As the system tells them.
+    /// The errors of the system.
     fn start(&self, program: &Program) -> io::Result<Process>;
 
-    /// Starts the renderer of MiniJinja texts ([`crate::builtin::serve_renderer`]), confined, in a
-    /// process of its own; `None` where there is no program that could be it.
+    /// Starts the renderer of MiniJinja texts ([`crate::builtin::serve_renderer`]), confined, in a separate
+    /// process; `None` if no program for it is available.
     ///
     /// # Errors
-    /// As the system tells them.
+    /// The errors of the system.
     fn renderer(&self, resources: Resources) -> Option<io::Result<Process>>;
 
-    /// Makes a temporary folder in a directory (by default that of the system). It is removed with what
-    /// is returned, or with this process, however that ends.
+    /// Creates a temporary folder in a directory (by default the system's). It is removed when the result is
+    /// dropped, or when this process ends, however it ends.
     ///
     /// # Errors
-    /// As the system tells them.
+    /// The errors of the system.
     fn folder(&self, parent: Option<&Path>) -> io::Result<Box<dyn Folder>>;
 
-    /// What the system does not keep a confined program from.
+    /// The parts of the confinement that the system does not support.
     fn gaps(&self) -> Vec<Gap>;
 
-    /// Measures the space that folders take on the disk, each time it is called.
+    /// Measures the space of folders on the disk, at each call of the result.
     fn meter(&self, folders: Vec<PathBuf>) -> Meter;
 }
 
-/// The bytes that some folders take now.
+/// Returns the present size of some folders in bytes.
 pub type Meter = Box<dyn Fn() -> u64 + Send>;
 
 /// A temporary folder.
 pub trait Folder: fmt::Debug + Send {
     /// Its absolute path.
     fn path(&self) -> &Path;
-    /// Leaves it where it is.
+    /// Keeps the folder on drop.
     fn keep(&mut self);
 }
 
@@ -130,37 +130,38 @@ pub trait Folder: fmt::Debug + Send {
 pub struct Process {
     /// The program itself.
     pub child: Child,
-    /// It and what it has started.
+    /// The program and its children.
     pub group: Box<dyn Group>,
 }
 
-/// A program and all it has started. Dropped when the program was waited for.
+/// A program and its children. Dropped when the program has ended and was waited for.
 pub trait Group: Send {
-    /// Ends all of them.
+    /// Kills all of them.
     fn kill(&self, child: &mut Child);
 }
 
 impl Process {
-    /// Ends the program and what it has started.
+    /// Kills the program and its children.
     pub fn kill(&mut self) {
         self.group.kill(&mut self.child);
-        // It is a zombie until somebody waits; that it was waited for before is no error.
+        // A killed process is a zombie until it is waited for. An earlier wait is not an error.
         let _ = self.child.wait();
     }
 
-    /// Waits for the end of the program, with nothing to read for it. What it has printed, if there are
-    /// pipes: on both outputs, the error output behind.
+    /// Waits for the end of the program, with empty input. Returns both outputs, the error output last, if
+    /// there are pipes.
     ///
     /// # Errors
-    /// As the system tells them.
+    /// The errors of the system.
     pub fn wait_with_output(&mut self) -> io::Result<(ExitStatus, Vec<u8>)> {
         self.wait_with_output_unless(&|| false)
     }
 
-    /// Likewise, but ends it as soon as `stop` says so: it is asked again and again.
+    /// Waits as [`Process::wait_with_output`] does, but kills the program as soon as `stop` returns true.
+    /// `stop` is polled.
     ///
     /// # Errors
-    /// As the system tells them.
+    /// The errors of the system.
     pub fn wait_with_output_unless(
         &mut self,
         stop: &dyn Fn() -> bool,
@@ -171,7 +172,7 @@ impl Process {
         let output = output.map(|it| read_all(it, ended.clone()));
         let errors = self.child.stderr.take();
         let errors = errors.map(|it| read_all(it, ended));
-        // Ends when neither output is read any more.
+        // Ends when both outputs are closed.
         while let Err(RecvTimeoutError::Timeout) = both.recv_timeout(LOOK) {
             if stop() {
                 self.kill();
@@ -185,22 +186,22 @@ impl Process {
         Ok((self.child.wait()?, printed))
     }
 
-    /// Waits for the end of the program, with nothing to read for it. What it has printed on its output, if
-    /// there are pipes; what it has printed on its error output is dropped.
+    /// Waits for the end of the program, with empty input. Returns the standard output, if there are pipes.
+    /// The error output is dropped.
     ///
     /// # Errors
-    /// As the system tells them.
+    /// The errors of the system.
     pub fn output(mut self) -> io::Result<(ExitStatus, Vec<u8>)> {
         drop(self.child.stdin.take());
         let errors = self.child.stderr.take().map(|mut errors| {
-            // A full pipe would stop the program.
+            // A full pipe would block the program.
             std::thread::spawn(move || io::copy(&mut errors, &mut io::sink()))
         });
         let mut printed = Vec::new();
         if let Some(mut output) = self.child.stdout.take() {
             output.read_to_end(&mut printed)?;
         }
-        // What could not be read was to be dropped.
+        // The error output is dropped, so errors in reading it do not matter.
         let _ = errors.map(std::thread::JoinHandle::join);
         Ok((self.child.wait()?, printed))
     }
@@ -208,17 +209,17 @@ impl Process {
     /// Waits for the end of the program.
     ///
     /// # Errors
-    /// As the system tells them.
+    /// The errors of the system.
     pub fn wait(&mut self) -> io::Result<ExitStatus> {
         self.child.wait()
     }
 }
 
-/// Reads to the end, on a thread of its own, which holds `ended` for so long.
+/// Reads to the end, on a separate thread, which holds `ended` until then.
 fn read_all(mut from: impl Read + Send + 'static, ended: Sender<()>) -> JoinHandle<Vec<u8>> {
     std::thread::spawn(move || {
         let mut bytes = Vec::new();
-        // What came before a broken pipe counts.
+        // The bytes before a broken pipe are kept.
         let _ = from.read_to_end(&mut bytes);
         drop(ended);
         bytes

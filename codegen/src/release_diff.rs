@@ -1,6 +1,5 @@
-//! What changes for a specification when it is read as another release of GenoM3: digests, and with them
-//! whether clients and servers fit each other, mapped types, prototypes of codels, and the stubs that
-//! `skeleton` writes.
+//! The effects of another release of GenoM3 on a specification: digests, which decide if clients and servers
+//! are compatible; mapped types; prototypes of codels; and the stubs that `skeleton` writes.
 
 use dotgen_analysis::model::{Component, ComponentKind, Spec, TypeId, TypeKind};
 use dotgen_analysis::release::{Change, Release};
@@ -10,18 +9,18 @@ use serde::Serialize;
 use crate::lang::{Language, MapObject, Mapper, NoPlaces};
 use crate::template::component_digests;
 
-/// What changes between two releases.
+/// The differences between two releases.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct ReleaseDiff {
-    /// Components and services whose digest changes: programs built for the one do not fit those of the
-    /// other.
+    /// Components and services whose digest changes: programs built for one release are incompatible with
+    /// those built for the other.
     pub digests: Vec<DigestChange>,
     /// Named types whose definition changes in C or C++.
     pub types: Vec<TextChange>,
     /// Codels whose prototype changes.
     pub prototypes: Vec<TextChange>,
-    /// Stubs that `skeleton` writes under one of them only.
+    /// Stubs that `skeleton` writes in only one of the releases.
     pub stubs: Vec<StubChange>,
 }
 
@@ -45,9 +44,9 @@ pub struct TextChange {
     pub name: String,
     /// `c` or `c++`.
     pub language: &'static str,
-    /// In the first release; empty if it is not there.
+    /// In the first release; empty if it does not exist there.
     pub from: String,
-    /// In the second; empty if it is not there.
+    /// In the second; empty if it does not exist there.
     pub to: String,
 }
 
@@ -65,7 +64,7 @@ pub struct StubChange {
     pub only_in: Release,
 }
 
-/// Compares what one specification means in two releases.
+/// Compares the models of one specification in two releases.
 pub fn compare(from: &Spec, to: &Spec) -> ReleaseDiff {
     let mut diff = ReleaseDiff::default();
     for (old, new) in pairs(from, to) {
@@ -94,7 +93,7 @@ fn language(component: &Component) -> Language {
     named.unwrap_or_default()
 }
 
-/// The components and interfaces that both have, as indexes.
+/// The components and interfaces that exist in both, as indexes.
 fn pairs(from: &Spec, to: &Spec) -> Vec<(u32, u32)> {
     let new = (0u32..).zip(&to.components);
     let new: FxHashMap<&str, u32> = new.map(|(index, it)| (it.name.as_str(), index)).collect();
@@ -152,7 +151,7 @@ fn prototypes(
     }
 }
 
-/// The codels of a component that its skeleton has no stub for, with the interface each belongs to.
+/// The codels of a component without a stub in its skeleton, with the interface of each.
 fn left_out(spec: &Spec, index: u32) -> Vec<(String, String)> {
     if !spec.release.has(Change::PerComponentSkeletons) {
         return Vec::new();
@@ -168,7 +167,7 @@ fn left_out(spec: &Spec, index: u32) -> Vec<(String, String)> {
 }
 
 fn stubs(from: &Spec, old: u32, to: &Spec, new: u32, out: &mut Vec<StubChange>) {
-    // Interfaces have no skeleton before.
+    // The older release writes no skeletons for interfaces.
     if from.components[old as usize].kind == ComponentKind::Interface {
         return;
     }
@@ -222,7 +221,7 @@ fn types(from: &Spec, to: &Spec, language: Language, out: &mut Vec<TextChange>) 
     }
 }
 
-/// Named types with their definitions, without guards and marks of lines.
+/// Named types with their definitions, without include guards and line marks.
 fn definitions(spec: &Spec, language: Language) -> Vec<(String, String)> {
     let mapper = Mapper::new(spec, &NoPlaces, language);
     let mut out: Vec<(String, String)> = Vec::new();

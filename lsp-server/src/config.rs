@@ -1,8 +1,8 @@
-//! Configuration: where settings come from and what they amount to.
+//! Configuration: the sources of settings, and their combination.
 //!
-//! Sources, weakest first: built-in defaults, `dotgen.toml` in a workspace folder, the editor's
-//! settings, the command line. Each source is read into [`Settings`]; [`Settings::over`] stacks
-//! them; [`Config`] is the result with absolute paths, the only thing the rest of the server sees.
+//! Sources, weakest first: built-in defaults, `dotgen.toml` in a workspace folder, the editor's settings, the
+//! command line. Each source is read into [`Settings`]; [`Settings::over`] combines them; [`Config`] is the
+//! result with absolute paths. The rest of the server uses only [`Config`].
 
 mod read;
 pub mod schema;
@@ -35,55 +35,55 @@ pub struct Config {
     pub include_paths: Vec<Utf8PathBuf>,
     /// Macros defined before the first file: name and body.
     pub defines: Vec<(String, String)>,
-    /// The release of GenoM3, if the user says it.
+    /// The release of GenoM3, if the user sets it.
     pub release: Option<ReleaseChoice>,
-    /// Directories with a configuration file of their own: include paths and macros are what it says.
+    /// Directories with a configuration file of their own, which sets their include paths and macros.
     pub projects: Vec<Project>,
-    /// How packages of `#pragma requires` are found.
+    /// The search for packages of `#pragma requires`.
     pub packages: PackageConfig,
     /// Directories searched for templates.
     pub template_paths: Vec<Utf8PathBuf>,
-    /// What was generated; the files are absolute paths.
+    /// Generations that can be repeated; the files are absolute paths.
     pub generate: Vec<Generate>,
     /// Severity by diagnostic code.
     pub severity: BTreeMap<String, Level>,
     /// Connections between components.
     pub connections: Vec<Connection>,
-    /// What the rules about time need to know.
+    /// The settings of the timing rules.
     pub lints: LintConfig,
-    /// The largest file that is read, in kilobytes.
+    /// Maximum size of a file in kilobytes; larger files are not read.
     pub max_file_size: Option<u32>,
-    /// Which inlay hints are shown.
+    /// The inlay hints that are shown.
     pub inlay_hints: InlayConfig,
-    /// Which code lenses are shown.
+    /// The code lenses that are shown.
     pub code_lens: LensConfig,
-    /// Whether lenses run components and scenarios.
+    /// True if there are lenses that run components and scenarios.
     pub run_lenses: bool,
     /// Verification of open documents.
     pub verification: Verification,
     /// The style of the formatter.
     pub format: Format,
-    /// Which files hold codels; `None` if specifications are not compared with them.
+    /// The files with codels; `None` if specifications are not compared with them.
     pub codels: Option<FilesConfig>,
 }
 
-/// How the specifications below a directory are read.
+/// The settings for the specifications below a directory.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Project {
-    /// Where its configuration file is.
+    /// The directory of its configuration file.
     pub directory: Utf8PathBuf,
     /// Directories searched for `#include`, in order.
     pub include_paths: Vec<Utf8PathBuf>,
     /// Macros: name and body.
     pub defines: Vec<(String, String)>,
-    /// The release of GenoM3, if the user says it.
+    /// The release of GenoM3, if the user sets it.
     pub release: Option<ReleaseChoice>,
-    /// As [`Config::codels`].
+    /// The files with codels, see [`Config::codels`].
     pub codels: Option<FilesConfig>,
 }
 
 impl Config {
-    /// Settings to configuration. Relative paths start at `base`.
+    /// The configuration of some settings. Relative paths start at `base`.
     pub fn new(settings: &Settings, base: &Utf8Path, trusted: bool) -> Config {
         let absolute = |paths: &[String]| -> Vec<Utf8PathBuf> {
             paths.iter().map(|path| resolve(path, base)).collect()
@@ -129,14 +129,14 @@ impl Config {
         }
     }
 
-    /// The project a file belongs to, if it has one of its own.
+    /// The project that a file belongs to, if there is one.
     pub fn project(&self, file: &Utf8Path) -> Option<&Project> {
         let around = self.projects.iter();
         let around = around.filter(|it| file.starts_with(&it.directory));
         around.max_by_key(|it| it.directory.as_str().len())
     }
 
-    /// The release that the user says for a file.
+    /// The release that the user sets for a file.
     pub fn release_of(&self, file: &Utf8Path) -> Option<ReleaseChoice> {
         match self.project(file) {
             Some(project) => project.release.clone(),
@@ -144,8 +144,8 @@ impl Config {
         }
     }
 
-    /// Which files hold codels of a specification, or of what lies in its folder; `None` if these are not
-    /// compared. A project that says nothing of it follows the workspace.
+    /// The files with codels of a specification, or of the specifications in the folder of a file; `None` if
+    /// these are not compared. A project without settings for codels follows the workspace.
     pub fn codels_of(&self, file: &Utf8Path) -> Option<&FilesConfig> {
         let own = self.project(file).map(|project| &project.codels);
         let said = own.filter(|own| **own != Some(FilesConfig::default()));
@@ -162,8 +162,8 @@ impl Config {
         all.map(|config| config.folder.clone()).collect()
     }
 
-    /// Takes the configuration of a directory in. Files below it are read as it says; the rest holds for all,
-    /// as far as nobody said it before.
+    /// Adds the configuration of a directory, which applies to files below the directory. Its other settings
+    /// apply everywhere, unless they are already set.
     pub fn with_project(mut self, directory: &Utf8Path, mut own: Config) -> Config {
         self.projects.push(Project {
             directory: directory.to_owned(),
@@ -175,7 +175,7 @@ impl Config {
         self.join(own)
     }
 
-    /// What analysis has to know of it.
+    /// The settings that analysis needs.
     pub fn for_analysis(&self) -> dotgen_analysis::host::Config {
         let defines = |all: &[(String, String)]| {
             let all = all.iter();
@@ -204,8 +204,8 @@ impl Config {
         }
     }
 
-    /// The configuration of several workspace folders: paths of the earlier ones are searched
-    /// first, and what only one can say (a macro, a severity) the earlier one says.
+    /// The configuration of several workspace folders. Paths of the earlier folder are searched first, and
+    /// its settings with a single value (a macro, a severity) take precedence.
     pub fn join(mut self, other: Config) -> Config {
         for path in other.include_paths {
             if !self.include_paths.contains(&path) {
@@ -251,13 +251,13 @@ impl Config {
     }
 }
 
-/// Environment variable that says the release of GenoM3.
+/// Environment variable that sets the release of GenoM3.
 pub const RELEASE_VARIABLE: &str = "DOTGEN_GENOM_RELEASE";
 
-/// What [`RELEASE_VARIABLE`] says.
+/// The release that [`RELEASE_VARIABLE`] sets.
 ///
 /// # Errors
-/// It is no release; the message is for the user.
+/// The value is not a release. The message is for the user.
 pub fn release_of_environment() -> Result<Option<ReleaseChoice>, String> {
     match std::env::var(RELEASE_VARIABLE) {
         Ok(text) if !text.is_empty() => match text.parse() {
@@ -271,8 +271,8 @@ pub fn release_of_environment() -> Result<Option<ReleaseChoice>, String> {
     }
 }
 
-/// The release that the command line, the environment, the editor or a configuration file says, in this
-/// order.
+/// The release that the command line, the environment, the editor or a configuration file sets, in this order
+/// of precedence.
 fn release(settings: &Settings, base: &Utf8Path) -> Option<ReleaseChoice> {
     let said = settings.release.map(|release| ReleaseChoice {
         release,
@@ -288,11 +288,11 @@ fn release(settings: &Settings, base: &Utf8Path) -> Option<ReleaseChoice> {
     {
         return said;
     }
-    // A variable that says nothing is reported where the program starts.
+    // An invalid value of the variable is reported at the start of the program.
     release_of_environment().ok().flatten().or(said)
 }
 
-/// Connections as pairs of ports; what is not `component.port` connects nothing.
+/// Connections as pairs of ports. A name that is not `component.port` is ignored.
 fn connections(settings: &Settings) -> Vec<Connection> {
     let mut out = Vec::new();
     for (reader, ports) in &settings.connections {

@@ -1,5 +1,5 @@
 //! Answers to requests. A handler takes a snapshot, the document and the parameters, asks analysis, and
-//! converts the answer; it runs on the blocking pool and may be cancelled or panic.
+//! converts the answer. It runs on the blocking pool and may be cancelled or panic.
 
 pub(crate) mod codels;
 pub(crate) mod commands;

@@ -1,10 +1,10 @@
-//! Files: as analysis sees them, as users have them, and packages.
+//! Files: reading for analysis, writing for users, and packages.
 
 pub mod disk;
 pub(crate) mod history;
 pub mod vfs;
 
-/// "permission denied", without the number of the operating system.
+/// The message of an error, without the error number: "permission denied".
 pub fn reason(error: &std::io::Error) -> String {
     let text = error.to_string();
     match text.split_once(" (os error") {

@@ -1,20 +1,20 @@
 //! The `dotgen` program: language server and command line over one analysis.
 //!
-//! Only this crate touches the file system, starts processes, and knows protocol types. It is built in
-//! storeys: each folder uses those before it in this list, and none after.
+//! Only this crate uses the file system, starts processes, and knows protocol types. It is built in storeys:
+//! each folder uses those before it in this list, and none after.
 //!
-//! | storey | what it has |
+//! | storey | content |
 //! | --- | --- |
-//! | `process` | programs that are started, how they end and what confines them |
+//! | `process` | child processes: their start, their end and their confinement |
 //! | `files` | files: read for analysis, written for users, packages |
-//! | `hosting` | components that run: their hosts, and who asks something of them |
-//! | `verification` | real-time verification: problems, answers, and how they are shown |
+//! | `hosting` | components that run: their hosts, and the clients that send requests |
+//! | `verification` | real-time verification: problems, answers, and their common views |
 //! | `protocol` | the types of LSP, messages beyond it, the client, conversions |
-//! | `config` | settings and what they amount to |
-//! | `views` | what the command line and the editor both show: pictures, the model, the manual |
+//! | `config` | settings and their combination |
+//! | `views` | views that the command line and the editor share: pictures, the model, the manual |
 //! | `workspace` | open documents, folders, templates, and the snapshot that requests read |
 //! | `features` | answers to requests, by language of the document |
-//! | `session` | one client: transport, dispatch, the writer, what is told unasked |
+//! | `session` | one client: transport, dispatch, the writer, notifications |
 //! | `cli` | the command line |
 //!
 //! `tests/tests/architecture.rs` reads the imports and fails on a circle.

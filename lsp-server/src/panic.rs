@@ -1,5 +1,5 @@
-//! Panics of one request must not end the process: they are caught, logged with their place, and
-//! shown to the user once.
+//! Panics of one request must not end the process: they are caught, logged with their place, and shown to the
+//! user once.
 
 use std::cell::{Cell, RefCell};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -10,7 +10,7 @@ thread_local! {
     static LAST: RefCell<Option<String>> = const { RefCell::new(None) };
 }
 
-/// Runs `work`; a panic becomes its message with its place.
+/// Runs `work`. The error is the message of a panic, with its place.
 pub(crate) fn isolate<R>(work: impl FnOnce() -> R) -> Result<R, String> {
     install_hook();
     let outer = ISOLATED.replace(true);
@@ -22,8 +22,8 @@ pub(crate) fn isolate<R>(work: impl FnOnce() -> R) -> Result<R, String> {
     })
 }
 
-/// Inside of [`isolate`] a panic leaves its message and place for the caller; elsewhere it is
-/// reported as ever.
+/// Inside [`isolate`], a panic leaves its message and place for the caller. Elsewhere it is reported as
+/// usual.
 fn install_hook() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {

@@ -1,12 +1,13 @@
-//! Every program that dotgen starts, and every temporary folder it makes: none outlives it.
+//! Every program that dotgen starts, and every temporary folder it creates. None of them outlives dotgen.
 //!
-//! A process that is killed cleans up nothing, so three things hold for what it has started:
-//! - the program `dotgen` starts itself again (`dotgen confined`, [`launch`]), which binds its life to
-//!   that of its parent, limits and confines itself, and only then becomes the program that was wanted.
-//!   So no code has to run between `fork` and `exec`, where little is safe;
-//! - a program has a process group of its own, with all that it starts;
-//! - a helper ([`watcher`]) holds a pipe to this process and knows groups and temporary folders: when the
-//!   pipe breaks, it ends the ones and removes the others. It also finishes what writes several files.
+//! A killed process cannot clean up. Three mechanisms do so for its children:
+//! - The program `dotgen` starts itself again (`dotgen confined`, [`launch`]). That process ends with its
+//!   parent, limits and confines itself, and then becomes the requested program. No code runs between `fork`
+//!   and `exec`, where few functions are safe.
+//! - A program has its own process group, with all of its children.
+//! - A helper ([`watcher`]) holds a pipe to this process and knows its groups and temporary folders. When the
+//!   pipe breaks, the helper kills the groups and removes the folders. It also completes writes of several
+//!   files.
 
 pub(crate) mod confine;
 pub(crate) mod folders;
@@ -33,13 +34,13 @@ pub(crate) use watcher::{Move, Watched};
 /// The subcommand.
 const COMMAND: &str = "confined";
 
-/// This program, where it can be started again.
+/// The path of this program, if it can be started again.
 static OWN: OnceLock<PathBuf> = OnceLock::new();
 
-/// Says that this process is `dotgen` itself. Otherwise (in a test of the library) it cannot be started
-/// again: then nothing is limited or confined, and [`Processes::gaps`] says so.
+/// Declares that this process is `dotgen` itself. Other processes (tests of the library) cannot start it
+/// again: their programs are neither limited nor confined, and [`Processes::gaps`] reports that.
 pub(crate) fn is_dotgen() {
-    // The file may be replaced while it runs: this name still means what runs.
+    // The file may be replaced while it runs: this name still refers to the running program.
     let own = PathBuf::from("/proc/self/exe");
     let own = if own.exists() {
         Some(own)
@@ -55,7 +56,7 @@ pub(crate) fn is_dotgen() {
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct System;
 
-/// For whoever wants it shared.
+/// [`System`] as a shared object.
 pub(crate) fn system() -> Arc<dyn Processes> {
     Arc::new(System)
 }
@@ -87,10 +88,10 @@ impl Processes for System {
     }
 }
 
-/// Runs a command whose input is empty and whose output is read; for short questions to tools.
+/// Runs a command with empty input and returns its output; for short queries to tools.
 ///
-/// A tool that is machine code answers and ends: it is started directly. A script may start more and wait,
-/// so it is started like any other program, which takes two further processes.
+/// A tool in machine code is started directly: it answers and ends. A script may start other programs and
+/// wait, so it is started like any other program, with two more processes.
 pub(crate) fn ask(
     program: &str,
     arguments: Vec<OsString>,
@@ -126,17 +127,17 @@ pub(crate) fn ask(
     Ok(process)
 }
 
-/// Has moves of files finished when this process is killed before it has done them all. The promise holds as
-/// long as the result lives; there is none where the helper cannot be started.
+/// Registers moves of files, which the helper completes if this process is killed. Valid until the result is
+/// dropped. `None` if the helper cannot be started.
 pub(crate) fn finish(moves: &[Move]) -> Option<Watched> {
     Watcher::get().map(|it| it.moves(moves))
 }
 
-/// The command that becomes a program.
+/// The command for a program.
 fn command(program: &Program) -> io::Result<Command> {
     let mut command = match OWN.get() {
         Some(own) => {
-            // What cannot be found is told as that, not as a failure of what is started in its place.
+            // A missing program is reported as such, not as a failure of `dotgen confined`.
             find(&program.path, &program.directory)?;
             let mut command = again(own);
             command.args(launch::arguments(program));
@@ -154,7 +155,7 @@ fn command(program: &Program) -> io::Result<Command> {
     Ok(command)
 }
 
-/// This program again, by its own name: as `genom3` it would take other words.
+/// A command for this program, under its own name: as `genom3` it would expect other arguments.
 fn again(own: &Path) -> Command {
     let mut command = Command::new(own);
     #[cfg(unix)]
@@ -162,11 +163,11 @@ fn again(own: &Path) -> Command {
     command
 }
 
-/// The file of a program, looked for as the system does: a path is relative to `directory`, a name is in
+/// The file of a program, found as the system does: a path is relative to `directory`, a name is searched in
 /// `PATH`.
 ///
 /// # Errors
-/// There is none.
+/// The file does not exist.
 fn find(name: &Path, directory: &Path) -> io::Result<PathBuf> {
     let found = match name.components().count() > 1 {
         true => Some(directory.join(name)).filter(|it| it.is_file()),
@@ -183,7 +184,7 @@ pub(crate) fn in_path(name: &Path) -> Option<PathBuf> {
         .find(|it| it.is_file())
 }
 
-/// The file is an ELF program, no script.
+/// True if the file is an ELF program, not a script.
 pub(crate) fn is_machine_code(file: &Path) -> bool {
     let mut magic = [0; 4];
     std::fs::File::open(file)
@@ -191,7 +192,7 @@ pub(crate) fn is_machine_code(file: &Path) -> bool {
         .is_ok_and(|()| magic == *b"\x7fELF")
 }
 
-/// Connects a command as `channels` says.
+/// Sets the channels of a command.
 fn pipes(command: &mut Command, channels: Channels) {
     if channels == Channels::Shared {
         return;
@@ -208,10 +209,11 @@ fn run(mut command: Command, channels: Channels) -> io::Result<Process> {
     let own_group = channels != Channels::Shared;
     #[cfg(unix)]
     if own_group {
-        // Who talks to the terminal stays in its group: a group of its own could not read from it.
+        // A program that uses the terminal stays in the group of dotgen: another group could not read from
+        // it.
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
     }
-    // The helper first: it must not have to be started while the program runs already.
+    // The helper is started first, so that it runs before the program does.
     let watcher = Watcher::get().filter(|_| own_group);
     let child = start(command)?;
     let group = watcher.map(|it| it.group(child.id()));
@@ -227,15 +229,15 @@ fn run(mut command: Command, channels: Channels) -> io::Result<Process> {
 
 /// Starts a command on a thread that lives as long as this process.
 ///
-/// The system binds the life of a child to the *thread* that has started it, not to its process. Threads
-/// of a pool end when they have nothing to do, and their children would end with them.
+/// The system binds the life of a child to the *thread* that started it, not to the process. Threads of a
+/// pool end when they are idle, and their children would end with them.
 fn start(command: Command) -> io::Result<Child> {
     type Order = (Command, Sender<io::Result<Child>>);
     static ORDERS: LazyLock<Option<Sender<Order>>> = LazyLock::new(|| {
         let (orders, queue) = channel::<Order>();
         let work = move || {
             for (mut command, reply) in queue {
-                // Fails when nobody waits any more; then nobody would end the child either.
+                // Fails if the result is no longer awaited. The child is then killed here.
                 if let Err(lost) = reply.send(command.spawn())
                     && let Ok(mut child) = lost.0
                 {
@@ -268,7 +270,7 @@ impl Group for Started {
                 .ok()
                 .and_then(rustix::process::Pid::from_raw)
         {
-            // Fails when all of it has ended.
+            // Fails if all processes of the group have ended.
             let _ = rustix::process::kill_process_group(group, rustix::process::Signal::KILL);
         }
         let _ = child.kill();

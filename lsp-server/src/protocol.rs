@@ -1,5 +1,5 @@
-//! The language server protocol: its types, messages beyond it, the client, and conversions between the
-//! protocol's values and those of analysis.
+//! The language server protocol: its types, messages beyond it, the client, and conversions between values of
+//! the protocol and of analysis.
 
 pub mod client;
 pub mod convert;

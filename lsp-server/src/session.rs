@@ -1,5 +1,5 @@
-//! One client: bytes to messages, requests in order, the writer that owns the state, and what the client is
-//! told unasked.
+//! One client: messages from bytes, requests in order, the writer that owns the state, and the notifications
+//! to the client.
 
 pub(crate) mod backend;
 mod capabilities;

@@ -1,5 +1,5 @@
-//! The server as a client sees it: real JSON through an in-memory pipe, against a client that fails
-//! on messages nobody expected. No test sleeps; each waits for messages.
+//! Tests of the server over its protocol: JSON through an in-memory pipe, with a client that fails on
+//! unexpected messages. No test sleeps; each waits for messages.
 
 mod client;
 mod codels;
@@ -30,7 +30,7 @@ use crate::protocol::types::Result;
 use crate::session::backend::Backend;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
-/// Requests that make the server do what no real one does.
+/// Requests for tests, with behaviour that no real request has.
 pub(crate) fn custom_methods(builder: LspServiceBuilder<Backend>) -> LspServiceBuilder<Backend> {
     builder
         .custom_method("test/text", Backend::test_text)
@@ -41,7 +41,7 @@ pub(crate) fn custom_methods(builder: LspServiceBuilder<Backend>) -> LspServiceB
 }
 
 impl Backend {
-    /// The text of a document as analysis sees it.
+    /// The text of a document in analysis.
     async fn test_text(&self, params: DocumentParams) -> Result<Option<String>> {
         fn handle(
             snapshot: &Snapshot,
@@ -76,7 +76,7 @@ impl Backend {
         self.dispatch.document(uri, params, handle).await
     }
 
-    /// Does a quarter of its work, and the rest when it is not cancelled: never.
+    /// Does a quarter of its work, and would do the rest only if it were not cancelled, which never happens.
     async fn test_everywhere(&self, params: DocumentParams) -> Result<()> {
         fn handle(
             snapshot: &Snapshot,
@@ -99,7 +99,7 @@ impl Backend {
             .await
     }
 
-    /// Works until it is cancelled as long as some document has its first version.
+    /// While some document has its first version: works until it is cancelled.
     async fn test_second(&self, params: DocumentParams) -> Result<bool> {
         fn handle(snapshot: &Snapshot, subject: &Subject, _: &DocumentParams) -> Cancellable<bool> {
             while snapshot.open.values().any(|it| it.version == 1) {

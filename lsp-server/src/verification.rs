@@ -1,8 +1,8 @@
-//! Real-time verification: what the command line and the editor share.
+//! Real-time verification, for the command line and the editor.
 //!
-//! A [`Problem`] is a scenario and the specifications it uses; `dotgen_timing` answers it; [`summary`] has
-//! the words, and [`view`] what people look at: made once, shown by command line, lenses, panel and
-//! diagnostics. Nothing here does I/O or knows the protocol.
+//! A [`Problem`] is a scenario with the specifications it uses, and `dotgen_timing` verifies it. [`summary`]
+//! turns results into text. [`view`] is the common form that command line, lenses, panel and diagnostics
+//! show. Nothing here does I/O or uses the protocol.
 
 pub(crate) mod advice;
 pub(crate) mod blocking;

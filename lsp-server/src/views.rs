@@ -1,4 +1,4 @@
-//! What the command line and the editor both show.
+//! Views that the command line and the editor share.
 
 pub mod manual;
 pub(crate) mod model;

@@ -1,5 +1,5 @@
 //! The state that requests are answered from: open documents, folders with their configuration, templates,
-//! and the [`snapshot`] of all of it.
+//! and the [`snapshot`] of them.
 
 pub(crate) mod codels;
 pub(crate) mod documents;

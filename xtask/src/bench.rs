@@ -1,8 +1,7 @@
-//! Measurements that no benchmark inside a crate can make: whole processes, and instruction counts.
+//! Measurements that benchmarks inside a crate cannot make: whole processes, and instruction counts.
 //!
-//! Times are medians of alternating runs, so that what disturbs the machine disturbs all alike. Those of
-//! verification are processor time. Instructions are counted by valgrind, which gives the same number on any
-//! day.
+//! Times are medians of alternating runs, so that disturbances affect all of them equally. Times of
+//! verification are processor time. Instructions are counted by valgrind, whose results are reproducible.
 
 pub(crate) mod client;
 mod endurance;
@@ -95,7 +94,7 @@ const SECONDS: &[(f64, &str)] = &[
     (100.0, "100 s"),
 ];
 
-/// Measures and prints. Returns whether programs that have to agree did.
+/// Measures and prints. Returns true if the programs that must agree did.
 pub(crate) fn bench(options: &Options) -> Result<bool> {
     if options.runs == Some(0) {
         bail!("--runs 0 measures nothing; give at least 1");
@@ -149,7 +148,7 @@ fn show(seconds: f64, megabytes: f64, states: u64) -> String {
     format!("{}, {megabytes:.0} MB, {states}", show_time(seconds))
 }
 
-/// A time of so many seconds, in a unit that fits.
+/// A duration in a suitable unit.
 fn show_time(seconds: f64) -> String {
     match seconds {
         it if it < 0.1 => format!("{:.1} ms", it * 1e3),
@@ -223,7 +222,7 @@ fn instructions() -> Result<()> {
     Ok(())
 }
 
-/// Builds the program and finds where cargo put it.
+/// Builds the program and returns its path.
 fn instruction_program() -> Result<String> {
     let messages = run::capture(run::cargo(&[
         "bench",

@@ -1,8 +1,8 @@
-//! Measures whether what dotgen reports and offers is right: on examples, published components and random
-//! mutations of them. See `docs/quality.md`.
+//! Measures if dotgen's findings and edits are right: on examples, published components and random mutations
+//! of them. See `docs/quality.md`.
 //!
-//! The programs are black boxes: the server is driven over its protocol, the commands are run, and compilers
-//! judge codels.
+//! The programs are black boxes: the server is driven over its protocol, the commands are executed, and
+//! compilers judge codels.
 
 mod actions;
 mod codels;

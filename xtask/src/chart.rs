@@ -6,11 +6,11 @@ use std::fmt::Write;
 /// A chart over whole numbers.
 pub(crate) struct Chart<'a> {
     pub(crate) title: &'a str,
-    /// What is counted from left to right.
+    /// The quantity on the horizontal axis.
     pub(crate) across: &'a str,
-    /// How powers of ten are written, ascending: the least that is shown, and the ones above it.
+    /// Labels of powers of ten, ascending: the smallest that is shown, and those above it.
     pub(crate) powers: &'a [(f64, &'a str)],
-    /// Also from left to right, equal distances are equal ratios.
+    /// True if the horizontal axis is logarithmic too.
     pub(crate) ratios: bool,
     pub(crate) lines: Vec<Line<'a>>,
 }
@@ -23,12 +23,12 @@ pub(crate) struct Line<'a> {
 
 const WIDTH: f64 = 640.0;
 const HEIGHT: f64 = 320.0;
-/// Of the area for lines.
+/// The left side of the area for lines.
 const LEFT: f64 = 64.0;
 const RIGHT: f64 = 490.0;
 const TOP: f64 = 44.0;
 const BOTTOM: f64 = 272.0;
-/// Least distance between the names of lines.
+/// Minimum distance between the names of lines.
 const NAME: f64 = 15.0;
 
 const STYLE: &str = "\

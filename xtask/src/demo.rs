@@ -43,7 +43,7 @@ pub(crate) fn demo(options: &Options) -> Result<bool> {
     Ok(true)
 }
 
-/// The profile of the demo: the user's own settings and extensions stay out of it, and as they are.
+/// The profile of the demo, separate from the user's own settings and extensions, which are unchanged.
 fn profile(name: &str) -> Result<(PathBuf, PathBuf)> {
     let directory = crate::target().join("demo").join(name);
     let (user, extensions) = (directory.join("user"), directory.join("extensions"));
@@ -104,7 +104,7 @@ fn serve(vsix: &Path, port: Option<u16>) -> Result<()> {
         Some(port) => port,
         None => TcpListener::bind("127.0.0.1:0")?.local_addr()?.port(),
     };
-    // Only this machine is served: there is no password.
+    // Only this machine is served, because there is no password.
     let mut command = code_server();
     command.args([
         "--auth",

@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use crate::extension::{self, Profile};
 use crate::run::{self, step};
 
-/// Draws every picture that `docs/pictures/list.txt` names.
+/// Draws every picture in `docs/pictures/list.txt`.
 pub(crate) fn docs() -> Result<()> {
     let server = extension::build_server(Profile::Dev)?;
     let directory = crate::root().join("docs/pictures");

@@ -1,4 +1,4 @@
-//! Building the VS Code extension, and the server it carries.
+//! Building the VS Code extension with its server.
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -8,12 +8,12 @@ use anyhow::{Context, Result};
 use crate::run::{self, step};
 use crate::tools;
 
-/// How the server is compiled.
+/// The way in which the server is compiled.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Profile {
-    /// Quick to build, for tests and the demo.
+    /// Quick to build; for tests and the demo.
     Dev,
-    /// For users: small and fast, and slow to build.
+    /// Small and fast, but slow to build; for users.
     Dist,
 }
 
@@ -22,15 +22,15 @@ pub(crate) fn directory() -> PathBuf {
     crate::root().join("vscode-extension")
 }
 
-/// Where the notices of licences are, from the root of the repository; the package has a copy.
+/// The path of the notices of licences, relative to the root of the repository; the package has a copy.
 pub(crate) const NOTICES: &str = "THIRD-PARTY-NOTICES.txt";
 
-/// What is installed by the README's command, and tested, has all of these.
+/// The features of the program that the README's command installs and that is tested.
 pub(crate) const FEATURES: &str = "dotgen-lsp-server/zenoh";
 
-/// Compiles the server; returns the program.
+/// Compiles the server and returns the path of the program.
 ///
-/// A profile is built once in a run of xtask: no source changes meanwhile.
+/// A profile is built once in a run of xtask, because no source changes meanwhile.
 pub(crate) fn build_server(profile: Profile) -> Result<PathBuf> {
     static BUILT: [OnceLock<()>; 2] = [OnceLock::new(), OnceLock::new()];
     let built = match profile {
@@ -48,7 +48,7 @@ pub(crate) fn build_server(profile: Profile) -> Result<PathBuf> {
         "--bin",
         "dotgen",
     ];
-    // Nothing in the extension exchanges ports with other machines, and its package is to stay small.
+    // The extension does not exchange ports with other machines, and its package should be small.
     match profile {
         Profile::Dist => arguments.push("--profile=dist"),
         Profile::Dev => arguments.extend(["--features", FEATURES]),
@@ -59,7 +59,7 @@ pub(crate) fn build_server(profile: Profile) -> Result<PathBuf> {
     Ok(server_program(profile))
 }
 
-/// Where the server program is once built.
+/// The path of the built server.
 pub(crate) fn server_program(profile: Profile) -> PathBuf {
     let directory = match profile {
         Profile::Dev => "debug",
@@ -69,7 +69,7 @@ pub(crate) fn server_program(profile: Profile) -> PathBuf {
     crate::target().join(directory).join(name)
 }
 
-/// Installs the npm packages of `directory`, unless they are already what its lock file says.
+/// Installs the npm packages of `directory`, unless they already agree with its lock file.
 pub(crate) fn install_packages(directory: &Path) -> Result<()> {
     tools::ensure_node()?;
     let modified = |path: &str| directory.join(path).metadata().and_then(|it| it.modified());
@@ -121,7 +121,7 @@ pub(crate) fn package(server: &Path) -> Result<PathBuf> {
     Ok(vsix)
 }
 
-/// Copies the pages of the manual, and the pictures that they show, to where the program looks for them.
+/// Copies the pages of the manual, with their pictures, to the folder in which the program searches for them.
 fn manual(from: &Path, to: &Path) -> Result<()> {
     if to.exists() {
         std::fs::remove_dir_all(to)?;
@@ -146,7 +146,7 @@ fn manual(from: &Path, to: &Path) -> Result<()> {
     Ok(())
 }
 
-/// VS Code's name of this system.
+/// VS Code's name for this system.
 fn platform() -> &'static str {
     match (std::env::consts::OS, std::env::consts::ARCH) {
         ("linux", "aarch64") => "linux-arm64",

@@ -1,8 +1,8 @@
-//! `cargo xtask fuzz`: libFuzzer looks for inputs that break something, led by coverage.
+//! `cargo xtask fuzz`: libFuzzer searches for inputs that cause failures, guided by coverage.
 //!
-//! The program is built with the counters that libFuzzer reads; the compiler needs no nightly for them. What
-//! is found to reach something new stays in `target/fuzz`, and with `--keep` the least of it that reaches as
-//! much goes to `fuzz/corpus`, which the tests run.
+//! The program is built with libFuzzer's counters, for which the stable compiler is sufficient. Inputs with
+//! new coverage stay in `target/fuzz`. With `--keep`, a minimal set with the same coverage goes to
+//! `fuzz/corpus`, which the tests run.
 
 use std::path::{Path, PathBuf};
 
@@ -36,7 +36,7 @@ const FLAGS: &str = "--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer
     -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
     -Cllvm-args=-sanitizer-coverage-trace-compares -Ccodegen-units=1";
 
-/// Fuzzes; false when something broke.
+/// Fuzzes. Returns false if an input caused a failure.
 pub(crate) fn fuzz(options: &Options) -> Result<bool> {
     let known = |it: &&String| !TARGETS.contains(&it.as_str());
     if let Some(unknown) = options.targets.iter().find(known) {
@@ -57,7 +57,7 @@ fn build() -> Result<PathBuf> {
     let manifest = crate::root().join("fuzz/Cargo.toml");
     let manifest = manifest.to_string_lossy();
     let into = target().join("fuzz/build");
-    // With a target named, build scripts and macros are built without the flags.
+    // With an explicit target, build scripts and macros are built without the flags.
     let host = host()?;
     let arguments = [
         "build",
@@ -100,7 +100,7 @@ fn one(program: &Path, name: &str, options: &Options) -> Result<bool> {
         0 => "-runs=-1".to_owned(),
         n => format!("-runs={n}"),
     };
-    // An input that takes ten seconds is as bad as one that panics.
+    // An input that takes ten seconds is a failure, like a panic.
     let limits = [
         "-timeout=10",
         "-rss_limit_mb=4096",
@@ -131,7 +131,7 @@ fn one(program: &Path, name: &str, options: &Options) -> Result<bool> {
     Ok(fine)
 }
 
-/// Copies what the examples have for a target into a flat folder; whether there is something.
+/// Copies the examples for a target into a flat folder. Returns true if there are any.
 fn seeded(folder: &Path, name: &str, into: &Path) -> Result<bool> {
     let extensions: &[&str] = match name {
         "specification" | "format" => &["gen", "idl"],

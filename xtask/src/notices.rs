@@ -1,9 +1,9 @@
-//! `cargo xtask notices`: the licences of what the program and the extension contain, as one file.
+//! `cargo xtask notices`: the licences of the contents of the program and the extension, as one file.
 //!
-//! The crates are those that `cargo metadata` reaches from the program by normal dependencies, on any system;
-//! the npm packages are those that the lock file reaches from the language client, which is bundled. Each
-//! must be under a licence that `deny.toml` allows: texts of licences travel with what is distributed, and nothing
-//! may ask for more than that.
+//! The crates are those that `cargo metadata` reaches from the program by normal dependencies, on any system.
+//! The npm packages are those that the lock file reaches from the language client, which is bundled. Each
+//! must have a licence that `deny.toml` allows, because the package contains the texts of licences and can
+//! meet no further conditions.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -26,22 +26,22 @@ pub(crate) struct Options {
     pub(crate) check: bool,
 }
 
-/// What is distributed.
+/// The distributed program.
 const PROGRAM: &str = "dotgen-lsp-server";
 /// The npm packages that are bundled with the extension; the others are tools.
 const BUNDLED: &[&str] = &["vscode-languageclient"];
 
-/// One thing that others wrote.
+/// A package of another author.
 struct Part {
     name: String,
     version: String,
     licence: String,
     home: Option<String>,
-    /// Where its sources are.
+    /// The directory of its sources.
     directory: PathBuf,
 }
 
-/// Writes the notices, or says whether they are as they should be; false if they are not.
+/// Writes the notices, or checks them. Returns false if they are out of date.
 pub(crate) fn notices(options: &Options) -> Result<bool> {
     let mut parts = crates()?;
     parts.extend(npm_packages()?);
@@ -71,7 +71,7 @@ pub(crate) fn notices(options: &Options) -> Result<bool> {
 /// SPDX identifiers of the licences that `deny.toml` allows.
 ///
 /// # Errors
-/// The file cannot be read, or has no such list.
+/// The file cannot be read, or does not contain the list.
 fn allowed() -> Result<Vec<String>> {
     #[derive(serde::Deserialize)]
     struct Deny {
@@ -137,7 +137,7 @@ fn crates() -> Result<Vec<Part>> {
     Ok(parts)
 }
 
-/// What a package is made of: build scripts and tests leave nothing in the program.
+/// The packages in a package. Build scripts and tests do not count: they are not part of the program.
 fn reached<'a>(metadata: &'a Metadata, from: &'a PackageId) -> Result<BTreeSet<&'a PackageId>> {
     let resolve = metadata
         .resolve
@@ -181,7 +181,7 @@ fn npm_packages() -> Result<Vec<Part>> {
         }
         let names = package["dependencies"].as_object().into_iter().flatten();
         open.extend(names.map(|(name, _)| {
-            // Node looks beside the package first, then further out.
+            // Node searches next to the package first, then in outer folders.
             let own = format!("{place}/node_modules/{name}");
             match packages.contains_key(&own) {
                 true => own,
@@ -207,7 +207,7 @@ fn npm_packages() -> Result<Vec<Part>> {
     Ok(reached.into_iter().map(part).collect())
 }
 
-/// The whole file: what there is, then every text once, with those it belongs to.
+/// The whole file: the list of packages, then every text once, with its packages.
 fn render(parts: &[Part]) -> Result<String> {
     let mut out = String::from(
         "dotgen contains the work of others. This file names it, with the licences and their texts.\n\
@@ -242,8 +242,8 @@ fn render(parts: &[Part]) -> Result<String> {
     Ok(out)
 }
 
-/// The texts of the licences that lie in a package, without blanks at the ends of lines. Fonts have theirs in
-/// a folder of their own.
+/// The texts of the licences in a package, without blanks at the ends of lines. Licences of fonts are in a
+/// separate folder.
 fn licence_texts(directory: &Path) -> Result<BTreeSet<String>> {
     const WORDS: &[&str] = &["license", "licence", "copying", "copyright", "notice"];
     const FONTS: &[&str] = &["ofl.txt", "ufl.txt", "hack-regular.txt"];

@@ -1,4 +1,4 @@
-//! Running commands, saying what is being done and for how long.
+//! Running commands, with messages about each step and its duration.
 
 use std::io::{BufRead, BufReader, IsTerminal};
 use std::path::Path;
@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 
-/// Announces a step: what is done, and why it may take a while.
+/// Announces a step: the action, and the reason if it takes long.
 pub(crate) fn step(what: &str) {
     match std::io::stderr().is_terminal() {
         true => eprintln!("\x1b[1m==> {what}\x1b[0m"),
@@ -15,7 +15,7 @@ pub(crate) fn step(what: &str) {
     }
 }
 
-/// A command in `directory`, without standard input: nothing here may wait for an answer.
+/// A command in `directory`, without standard input, so that it cannot wait for an answer.
 pub(crate) fn command(directory: &Path, program: &str, arguments: &[&str]) -> Command {
     let mut command = Command::new(program);
     command
@@ -25,11 +25,11 @@ pub(crate) fn command(directory: &Path, program: &str, arguments: &[&str]) -> Co
     command
 }
 
-/// The cargo that runs this.
+/// The cargo that runs xtask.
 pub(crate) fn cargo(arguments: &[&str]) -> Command {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     let mut cargo = command(crate::root(), &cargo, arguments);
-    // Set by `cargo run` for xtask itself; the cargo below finds its own.
+    // `cargo run` sets it for xtask; the cargo below determines its own.
     cargo.env_remove("CARGO_MANIFEST_DIR");
     cargo
 }
@@ -48,7 +48,7 @@ pub(crate) fn run(mut command: Command) -> Result<()> {
     Ok(())
 }
 
-/// Runs a command to its end and returns its output, of which only failures are shown.
+/// Runs a command to its end and returns its output, which is shown only after a failure.
 pub(crate) fn capture(mut command: Command) -> Result<String> {
     let shown = show(&command);
     let started = Instant::now();
@@ -67,8 +67,8 @@ pub(crate) fn capture(mut command: Command) -> Result<String> {
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// Runs a command to its end, shows its output as it comes, and hands every line of standard output to `line`
-/// as well. Returns whether it succeeded.
+/// Runs a command to its end, shows its output at once, and passes every line of standard output to `line` as
+/// well. Returns true if it succeeded.
 pub(crate) fn watch(mut command: Command, mut line: impl FnMut(&str)) -> Result<bool> {
     let shown = show(&command);
     eprintln!("    {shown}");

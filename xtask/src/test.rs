@@ -1,7 +1,7 @@
-//! `cargo xtask test`: every test there is, as a list of suites.
+//! `cargo xtask test`: all tests, as a list of suites.
 //!
-//! A suite that cannot run for lack of a tool fails, with one line that says what to install: a test that
-//! silently did not run proves nothing.
+//! A suite that lacks a tool fails, with one line that names the package to install, because a skipped test
+//! proves nothing.
 
 mod stranger;
 
@@ -29,7 +29,7 @@ pub(crate) struct Options {
 
 struct Suite {
     name: &'static str,
-    /// Drives a real editor.
+    /// True if the suite drives a real editor.
     editor: bool,
     run: fn() -> Result<Outcome>,
 }
@@ -44,7 +44,7 @@ pub(crate) struct Outcome {
 }
 
 impl Outcome {
-    /// Reads a line that a test program of Rust prints.
+    /// Reads a line of output of a Rust test program.
     pub(crate) fn read(&mut self, line: &str) {
         if let Some(result) = line.strip_prefix("test result: ") {
             self.passed += count(result, " passed");
@@ -133,8 +133,8 @@ pub(crate) fn test(options: &Options) -> Result<bool> {
         bail!("no such suite; there are: {}", names.join(", "));
     }
     if suites.iter().any(|suite| suite.editor) && options.suites.is_empty() {
-        // All at once, first: apt is slow to start, and what cannot be installed is known before the long
-        // builds. Each suite asks again for what it needs, and fails with a line of its own.
+        // All at once, first: apt starts slowly, and missing packages are known before the long builds. Each
+        // suite checks its tools again, and fails with a line of its own.
         for tools in [
             tools::CHROMIUM,
             tools::NEOVIM,
@@ -195,7 +195,7 @@ fn summary(rows: &[(&str, Result<Outcome>, Duration)]) -> bool {
     total.failed == 0
 }
 
-/// For a suite that is one check.
+/// The outcome of a suite that is one check.
 fn one(passed: bool) -> Outcome {
     Outcome {
         passed: passed.into(),
@@ -229,25 +229,25 @@ fn notices() -> Result<Outcome> {
 }
 
 fn rust() -> Result<Outcome> {
-    // Without it the tests of templates are skipped, loudly.
+    // Without Tcl the tests of templates are skipped, with a message.
     tools::ensure(tools::TCL)?;
     let log = stranger::new_log()?;
     let mut outcome = Outcome::default();
     let mut times = Vec::new();
     let mut succeeded = true;
-    // Tests of documentation apart: rustdoc of a stable release reports no times.
+    // Documentation tests run separately: rustdoc of a stable release reports no times.
     for documentation in [false, true] {
         let arguments = ["test", "--locked", "--workspace", "--no-fail-fast"];
         let mut cargo = run::cargo(&arguments);
         cargo.args(["--features", extension::FEATURES]);
-        // A snapshot that is not there yet is a failure here, never a new file.
+        // A missing snapshot is a failure here, never a new file.
         cargo.env("INSTA_UPDATE", "no").env(stranger::LOG, &log);
         match documentation {
             true => cargo.arg("--doc"),
             false => cargo.args(["--lib", "--bins", "--tests"]),
         };
         if !documentation && cfg!(unix) {
-            // The variable is set for test programs alone: for cargo itself it would build all anew.
+            // Set only for test programs: set for cargo itself, the variable would cause a complete rebuild.
             cargo.args([
                 "--config",
                 "target.'cfg(unix)'.runner = ['env', 'RUSTC_BOOTSTRAP=1']",
@@ -277,7 +277,7 @@ fn time(line: &str) -> Option<(f64, String)> {
     Some((seconds, name.to_owned()))
 }
 
-/// The ten tests that took longest, as lines.
+/// The ten slowest tests, as lines.
 fn slowest(mut times: Vec<(f64, String)>) -> Vec<String> {
     times.sort_by(|a, b| b.0.total_cmp(&a.0));
     times.truncate(10);
@@ -287,7 +287,7 @@ fn slowest(mut times: Vec<(f64, String)>) -> Vec<String> {
     head.into_iter().chain(lines).collect()
 }
 
-/// A sample of what `cargo xtask campaign` measures.
+/// A sample of `cargo xtask campaign`.
 fn campaign() -> Result<Outcome> {
     let (passed, failed) = crate::campaign::sample()?;
     Ok(Outcome {
@@ -297,7 +297,7 @@ fn campaign() -> Result<Outcome> {
     })
 }
 
-/// The lock file of the fuzzed programs, which are a workspace of their own, is current.
+/// Checks that the lock file of the fuzzed programs, which are a separate workspace, is current.
 fn fuzz() -> Result<Outcome> {
     let arguments = [
         "metadata",
@@ -393,7 +393,7 @@ fn client() -> Result<Outcome> {
     Ok(outcome)
 }
 
-/// A virtual environment with the test's packages; returns its Python.
+/// Creates a virtual environment with the test's packages, and returns its Python.
 fn python(scripts: &Path) -> Result<PathBuf> {
     let requirements = scripts.join("requirements.txt");
     let wanted = std::fs::read_to_string(&requirements)?;
@@ -447,13 +447,13 @@ fn emacs() -> Result<Outcome> {
     )
 }
 
-/// Runs an editor's script in a copy of the example; it prints `ok …` for each thing that held.
+/// Runs an editor's script in a copy of the example; it prints `ok …` for each successful check.
 fn editor(name: &str, program: &str, arguments: &[&str]) -> Result<Outcome> {
     let server = extension::build_server(Profile::Dev)?;
-    // Not below the root of this repository: editors take that for the project.
+    // Outside of this repository, which editors would take for the project.
     let workspace = std::env::temp_dir().join(format!("dotgen-{name}-{}", std::process::id()));
     copy(&crate::example(), &workspace)?;
-    // Both say what they have to say on either stream; a limit, since an editor that waits for a key never
+    // Both editors print to either stream. There is a timeout, because an editor that waits for a key never
     // ends.
     let mut command = run::command(&workspace, "timeout", &["--kill-after=5", "120", program]);
     command
@@ -507,7 +507,7 @@ fn tap(line: &str, outcome: &mut Outcome) {
 }
 
 fn vscode() -> Result<Outcome> {
-    // SCENARIO asks for one scenario and nothing else.
+    // SCENARIO selects a single scenario.
     let pages = match std::env::var_os("SCENARIO") {
         None => pages()?,
         Some(_) => Outcome::default(),
@@ -519,7 +519,7 @@ fn vscode() -> Result<Outcome> {
     step("Driving VS Code; screenshots go to target/shots");
     let mut outcome = Outcome::default();
     let succeeded = run::watch(scenario, |line| {
-        // The last line; what a scenario's first try proved does not count when it is tried again.
+        // The last line. If a scenario is tried again, the results of its first attempt do not count.
         if line.ends_with(" failed") {
             outcome.passed = count(line, " passed");
             outcome.failed = count(line, " failed");
@@ -533,7 +533,7 @@ fn vscode() -> Result<Outcome> {
     Ok(outcome)
 }
 
-/// The number before ` passed` and the like.
+/// The number before ` passed` or a similar word.
 fn count(line: &str, what: &str) -> usize {
     let before = line.split(what).next().filter(|_| line.contains(what));
     let number = before.and_then(|before| before.rsplit(|c: char| !c.is_ascii_digit()).next());

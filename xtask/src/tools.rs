@@ -1,5 +1,5 @@
-//! What has to be installed on the machine: asked for by the program that must be there, installed with apt
-//! where that is possible (root on Debian), and otherwise named in one line.
+//! Programs that must be installed. Missing ones are installed with apt if possible (root on Debian), and
+//! otherwise named in one line.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use anyhow::{Result, bail};
 
 use crate::run;
 
-/// A program, and the Debian package that has it.
+/// A program and its Debian package.
 pub(crate) struct Tool {
     program: &'static str,
     package: &'static str,
@@ -22,7 +22,7 @@ pub(crate) const CHROMIUM: &[Tool] = &[
         "fonts-dejavu-core",
     ),
 ];
-/// Templates of GenoM3 are written in it.
+/// The language of GenoM3's templates.
 pub(crate) const TCL: &[Tool] = &[Tool::new("tclsh", "tcl")];
 pub(crate) const VALGRIND: &[Tool] = &[Tool::new("valgrind", "valgrind")];
 /// Reports the peak memory of a process.
@@ -32,7 +32,7 @@ pub(crate) const EMACS: &[Tool] = &[
     Tool::new("emacs", "emacs-nox"),
     Tool::new("/usr/share/doc/elpa-eglot", "elpa-eglot"),
 ];
-/// Attached to components whose codels are looked at; tests without it are skipped, and say so.
+/// Attached to components to inspect codels; tests are skipped without it, with a message.
 pub(crate) const DEBUGGER: &[Tool] = &[Tool::new("gdb", "gdb")];
 pub(crate) const PYTHON: &[Tool] = &[
     Tool::new("python3", "python3"),
@@ -44,7 +44,7 @@ pub(crate) const NATIVE_MODULES: &[Tool] = &[
     Tool::new("make", "make"),
     Tool::new("g++", "g++"),
 ];
-/// Node is not installed by us: Debian's is too old.
+/// Node is not installed automatically: Debian's is too old.
 const NODE: &str = "Node.js 20 or later with npm";
 
 impl Tool {
@@ -69,10 +69,10 @@ pub(crate) fn find(program: &str) -> Option<PathBuf> {
         .find(|path| path.is_file())
 }
 
-/// Makes sure that `tools` are there.
+/// Ensures that `tools` are installed.
 ///
 /// # Errors
-/// One line that says what to install, when they are not and cannot be installed from here.
+/// One line that names the packages to install, if they cannot be installed automatically.
 pub(crate) fn ensure(tools: &[Tool]) -> Result<()> {
     let missing = missing(tools);
     if missing.is_empty() {
@@ -81,7 +81,7 @@ pub(crate) fn ensure(tools: &[Tool]) -> Result<()> {
     let packages: Vec<&str> = missing.into_iter().collect();
     if is_root() && find("apt-get").is_some() {
         run::step(&format!("Installing {}", packages.join(", ")));
-        // A stale list is the usual reason for a package not to be found; refresh it once.
+        // A missing package is usually caused by an outdated list, which is refreshed once.
         let mut arguments = vec!["install", "-y", "-qq", "--no-install-recommends"];
         arguments.extend(&packages);
         if run::capture(apt(&arguments)).is_err() {
@@ -97,10 +97,10 @@ pub(crate) fn ensure(tools: &[Tool]) -> Result<()> {
     bail!("missing: sudo apt-get install {}", packages.join(" "));
 }
 
-/// Makes sure that Node and npm are there.
+/// Ensures that Node and npm are installed.
 ///
 /// # Errors
-/// One line that says what to install.
+/// One line that names what to install.
 pub(crate) fn ensure_node() -> Result<()> {
     let version = run::command(crate::root(), "node", &["--version"]).output();
     let major = version.ok().and_then(|output| {

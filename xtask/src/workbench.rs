@@ -1,5 +1,4 @@
-//! The VS Code that is served to a browser (code-server), set up from the npm registry, and what is needed to
-//! drive it.
+//! VS Code for the browser (code-server), set up from the npm registry, and the programs that drive it.
 
 use std::path::{Path, PathBuf};
 
@@ -9,24 +8,24 @@ use crate::extension;
 use crate::run::{self, step};
 use crate::tools;
 
-/// Names the folder of a workbench set up before, so that several clones can share one.
+/// The variable with the folder of an existing workbench, so that several clones can share one.
 const CACHE_VARIABLE: &str = "DOTGEN_WORKBENCH";
 
-/// A code-server ready to run.
+/// An installed code-server.
 pub(crate) struct Workbench {
-    /// The Node to run it with.
+    /// The path of the Node that runs it.
     pub(crate) node: String,
     /// Its entry script.
     pub(crate) entry: String,
 }
 
-/// Where the test's scripts are.
+/// The folder of the test's scripts.
 pub(crate) fn scripts() -> PathBuf {
     crate::root().join("tests/editors/vscode")
 }
 
 impl Workbench {
-    /// Sets it up unless that was done before.
+    /// Sets it up, unless it exists.
     pub(crate) fn set_up() -> Result<Workbench> {
         let directory = match std::env::var_os(CACHE_VARIABLE) {
             Some(directory) => PathBuf::from(directory),

@@ -1,8 +1,8 @@
-//! MiniJinja texts, expanded: here, or in a process of their own that can be limited.
+//! Expansion of MiniJinja texts, in this process or in a separate one that can be limited.
 //!
-//! Steps of a text are counted, but one step can double a string. So the texts of users are expanded by
-//! another process ([`Remote`], [`serve`]), which the system confines and limits. The two talk in lines
-//! of JSON.
+//! The number of steps is limited, but a single step can double the length of a string. Texts of users are
+//! therefore expanded by another process ([`Remote`], [`serve`]), which the system confines and limits. Both
+//! processes exchange lines of JSON.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::ChildStdout;
@@ -16,17 +16,17 @@ use serde::{Deserialize, Serialize};
 use crate::process::{Process, Processes};
 use crate::template::{Limits, host};
 
-/// Steps a text may take.
+/// Maximum number of steps in a text.
 const FUEL: u64 = 50_000_000;
-/// Address space of the other process, where nothing else is asked for.
+/// Default limit on the address space of the other process, in bytes.
 const MEMORY: u64 = 1 << 30;
 
-/// Answers what texts ask: the name of a function and its arguments.
+/// Calls a function that texts use, by name and arguments.
 pub(super) type Ask = dyn Fn(&str, &[String]) -> Result<String, String> + Send + Sync;
 
-/// Expands texts over data they all share and data of their own.
+/// Expands texts over shared data and data of their own.
 pub(super) trait Expand {
-    /// Expands a text. An error names it and the line.
+    /// Expands a text. The error contains its name and line.
     fn expand(&mut self, name: &str, text: &str, own: &Value) -> Result<String, String>;
 }
 
@@ -73,7 +73,7 @@ impl Expand for Local {
     }
 }
 
-/// Seconds in the unit people use.
+/// Seconds in a suitable unit.
 pub(super) fn duration(seconds: f64) -> String {
     let (number, unit) = match seconds {
         it if it >= 1.0 || it == 0.0 => (it, "s"),
@@ -84,7 +84,7 @@ pub(super) fn duration(seconds: f64) -> String {
     format!("{rounded} {unit}")
 }
 
-/// To the process that expands, after a line with the shared data.
+/// A message to the expanding process, after a line with the shared data.
 #[derive(Debug, Serialize, Deserialize)]
 struct Job {
     name: String,
@@ -92,13 +92,13 @@ struct Job {
     own: serde_json::Value,
 }
 
-/// From that process.
+/// A message from the expanding process.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum Said {
     Done(String),
     Failed(String),
-    /// A function and its arguments; answered by a line with a `Result`.
+    /// A call of a function with its arguments; the reply is a line with a `Result`.
     Ask(String, Vec<String>),
 }
 
@@ -109,14 +109,14 @@ pub(super) struct Remote {
     from: BufReader<ChildStdout>,
     ask: Arc<Ask>,
     ended: Arc<AtomicU8>,
-    /// Dropped to stop the thread that watches the time.
+    /// Ends the thread that limits the time, when dropped.
     _watch: Option<mpsc::Sender<()>>,
     memory: u64,
     line_limit: u64,
 }
 
 impl Remote {
-    /// Starts the process; `None` where there is none to start.
+    /// Starts the process; `None` if no program for it is available.
     pub(super) fn start(
         processes: &dyn Processes,
         limits: &Limits,
@@ -130,7 +130,7 @@ impl Remote {
             None => return Ok(None),
         };
         let mut process = started.map_err(|error| format!("cannot start the renderer: {error}"))?;
-        // Nobody reads its error output, and it writes one line at most.
+        // The error output is not read: it has at most one line.
         let (Some(to), Some(from)) = (process.child.stdin.take(), process.child.stdout.take())
         else {
             return Err("cannot talk to the renderer".into());
@@ -146,7 +146,7 @@ impl Remote {
             ended,
             _watch: watch,
             memory,
-            // A character of a text may take six in JSON.
+            // A character may become six characters in JSON.
             line_limit: limits
                 .output
                 .unwrap_or(MEMORY)
@@ -215,7 +215,7 @@ impl Expand for Remote {
     }
 }
 
-/// The two ends of a conversation.
+/// Both ends of a connection.
 struct Channel {
     from: Box<dyn BufRead + Send>,
     to: Box<dyn Write + Send>,
@@ -245,11 +245,11 @@ impl Channel {
     }
 }
 
-/// Expands the texts that arrive on one channel and answers on the other, until there are no more: the
-/// other end of the renderer that [`Processes::renderer`] starts.
+/// Expands the texts that arrive on one channel and answers on the other, up to the end of the input. It runs
+/// in the renderer that [`Processes::renderer`] starts.
 ///
 /// # Errors
-/// What cannot be read or written.
+/// A failure to read or write.
 pub fn serve(
     from: impl BufRead + Send + 'static,
     to: impl Write + Send + 'static,

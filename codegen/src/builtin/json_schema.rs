@@ -1,9 +1,9 @@
-//! JSON Schema of the data that a component takes and gives: requests, replies, exceptions and ports,
-//! in the JSON of GenoM3's clients.
+//! JSON Schema of the inputs and outputs of a component: requests, replies, exceptions and ports, in the JSON
+//! of GenoM3's clients.
 //!
-//! In that JSON a struct is an object of its members, a union `{ "d": discriminator, "u": { member:
-//! value } }`, an enumerator its name (with its scope, or without), an absent optional value and a
-//! number that is none are `null`.
+//! In that JSON a struct is an object of its members. A union is `{ "d": discriminator, "u": { member: value
+//! } }`. An enumerator is its name, with or without its scope. An absent optional value and a number that is
+//! NaN or infinite are `null`.
 
 use std::collections::BTreeMap;
 
@@ -78,7 +78,7 @@ fn describe(schema: &mut Value, doc: Option<&str>) {
     }
 }
 
-/// Definitions of named types, as they come up.
+/// Definitions of named types, in order of first use.
 struct Types<'a> {
     spec: &'a Spec,
     definitions: BTreeMap<String, Value>,
@@ -136,7 +136,7 @@ impl Types<'_> {
         };
         let name = name.trim_start_matches("::").to_owned();
         if !self.definitions.contains_key(&name) {
-            // A type may hold itself, behind a sequence.
+            // A type may contain itself, in a sequence.
             self.definitions.insert(name.clone(), json!({}));
             let body = self.body(id);
             self.definitions.insert(name.clone(), body);
@@ -160,7 +160,7 @@ impl Types<'_> {
             TypeKind::UnsignedLongLong => integer(0, u64::MAX),
             TypeKind::Float | TypeKind::Double => json!({ "type": ["number", "null"] }),
             TypeKind::String { bound: None } => json!({ "type": "string" }),
-            // The C type of that length has a zero at its end.
+            // The C type of that length ends with a zero.
             TypeKind::String { bound: Some(bound) } => {
                 json!({ "type": "string", "maxLength": bound.saturating_sub(1) })
             }
@@ -205,7 +205,7 @@ impl Types<'_> {
             TypeKind::Enumerator { .. } => {
                 json!({ "const": spec.full_name(id).unwrap_or_default() })
             }
-            // Data of the component's own, or of any type: nothing is known of it.
+            // Data of the component's own, or of any type, may have any form.
             _ => json!({}),
         }
     }

@@ -7,8 +7,8 @@ use md5::{Digest, Md5};
 
 use crate::disk::{Disk, Entry};
 
-/// Name, release, and the digest of the folder's files, as they are installed: for each, in order of names,
-/// its name, its text and a zero after either.
+/// Name, release, and the digest of the installed files: for each file, in order of names, its name, a zero,
+/// its text and a zero.
 const KNOWN: &[(&str, Release, &str)] = &[
     (
         "mappings",
@@ -32,10 +32,10 @@ const KNOWN: &[(&str, Release, &str)] = &[
     ),
 ];
 
-/// What installs the folder of a source tree, and is not installed with it.
+/// The file that installs the folder of a source tree. It is not installed itself.
 const INSTALLER: &str = "Makefile.am";
 
-/// Which template of which release a folder holds, if it holds exactly that.
+/// The template and release of a folder, if the folder contains exactly its files.
 pub(super) fn template(disk: &dyn Disk, dir: &Path) -> Option<(&'static str, Release)> {
     let mut files = Vec::new();
     for Entry { path, is_dir } in disk.list(dir).ok()? {
@@ -48,7 +48,7 @@ pub(super) fn template(disk: &dyn Disk, dir: &Path) -> Option<(&'static str, Rel
         }
     }
     files.sort();
-    // Those that are known have a dozen files at most.
+    // Known templates have at most a dozen files.
     if files.len() > 32 {
         return None;
     }

@@ -1,4 +1,4 @@
-//! `template.toml`: which files a template writes.
+//! `template.toml`: the files that a template writes.
 
 use serde::Deserialize;
 
@@ -6,28 +6,28 @@ use serde::Deserialize;
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Manifest {
-    /// What it is for, in one line.
+    /// Its description, in one line.
     pub about: String,
     /// The files it writes, in order.
     #[serde(default)]
     pub files: Vec<FileRule>,
 }
 
-/// A file, or one for each of something.
+/// A rule for one file, or for a file per component, codel file or state machine.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct FileRule {
-    /// What it is written for.
+    /// The objects for which it is written.
     #[serde(default)]
     pub each: Each,
     /// Path below the output directory; a MiniJinja text.
     pub path: String,
     /// Name of the MiniJinja text in the folder of the template.
     pub source: String,
-    /// As `chmod` takes them.
+    /// Permissions, in the form of `chmod`.
     #[serde(default)]
     pub permissions: String,
-    /// Whether to write it with `--terse`.
+    /// True if the file is also written with `--terse`.
     #[serde(default = "yes")]
     pub terse: bool,
 }

@@ -25,9 +25,8 @@ Options:
   -MT=TARGET           for this target
   -h, --help           print this help";
 
-/// Whether a call has nothing but a language, `--signature` and files: then the Tcl template of this name
-/// gives the same bytes. It reads an option written with `=` in a way of its own, and has other words for its
-/// help.
+/// True if a call has only a language, `--signature` and files. The Tcl template of this name then gives the
+/// same bytes. That template reads options with `=` differently, and has another help text.
 pub(super) fn is_plain(args: &[String]) -> bool {
     let mut words = args.iter().map(String::as_str);
     loop {
@@ -53,7 +52,7 @@ struct Options {
     inputs: Vec<String>,
 }
 
-/// `for_template`: in the place of the Tcl template of this name.
+/// `for_template`: run in place of the Tcl template of this name.
 pub(super) fn run(
     args: &[String],
     general: &General,
@@ -109,7 +108,7 @@ pub(super) fn run(
         objects.extend(codels(spec));
     }
     let mapping = mapper.mapping(&objects, true).map_err(|it| it.message)?;
-    // The template expands its text through an 8-bit channel.
+    // The Tcl template expands its text through an 8-bit channel.
     let mapping = match for_template {
         true => tcl::low_bytes(&mapping),
         false => mapping,
@@ -143,8 +142,9 @@ pub(super) fn run(
     Ok(0)
 }
 
-/// The codels whose prototypes are printed: those of components, with what these import. Newer releases print
-/// each once, with the component or interface in whose body it stands, those of components first.
+/// The codels whose prototypes are printed: those of components and of the interfaces they import. Newer
+/// releases print each codel once, for the component or interface that contains it, codels of components
+/// first.
 fn codels(spec: &Spec) -> Vec<MapObject> {
     let of_interfaces = spec.release.has(Change::SignaturesOfInterfaces);
     let mut all = Vec::new();

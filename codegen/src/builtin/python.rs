@@ -1,5 +1,5 @@
-//! Type stubs of a component for the Python client (`clients/python`): what `load("NAME")` returns, in the
-//! JSON of docs/socket.md.
+//! Type stubs of a component for the Python client (`clients/python`): the type of `load("NAME")`, with
+//! values as in the JSON of docs/socket.md.
 
 use std::collections::{HashMap, HashSet};
 
@@ -7,7 +7,7 @@ use dotgen_analysis::model::{Component, Param, PortDir, Service, Spec, TypeId, T
 
 use crate::codels::value::{goes_in, goes_out};
 
-/// Words that no name in Python may be.
+/// Reserved words of Python.
 const KEYWORDS: &[&str] = &[
     "False", "None", "True", "and", "as", "assert", "async", "await", "break", "class", "continue",
     "def", "del", "elif", "else", "except", "finally", "for", "from", "global", "if", "import",
@@ -15,7 +15,7 @@ const KEYWORDS: &[&str] = &[
     "with", "yield",
 ];
 
-/// Names that mean something in a stub.
+/// Names that a stub uses itself.
 const TAKEN: &[&str] = &[
     "Activity",
     "Any",
@@ -81,19 +81,19 @@ fn class_name(component: &str) -> String {
     }
 }
 
-/// A docstring, if there is something to tell.
+/// A docstring, if there is any text.
 fn doc(out: &mut String, doc: Option<&str>, indentation: &str) {
     if let Some(doc) = doc.filter(|it| !it.is_empty()) {
         *out += &format!("{indentation}{}\n", quoted(doc));
     }
 }
 
-/// A string literal of Python: what is escaped in JSON is escaped alike there.
+/// A string literal of Python, whose escapes are the same as those of JSON.
 fn quoted(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }
 
-/// Definitions of types, as they come up.
+/// Definitions of types, in order of first use.
 struct Types<'s> {
     spec: &'s Spec,
     names: HashMap<TypeId, String>,
@@ -122,20 +122,20 @@ impl Types<'_> {
         let parameters = match inputs.iter().all(plain) {
             true if inputs.is_empty() => "*, ".to_owned(),
             true => {
-                // What is not given has its default, or is zero.
+                // A missing input has its default value, or zero.
                 let all = inputs
                     .iter()
                     .map(|it| format!("{}: {} = ..., ", it.name, self.of(it.ty)));
                 all.collect::<String>() + "*, "
             }
-            // They can be given in order, or as a dictionary with `**`.
+            // Inputs can be passed in order, or as a dictionary with `**`.
             false => "*args: Any, ".to_owned(),
         };
         let rest = match inputs.iter().all(plain) {
             true => "",
             false => ", **inputs: Any",
         };
-        // An option with the name of an input is that input.
+        // An input hides an option of the same name.
         let is_free = |option: &str| !inputs.iter().any(|input| input.name == option);
         let mut options = String::new();
         if is_free("callback") {
@@ -161,7 +161,7 @@ impl Types<'_> {
         }
     }
 
-    /// The name of a definition that no other has.
+    /// A name for a definition that no other definition has.
     fn free(&mut self, wanted: &str) -> String {
         let mut name = wanted.to_owned();
         let mut count = 2;
@@ -185,7 +185,7 @@ impl Types<'_> {
         );
     }
 
-    /// How a type is written. What has members gets a definition.
+    /// The Python type of a type. Types with members get a definition.
     fn of(&mut self, id: TypeId) -> String {
         let spec = self.spec;
         match &spec.ty(id).kind {
@@ -205,7 +205,7 @@ impl Types<'_> {
             | TypeKind::UnsignedLong
             | TypeKind::LongLong
             | TypeKind::UnsignedLongLong => "int".to_owned(),
-            // NaN and infinity are `null`, but only then: whoever expects them asks.
+            // NaN and infinity are `null`. The type omits that rare case.
             TypeKind::Float | TypeKind::Double => "float".to_owned(),
             TypeKind::String { .. } => "str".to_owned(),
             TypeKind::Array { element, .. } | TypeKind::Sequence { element, .. } => {
@@ -233,13 +233,13 @@ impl Types<'_> {
                     types.dictionary(name, members);
                 })
             }
-            // `_d`, and the member that it chooses: its type is known only when that is.
+            // `_d` and the selected member, whose type depends on `_d`.
             TypeKind::Union { .. } => "Dict[str, Any]".to_owned(),
             _ => "Any".to_owned(),
         }
     }
 
-    /// The name of a type that is defined once, however often it is wanted, also by itself.
+    /// The name of a type, which is defined at its first use. A type may contain itself.
     fn defined(&mut self, id: TypeId, define: impl FnOnce(&mut Self, &str)) -> String {
         if let Some(name) = self.names.get(&id) {
             return name.clone();

@@ -1,4 +1,4 @@
-//! Running a MiniJinja template: options, the data texts see, and writing the files.
+//! The execution of a MiniJinja template: options, the data of its texts, and the result files.
 
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
@@ -28,7 +28,7 @@ use crate::template::console::Console;
 use crate::template::output::Environment as Surroundings;
 use crate::template::{Failure, Output, OutputSink, notice_of, reach};
 
-/// Options that all these templates take.
+/// Options of all these templates.
 struct Options {
     directory: Option<String>,
     language: Option<String>,
@@ -138,7 +138,7 @@ fn write(
     Ok(0)
 }
 
-/// Texts of dotgen are expanded here, those of others where they can do no harm.
+/// The expander of a template: in this process for templates of dotgen, in a confined one for others.
 fn expander(run: &Data, texts: &Texts, env: &Environment<'_>) -> Result<Box<dyn Expand>, String> {
     let spec = Arc::clone(&run.spec);
     let pictures = Arc::clone(&env.pictures);
@@ -154,7 +154,7 @@ fn expander(run: &Data, texts: &Texts, env: &Environment<'_>) -> Result<Box<dyn 
     Ok(Box::new(Local { shared, ask }))
 }
 
-/// What texts ask.
+/// Answers the function calls of texts.
 fn ask(
     spec: &Spec,
     pictures: &Pictures,
@@ -182,7 +182,7 @@ fn named<'s>(spec: &'s Spec, component: &str) -> Option<&'s dotgen_analysis::mod
     spec.components.iter().find(|it| it.name == component)
 }
 
-/// Results are below the output directory: a template of others may be anybody's.
+/// Checks that a result is below the output directory, because the template may not be trusted.
 fn check_result(path: &str, texts: &Texts, output: &Output) -> Result<(), String> {
     let inside = |it| matches!(it, Component::Normal(_) | Component::CurDir);
     let plain = !path.is_empty() && Path::new(path).components().all(inside);
@@ -236,7 +236,7 @@ fn in_words(failure: Failure) -> String {
     }
 }
 
-/// Reads the options; `None` when help was asked for.
+/// Reads the options; `None` if they ask for help.
 fn options(
     name: &str,
     manifest: &Manifest,
@@ -277,17 +277,17 @@ fn options(
     Ok(files.map(|inputs| Options { inputs, ..options }))
 }
 
-/// What build files require where the specification does not say which GenoM3 it needs, as those of GenoM3.
+/// The requirement on GenoM3 in build files if the specification has none; GenoM3 writes the same.
 const LEAST_GENOM: &str = "genom3 >= 2.99.4";
 
-/// What the texts see.
+/// The data of the texts.
 struct Data {
-    /// All of them.
+    /// The shared data.
     shared: Value,
     components: Vec<Value>,
     codel_files: Vec<Value>,
     machines: Vec<Value>,
-    /// For what texts ask.
+    /// The specification, for functions of texts.
     spec: Arc<Spec>,
 }
 
@@ -402,7 +402,7 @@ impl Data {
         })
     }
 
-    /// What the texts of a rule see besides, one after the other.
+    /// The additional data of the texts of a rule, one after the other.
     fn each(&self, each: Each) -> Vec<Value> {
         let own = match each {
             Each::Run => return vec![context! {}],
@@ -419,13 +419,14 @@ pub(super) struct Files<'a> {
     console: &'a mut dyn Console,
     tmpdir: PathBuf,
     count: u32,
-    /// Name for messages, when they are wanted.
+    /// Prefix of messages, if they are printed.
     verbose: Option<String>,
     processes: &'a dyn Processes,
 }
 
 impl<'a> Files<'a> {
-    /// Temporary files go below `tmpdir`; messages are given in the name of `verbose`, if at all.
+    /// Temporary files are created below `tmpdir`. Messages begin with `verbose`; without it, none are
+    /// printed.
     pub(super) fn new(
         console: &'a mut dyn Console,
         tmpdir: PathBuf,

@@ -1,7 +1,7 @@
-//! `skeleton` of GenoM3, in the place of its Tcl: the same files with the same bytes.
+//! GenoM3's `skeleton` without Tcl: the same files with the same bytes.
 //!
-//! Stubs are those of [`Stubs`]. What the other files say is read from the folder of the template, as
-//! [`Walk`] tells; what there is to fill in, and how often, is decided here.
+//! Stubs are those of [`Stubs`]. The constant texts of the other files are read from the folder of the
+//! template, see [`Walk`]. This module decides which values to insert, and how often.
 
 mod build;
 mod fill;
@@ -25,7 +25,7 @@ use crate::options::Options as General;
 use crate::template::{Failure, Output, OutputSink, notice_of};
 use fill::{Facts, Walk};
 
-/// A call that has nothing but these options and files.
+/// A call with only these options and files.
 #[derive(Debug, Default, PartialEq, Eq)]
 struct Call {
     /// `-l`
@@ -41,7 +41,7 @@ struct Call {
     inputs: Vec<String>,
 }
 
-/// A path that Tcl and we take apart in the same way, and that is no pattern for either.
+/// True for a path that Tcl and dotgen split in the same way, and that is not a pattern for either.
 fn is_plain_path(path: &str) -> bool {
     let mut parts = path.split('/').enumerate();
     !path.is_empty()
@@ -53,8 +53,8 @@ fn is_plain_path(path: &str) -> bool {
 }
 
 impl Call {
-    /// Reads the words of a call. `None` where the Tcl template is needed: it asks how to merge, and has
-    /// words of its own for help, for options with `=`, for names of components and for what is wrong.
+    /// Reads the arguments of a call. `None` if the Tcl template is needed: for questions about merging, for
+    /// help, for options with `=`, for names of components and for errors.
     fn read(args: &[String], is_file: impl Fn(&str) -> bool) -> Option<Call> {
         let mut call = Call::default();
         let mut words = args.iter();
@@ -91,14 +91,14 @@ impl Call {
     }
 }
 
-/// A file of the result.
+/// A result file.
 struct Made {
     path: String,
     permissions: &'static str,
     text: String,
 }
 
-/// Runs it. `None` where the Tcl template is needed, and then nothing has been said or written.
+/// Runs the template. `None` if the Tcl template is needed; nothing has then been printed or written.
 pub(super) fn run(
     dir: &Path,
     args: &[String],
@@ -159,13 +159,13 @@ pub(super) fn run(
             }
         }
     }
-    // What was written before something failed stays, as with GenoM3.
+    // Files written before a failure remain, as with GenoM3.
     let (sink, written) = output.finish(false);
     env.sink = sink;
     Some(written.map_err(|error| error.to_string()).and(result))
 }
 
-/// Sets what options say about files that exist.
+/// Applies the options about existing files.
 fn set_up(output: &mut Output, call: &Call) -> Result<(), Failure> {
     if let Some(tool) = &call.merge {
         output.set_merge_tool(tool)?;
@@ -178,7 +178,7 @@ fn set_up(output: &mut Output, call: &Call) -> Result<(), Failure> {
 }
 
 impl Call {
-    /// Where results go: what is asked for, or the folder of the first input.
+    /// The output directory: the requested one, or the folder of the first input.
     fn output_dir(&self) -> String {
         let of_first = || match self.inputs[0].rsplit_once('/') {
             Some(("", _)) => "/".to_owned(),
@@ -189,7 +189,7 @@ impl Call {
     }
 }
 
-/// All files, in order. `None` where the template would fail, or is needed to say what is wrong.
+/// All files, in order. `None` if the template would fail, or if it is needed for an error message.
 fn make(
     name: &str,
     dir: &Path,
@@ -234,7 +234,7 @@ fn make(
         notice: notice.clone(),
         ..StubOptions::default()
     };
-    // A function is written once only over all components.
+    // A function is written once, even if several components use it.
     let mut written = FxHashMap::default();
     for expected in &expected {
         let component = expected.component;
@@ -290,8 +290,8 @@ fn make(
     Some(made)
 }
 
-/// The components that files are written for: all, or those, with interfaces, that the inputs themselves
-/// define.
+/// The components for which files are written: all, or those that the inputs themselves define, with
+/// interfaces.
 fn generated(
     facts: &Facts<'_>,
     call: &Call,
@@ -325,7 +325,7 @@ fn generated(
     (!found.is_empty()).then_some(found)
 }
 
-/// The language of the codels, where it is one that the template knows.
+/// The language of the codels, if the template supports it.
 fn language(facts: &Facts<'_>, components: &[u32], release: Release) -> Option<String> {
     let mut languages = Vec::new();
     if release.has(Change::PerComponentSkeletons) {
@@ -340,7 +340,7 @@ fn language(facts: &Facts<'_>, components: &[u32], release: Release) -> Option<S
     c.then(|| "c".to_owned())
 }
 
-/// Whether a stub has no event to return, which the template does not stand.
+/// True if a stub has no event to return, for which the template fails.
 fn lacks_yields(expected: &Expected<'_>) -> bool {
     let component = expected.component();
     let of_tasks = component.tasks.iter().flat_map(|it| &it.codels);

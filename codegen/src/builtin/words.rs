@@ -1,18 +1,19 @@
-//! The words of a call of a built-in template: options, then files.
+//! The arguments of a built-in template: options, then files.
 
-/// What reading an option came to.
+/// The result of reading an option.
 pub(super) enum Next {
-    /// On to the next word.
+    /// Continue with the next word.
     Go,
-    /// Everything has been said: help was asked for.
+    /// Stop: help was printed.
     Stop,
 }
 
-/// Reads options up to the first word that is none; the rest are files. `each` gets an option and
-/// what gives its value: the text behind `=`, or else the next word. `None` when it stops.
+/// Reads options up to the first word that is not an option; the other words are files. `each` receives an
+/// option and a function that returns its value: the text after `=`, or else the next word. `None` if `each`
+/// stops.
 ///
 /// # Errors
-/// Those of `each`, and a value that is missing.
+/// The errors of `each`, and a missing value.
 pub(super) fn read(
     args: &[String],
     mut each: impl FnMut(&str, &mut dyn FnMut() -> Result<String, String>) -> Result<Next, String>,
@@ -39,7 +40,7 @@ pub(super) fn read(
     Ok(Some(Vec::new()))
 }
 
-/// What is said of an option that does not exist.
+/// The message for an unknown option.
 pub(super) fn unknown(option: &str) -> String {
     format!("unknown option {option}")
 }

@@ -1,5 +1,5 @@
-//! Findings allowed by a comment in a source: `// dotgen: allow(code, …) because …`, as in
-//! specifications. It speaks of the function that begins below it, or of the one around it.
+//! Findings that a comment in a source allows: `// dotgen: allow(code, …) because …`, as in specifications.
+//! The comment applies to the function that begins below it, or to the one around it.
 
 use std::ops::Range;
 
@@ -11,17 +11,17 @@ const MARK: &str = "dotgen:";
 /// A code that a comment allows.
 pub(super) struct Allowance<'a> {
     pub(super) code: &'a str,
-    /// Where the code stands.
+    /// The place of the code in the comment.
     pub(super) range: Range<usize>,
     pub(super) function: &'a Function,
-    /// Where findings are allowed.
+    /// The range in which findings are allowed.
     pub(super) scope: Range<usize>,
 }
 
-/// What the comments of a file allow.
+/// The codes that the comments of a file allow.
 pub(super) fn allowances(file: &IndexedFile) -> Vec<Allowance<'_>> {
     let mut out = Vec::new();
-    // Most files have none.
+    // Most files have no such comment.
     if !file.text.contains(MARK) {
         return out;
     }
@@ -52,7 +52,7 @@ pub(super) fn allowances(file: &IndexedFile) -> Vec<Allowance<'_>> {
     out
 }
 
-/// Whether a comment of a source allows a code at an offset.
+/// True if a comment of a source allows a code at an offset.
 pub(super) fn is_allowed(file: &IndexedFile, offset: usize, code: &str) -> bool {
     let all = allowances(file);
     let mut here = all.iter().filter(|it| it.scope.contains(&offset));

@@ -1,5 +1,5 @@
-//! Codels compiled by the system's compilers, without an installation of GenoM3: what is to be run for a
-//! folder of codels, what need not be run again, and what compilers print. Nothing here runs anything.
+//! Compilation of codels by the system's compilers, without an installation of GenoM3: the steps for a folder
+//! of codels, the steps that are up to date, and the messages of compilers. This module runs nothing.
 
 use std::path::PathBuf;
 use std::time::SystemTime;
@@ -16,20 +16,20 @@ use crate::disk::Disk;
 /// The compilers.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Tools {
-    /// Of C sources: a program, and arguments that always come first.
+    /// For C sources: a program, and arguments that always come first.
     pub c: Vec<String>,
-    /// Of C++ sources. It also links, where there are any.
+    /// For C++ sources. It also links, if there are C++ sources.
     pub cxx: Vec<String>,
-    /// How far they improve what they make.
+    /// The level of optimization.
     pub optimization: Optimization,
 }
 
-/// How far compilers improve what they make.
+/// The level of optimization of compilers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Optimization {
-    /// Little, in little time.
+    /// Some optimization, with short compile times.
     Some,
-    /// Not at all: in a debugger each variable is there, and each line is executed in its turn.
+    /// No optimization: a debugger shows every variable, and executes lines in order.
     None,
 }
 
@@ -43,45 +43,45 @@ impl Optimization {
     }
 }
 
-/// What packages want of compilers.
+/// The flags that packages need.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Packages {
-    /// When sources are compiled.
+    /// Flags for compiling sources.
     pub compile: Vec<String>,
-    /// When objects are linked.
+    /// Flags for linking objects.
     pub link: Vec<String>,
 }
 
-/// A program to be run, whose output is one file.
+/// A program to run, whose output is one file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Step {
     /// The source; `None` for the library.
     pub source: Option<Utf8PathBuf>,
-    /// What it makes.
+    /// The output file.
     pub output: Utf8PathBuf,
     /// The program and its arguments.
     pub command: Vec<String>,
-    /// What the output is made of, as far as that is known before.
+    /// The inputs, as far as they are known before the step.
     pub inputs: Vec<Utf8PathBuf>,
 }
 
-/// All that makes a shared object of a folder of codels.
+/// The steps that make a shared object of a folder of codels.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Plan {
     /// Headers to be written first, by absolute path.
     pub headers: Vec<NewFile>,
-    /// One for each source, in any order.
+    /// The steps for the sources, in any order.
     pub compile: Vec<Step>,
-    /// After these.
+    /// The step after all others.
     pub link: Step,
     /// Codels without a function.
     pub missing: Vec<String>,
 }
 
-/// Packages that a folder of codels names, as `pkg-config` takes them, without repetition.
+/// Packages that a folder of codels names, in the syntax of `pkg-config`, without repetition.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Required {
-    /// Required to read the specification and to build the server: codels may do without them.
+    /// Required for reading the specification and for building the server; codels may not need them.
     pub specification: Vec<String>,
     /// Required by the codels.
     pub codels: Vec<String>,
@@ -104,7 +104,7 @@ pub fn package_name(requirement: &str) -> &str {
     &requirement[..end.unwrap_or(requirement.len())]
 }
 
-/// Packages that a folder of codels requires. `genom3` is left out: codels are compiled without GenoM3.
+/// Packages that a folder of codels requires. `genom3` is omitted: codels are compiled without GenoM3.
 pub fn packages(folder: &Folder) -> Required {
     let spec = &folder.unit.spec;
     let mut out = Required {
@@ -124,7 +124,7 @@ pub fn packages(folder: &Folder) -> Required {
     out
 }
 
-/// Plans the build of a folder in a directory of its own.
+/// Plans the build of a folder, in a separate directory.
 ///
 /// # Errors
 /// A type of the specification has no mapping.
@@ -200,7 +200,7 @@ fn compile_step(
         _ => &tools.cxx,
     };
     let name = source.path.strip_prefix(codels).unwrap_or(&source.path);
-    // Sources of subfolders may have equal names.
+    // Sources in subfolders may have equal names.
     let name = name.as_str().replace('_', "__").replace(['/', '\\'], "_-");
     let output = place.join("objects").join(format!("{name}.o"));
     let mut command = compiler.clone();
@@ -238,18 +238,17 @@ fn dependencies_of(output: &Utf8Path) -> Utf8PathBuf {
 }
 
 impl Step {
-    /// The file that holds the command by which the output was made. It is written when the output is whole.
+    /// The file with the command that made the output. It is written when the output is complete.
     pub fn record(&self) -> Utf8PathBuf {
         format!("{}.command", self.output).into()
     }
 
-    /// What is written there.
+    /// The text of that file.
     pub fn recorded(&self) -> String {
         self.command.join("\n") + "\n"
     }
 
-    /// Whether the output is what would come out again: it was made by the same command, and nothing that
-    /// it was made of is newer, or gone.
+    /// True if the output is up to date: it was made by the same command, and all inputs exist and are older.
     pub fn is_fresh(&self, disk: &dyn Disk) -> bool {
         let made = modified(disk, &self.output);
         let record = disk.read(self.record().as_std_path());
@@ -275,7 +274,7 @@ fn modified(disk: &dyn Disk, path: &Utf8Path) -> Option<SystemTime> {
     disk.status(path.as_std_path())?.modified
 }
 
-/// The files that a rule of a makefile depends on, as compilers write it (`-MMD`).
+/// The prerequisites of a makefile rule, as compilers write it (`-MMD`).
 fn dependencies(rule: &str) -> Vec<PathBuf> {
     let Some((_, list)) = rule.split_once(": ") else {
         return Vec::new();
@@ -286,7 +285,7 @@ fn dependencies(rule: &str) -> Vec<PathBuf> {
     while let Some(c) = chars.next() {
         match (c, chars.peek()) {
             ('\\', Some(' ' | '#' | '\\')) => name.extend(chars.next()),
-            // A line that goes on.
+            // A continued line.
             ('\\', Some('\n' | '\r')) => {}
             ('$', Some('$')) => name.extend(chars.next()),
             (c, _) if c.is_whitespace() => {
@@ -303,34 +302,34 @@ fn dependencies(rule: &str) -> Vec<PathBuf> {
     out
 }
 
-/// How bad it is, in the words of compilers.
+/// The severity of a message, in the words of compilers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Weight {
-    /// Nothing is made.
+    /// There is no output.
     Error,
-    /// Something is made.
+    /// There is an output.
     Warning,
-    /// Belongs to the one before.
+    /// Belongs to the preceding message.
     Note,
 }
 
-/// What a compiler says about a place.
+/// A compiler's message about a place.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Said {
-    /// The file, as the compiler names it.
+    /// The file, with the compiler's name for it.
     pub path: Utf8PathBuf,
     /// Line, from 1.
     pub line: usize,
-    /// Column in characters, from 1; 1 where none is told.
+    /// Column in characters, from 1; 1 if the message has none.
     pub column: usize,
-    /// How bad it is.
+    /// The severity.
     pub weight: Weight,
-    /// In the compiler's words.
+    /// The text of the message.
     pub what: String,
 }
 
-/// Reads what a compiler or linker has printed (`FILE:LINE:COLUMN: error: …`, as GCC and Clang do): what it
-/// says about places, and all other lines in which something is wrong.
+/// Reads the output of a compiler or linker (`FILE:LINE:COLUMN: error: …`, as GCC and Clang write it).
+/// Returns the messages with a place, and all other lines that report an error.
 pub fn said(printed: &str) -> (Vec<Said>, Vec<String>) {
     let (mut about, mut other) = (Vec::new(), Vec::new());
     for line in printed.lines() {
@@ -355,7 +354,7 @@ fn one(line: &str) -> Option<Said> {
     let found = kinds
         .into_iter()
         .filter_map(|(word, weight)| Some((line.find(word)?, word, weight)));
-    // The first counts: what is said may have such words in it.
+    // The first one counts: the text of a message may contain such words.
     let (at, word, weight) = found.min_by_key(|it| it.0)?;
     let (place, what) = (&line[..at], &line[at + word.len()..]);
     let (before, last) = place.rsplit_once(':')?;

@@ -1,9 +1,9 @@
-//! Values in the Common Data Representation (CDR), as robots exchange them: ROS 2, DDS, MCAP.
+//! Values in the Common Data Representation (CDR) of ROS 2, DDS and MCAP.
 //!
-//! Numbers are aligned to their size, counted from behind the four bytes that say which representation it is
-//! (OMG, DDS-XTypes 1.3, 7.4 and 7.6.3.1.2). Written is the plain one of version 1, little-endian; read are
-//! the plain ones of both versions, in either order of bytes. An `optional` is a sequence of at most one,
-//! since ROS 2 has none.
+//! Numbers are aligned to their size, counted from the end of the four bytes of the header (OMG, DDS-XTypes
+//! 1.3, 7.4 and 7.6.3.1.2). The plain representation of version 1 in little-endian order is written. The
+//! plain representations of both versions are read, in either order of bytes. An `optional` is a sequence of
+//! at most one element, because ROS 2 has no optional values.
 
 use dotgen_analysis::model::{TypeId, TypeKind};
 
@@ -12,20 +12,20 @@ use super::value::{DEPTH, Reader, Values, Wrong, wrong};
 /// Plain CDR of version 1, little-endian.
 const HEADER: [u8; 4] = [0, 1, 0, 0];
 
-/// From the bytes of the [glue](super::glue) to CDR.
+/// Converts the bytes of the [glue](super::glue) to CDR.
 ///
 /// # Errors
-/// The bytes are no value of the type.
+/// The bytes are not a value of the type.
 pub fn to_cdr(values: Values<'_>, ty: TypeId, bytes: &[u8]) -> Result<Vec<u8>, Wrong> {
     let mut to = Aligned(HEADER.to_vec());
     recode(values, ty, &mut Reader { bytes }, &mut to, DEPTH)?;
     Ok(to.0)
 }
 
-/// From CDR to the bytes of the [glue](super::glue). What stands behind the value (padding) is left out.
+/// Converts CDR to the bytes of the [glue](super::glue). Bytes after the value (padding) are ignored.
 ///
 /// # Errors
-/// The bytes are no value of the type, or in a representation that is not read.
+/// The bytes are not a value of the type, or the representation is not supported.
 pub fn from_cdr(values: Values<'_>, ty: TypeId, bytes: &[u8]) -> Result<Vec<u8>, Wrong> {
     let (big, widest) = match bytes {
         [0, 0, _, _, ..] => (true, 8),
@@ -45,18 +45,18 @@ pub fn from_cdr(values: Values<'_>, ty: TypeId, bytes: &[u8]) -> Result<Vec<u8>,
     Ok(to.0)
 }
 
-/// Where a value comes from.
+/// The source of a value.
 trait Take {
     fn number<const N: usize>(&mut self) -> Result<[u8; N], Wrong>;
-    /// A string, without what ends it.
+    /// A string, without its terminator.
     fn text(&mut self) -> Result<&[u8], Wrong>;
-    /// Whether an optional has a value.
+    /// True if an optional has a value.
     fn presence(&mut self) -> Result<bool, Wrong>;
-    /// The bytes that are left.
+    /// Number of remaining bytes.
     fn left(&self) -> usize;
 }
 
-/// Where a value goes to.
+/// The destination of a value.
 trait Put {
     fn number<const N: usize>(&mut self, bytes: [u8; N]);
     fn text(&mut self, text: &[u8]);
@@ -82,7 +82,7 @@ impl Take for Reader<'_> {
     }
 }
 
-/// Bytes of the glue that are written: in the order of this machine, one behind the other.
+/// Bytes of the glue to write: in the order of this machine, without padding.
 struct Packed(Vec<u8>);
 
 impl Put for Packed {
@@ -101,7 +101,7 @@ impl Put for Packed {
     }
 }
 
-/// CDR that is written, with its header.
+/// CDR to write, with its header.
 struct Aligned(Vec<u8>);
 
 impl Put for Aligned {
@@ -126,12 +126,12 @@ impl Put for Aligned {
     }
 }
 
-/// CDR that is read, behind its header.
+/// CDR to read, after its header.
 struct Ordered<'b> {
     bytes: &'b [u8],
     at: usize,
     big: bool,
-    /// Numbers are aligned to at most so much.
+    /// Maximum alignment of numbers, in bytes.
     widest: usize,
 }
 
@@ -162,7 +162,7 @@ impl Take for Ordered<'_> {
         let length = u32::from_ne_bytes(self.number()?);
         let text = self.some(length as usize)?;
         match text.split_last() {
-            // Some write an empty string without its end.
+            // Some implementations write an empty string without its terminator.
             None => Ok(text),
             Some((0, text)) if !text.contains(&0) => Ok(text),
             _ => wrong("", "a string that ends with its zero"),
@@ -188,7 +188,7 @@ fn copy<const N: usize>(from: &mut impl Take, to: &mut impl Put) -> Result<[u8; 
     Ok(number)
 }
 
-/// Copies a value; of a number that a union may switch on, which it is.
+/// Copies a value. Returns the number if the value can be the discriminator of a union.
 fn recode(
     values: Values<'_>,
     ty: TypeId,
@@ -246,7 +246,7 @@ fn recode(
         }
         TypeKind::Sequence { element, bound } => {
             let count = u32::from_ne_bytes(copy(from, to)?);
-            // Each element takes a byte at least: whoever promises more is not believed.
+            // Each element needs at least one byte, so a larger count is invalid.
             if bound.is_some_and(|bound| u64::from(count) > bound) || count as usize > from.left() {
                 return wrong("", "a list that fits its bound");
             }
@@ -324,7 +324,7 @@ mod tests {
             expected.extend((-2i32).to_le_bytes());
             expected.extend([3, 0, 0, 0, b'h', b'i', 0, 0]);
             expected.extend([3, 0, 0, 0, 1, 0, 2, 0, 3, 0]);
-            // To a multiple of eight.
+            // Padding to a multiple of eight.
             expected.extend([0; 6]);
             expected.extend(0.5f64.to_le_bytes());
             expected.extend((-1f64).to_le_bytes());

@@ -1,24 +1,24 @@
-//! What each kind of drift means: the table from which manual pages and help are generated, as
-//! [`dotgen_analysis::codes`] has it for everything that the specification alone tells.
+//! The meaning of each kind of drift: the table from which manual pages and help are generated.
+//! [`dotgen_analysis::codes`] is the same for findings about specifications alone.
 
 use super::drift::DriftCode;
 
-/// A kind of drift as its users know it.
+/// A kind of drift, for users.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CodelCode {
     /// The kind; it has the code and the severity.
     pub code: DriftCode,
     /// The meaning, in one sentence.
     pub meaning: &'static str,
-    /// The reason, or what goes wrong.
+    /// The reason, or the consequence.
     pub why: &'static str,
-    /// The specification of an example that triggers it, and nothing else.
+    /// The specification of an example with this finding and no other.
     pub specification: &'static str,
     /// The codels of the example.
     pub source: &'static str,
-    /// The example as it should be.
+    /// The corrected example.
     pub corrected: Corrected,
-    /// Advice on how to mend it.
+    /// Advice for fixing it.
     pub fix: &'static str,
 }
 

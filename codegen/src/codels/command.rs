@@ -1,4 +1,4 @@
-//! What the command line does with codels: `check`, `stub`, `sync`, `headers`.
+//! The commands of the command line for codels: `check`, `stub`, `sync`, `headers`.
 
 pub mod judge;
 mod project;
@@ -25,60 +25,60 @@ pub use super::folder::Folder;
 pub use project::Project;
 pub use report::{CheckReport, Finding, FolderSummary};
 
-/// Which codels get a stub.
+/// The codels that get a stub.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum StubTarget {
-    /// Every codel without function.
+    /// Every codel without a function.
     All,
-    /// Those of a task or service.
+    /// The codels of a task or service.
     Owner(String),
     /// One codel.
     Codel(String),
 }
 
-/// A file that a command wants to change.
+/// A file that a command would change.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct FileChange {
     /// Its path.
     pub path: Utf8PathBuf,
-    /// Present text; `None` when the file does not exist.
+    /// Present text; `None` if the file does not exist.
     pub before: Option<String>,
-    /// Wanted text.
+    /// New text.
     pub after: String,
 }
 
 impl FileChange {
-    /// The change as `diff -u` shows it.
+    /// The change in the format of `diff -u`.
     pub fn diff(&self) -> String {
         unified_diff(&self.path, self.before.as_deref(), &self.after)
     }
 }
 
-/// What `sync` did.
+/// The result of `sync`.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct SyncReport {
-    /// Changes, by path. Nothing has been written.
+    /// Changes, by path. They are not written yet.
     pub changes: Vec<FileChange>,
-    /// What was mended, in order.
+    /// Descriptions of the applied repairs, in order.
     pub applied: Vec<String>,
-    /// What a new signature leaves to be done by hand.
+    /// Changes after a new signature that have to be made by hand.
     pub notes: Vec<ByHand>,
-    /// What is left after the changes.
+    /// The remaining findings after the changes.
     pub left: CheckReport,
 }
 
-/// Which repairs `sync` applies.
+/// The repairs that `sync` applies.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct SyncOptions {
-    /// Yields to take away that the code never returns: name of the codel, and the state as it is written
-    /// (`main`, `pause::main`). No other yield is taken away, as somebody meant it.
+    /// Yields to remove that the code never returns: name of the codel, and the state as written (`main`,
+    /// `pause::main`). Other yields are not removed, because they may be intended.
     pub remove_yields: Vec<(String, String)>,
-    /// Only these kinds; all when empty.
+    /// The kinds of drift to repair; all if empty.
     pub only: Vec<DriftCode>,
 }
 
 impl SyncOptions {
-    /// Whether a repair takes away a yield that is named.
+    /// True if a repair removes a yield that is listed.
     fn removes(&self, expected: &Expected<'_>, repair: &Repair) -> bool {
         let Repair::RemoveYield { at, index } = repair else {
             return false;
@@ -90,7 +90,8 @@ impl SyncOptions {
     }
 }
 
-/// Rounds of `sync`: an edit of the specification makes comments stale, whose repair is the last.
+/// Maximum number of rounds of `sync`. An edit of the specification makes comments outdated; they are
+/// repaired in a later round.
 const ROUNDS: usize = 6;
 
 /// Compares specifications with their codels.
@@ -102,7 +103,7 @@ pub fn check(project: &mut Project<'_>, roots: &[Utf8PathBuf]) -> CheckReport {
     report
 }
 
-/// Stubs for codels that have no function. Nothing is written.
+/// Stubs for codels without a function. Nothing is written.
 pub fn stub(
     project: &mut Project<'_>,
     root: &Utf8Path,
@@ -147,7 +148,7 @@ pub fn stub(
     }
 }
 
-/// Mends all drift that has one obvious repair. Nothing is written.
+/// Repairs all drift that has one obvious repair. Nothing is written.
 pub fn sync(project: &mut Project<'_>, roots: &[Utf8PathBuf], options: &SyncOptions) -> SyncReport {
     let mut out = SyncReport::default();
     let mut touched: BTreeSet<Utf8PathBuf> = BTreeSet::new();
@@ -195,14 +196,14 @@ pub fn sync(project: &mut Project<'_>, roots: &[Utf8PathBuf], options: &SyncOpti
 /// An edit that `sync` may make.
 struct Candidate {
     edit: Edit,
-    /// The finding that it mends.
+    /// The finding that it repairs.
     code: DriftCode,
     titles: Vec<String>,
     notes: Vec<ByHand>,
 }
 
-/// The edits of candidates that can be made: all of them, if that adds no finding; else those that add none
-/// alone and together, with what makes them whole.
+/// The edits of candidates that are accepted. If all of them together add no finding, all are accepted.
+/// Otherwise those are accepted that add no finding alone and together, with the edits that complete them.
 fn whole(
     project: &mut Project<'_>,
     roots: &[Utf8PathBuf],
@@ -233,7 +234,7 @@ fn whole(
     chosen
 }
 
-/// One pass over all findings: an edit for each that has a repair.
+/// One pass over all findings: an edit for each finding that has a repair.
 fn round(
     project: &mut Project<'_>,
     roots: &[Utf8PathBuf],
@@ -260,7 +261,7 @@ fn round(
             let ordered = repairs.ordered(drift);
             let first = ordered.first().copied();
             let first = first.filter(|it| !matches!(it, Repair::RemoveYield { .. }));
-            // What is a choice is left, and told as what is left.
+            // A repair that is a choice is not applied; its finding remains in the report.
             let first = first.filter(|it| !it.is_choice());
             let Some(repair) = drift.repairs.iter().find(named).or(first) else {
                 continue;
@@ -272,7 +273,7 @@ fn round(
             let title = repairs.title(repair);
             if let Some(one) = repairs.edit(repair)
                 && !one.is_empty()
-                // What did not help once will not help again.
+                // A repair that did not help once is not tried again.
                 && !tried.contains(&one)
             {
                 tried.push(one.clone());
@@ -343,7 +344,7 @@ impl Project<'_> {
         let created = edit.created.iter().map(|(path, text)| FileChange {
             path: path.clone(),
             before: self.text(path).map(|it: Arc<str>| it.to_string()),
-            // What is copied from elsewhere brings no line ends along.
+            // Copied text may contain other line ends.
             after: LineEnd::Lf.fit(text).into_owned(),
         });
         let changed = edit.changed.iter().filter_map(|(path, edits)| {

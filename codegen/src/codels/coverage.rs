@@ -1,4 +1,4 @@
-//! How much of the codels was compared, and what the rest waits for.
+//! The compared part of the codels, and the missing declarations that the other codels need.
 
 use std::fmt;
 
@@ -8,31 +8,31 @@ use serde::Serialize;
 use super::expected::Expected;
 use super::trust::Trust;
 
-/// What was compared of the codels of some components.
+/// The compared part of the codels of some components.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Coverage {
     /// Functions that the specification names.
     pub codels: usize,
-    /// Of these, the ones of which something was compared: whether they are there, what they return and
-    /// raise, the number of their parameters and the types that are known.
+    /// Number of these functions that were compared in part: their existence, their return values and
+    /// exceptions, the number of their parameters and the known types.
     pub judged: usize,
-    /// Of these, the ones of which it is known what each parameter is. Unknown types agree with any.
+    /// Number of these functions with known types of all parameters. Unknown types agree with any.
     pub compared: usize,
-    /// Those whose declaration has errors: they were left out.
+    /// Number of functions whose declaration has errors; they were skipped.
     pub faulty: usize,
-    /// What the others wait for.
+    /// The missing interfaces of the other functions.
     pub waiting: Vec<Waiting>,
-    /// Modules and types that are not known, and agree with any type of a parameter.
+    /// Unknown modules and types, which agree with any type of a parameter.
     pub assumed: Vec<Name>,
 }
 
-/// Codels that wait for something.
+/// Codels with parameters from an unknown interface.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Waiting {
-    /// An interface that is not known.
+    /// The unknown interface.
     #[serde(rename = "for")]
     pub missing: Name,
-    /// Number of codels with a parameter from there.
+    /// Number of codels with a parameter from that interface.
     pub codels: usize,
 }
 
@@ -64,7 +64,7 @@ impl Coverage {
         }
     }
 
-    /// Everything was compared.
+    /// True if everything was compared.
     pub fn is_complete(&self) -> bool {
         self.compared == self.codels && self.assumed.is_empty()
     }

@@ -5,16 +5,16 @@ use dotgen_analysis::source_map::Locations;
 
 use super::drift::Drift;
 
-/// Which files get a diagnostic for a finding.
+/// The files that get a diagnostic for a finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
-    /// Both: what an editor shows.
+    /// Both files, for editors.
     Both,
-    /// The source if it has a place there, else the specification.
+    /// The source if the finding has a place there, else the specification.
     First,
 }
 
-/// Findings as diagnostics; each side names the other one as related.
+/// Findings as diagnostics; each side has the other one as related information.
 pub fn diagnostics(findings: &[Drift], locations: &dyn Locations, side: Side) -> Vec<Diagnostic> {
     let mut out = Vec::new();
     for drift in findings {

@@ -1,7 +1,7 @@
-//! Where the specification and the C or C++ side of a component differ.
+//! The differences between the specification and the C or C++ sources of a component.
 //!
-//! A finding has a place on both sides where both have one, and the repairs that remove it, the best
-//! first. What cannot be known from the texts (macros, helpers, other libraries) gives no finding.
+//! A finding has a place on both sides if both have one, and the repairs that remove it, the best first.
+//! Facts that the texts do not contain (macros, helpers, other libraries) give no finding.
 
 mod comment;
 pub mod finding;
@@ -42,13 +42,13 @@ pub enum DriftCode {
     UndeclaredThrow,
     /// A function looks like a codel and no specification names it.
     Orphan,
-    /// The comment of the skeleton is no longer true.
+    /// The comment of the skeleton is outdated.
     StaleComment,
     /// The code uses a member that its mapped type does not have.
     UnknownMember,
-    /// The code uses a name that was a parameter.
+    /// The code uses the former name of a parameter.
     UndeclaredName,
-    /// The code writes to a parameter that is read only.
+    /// The code writes to a read-only parameter.
     ConstantWrite,
 }
 
@@ -87,7 +87,7 @@ impl DriftCode {
         }
     }
 
-    /// The code as shown and configured.
+    /// The code in reports and in the configuration.
     pub fn as_str(self) -> &'static str {
         match self {
             DriftCode::MissingDefinition => "codel/missing-definition",
@@ -103,7 +103,7 @@ impl DriftCode {
         }
     }
 
-    /// How bad it is unless configured otherwise.
+    /// The default severity.
     pub fn severity(self) -> Severity {
         match self {
             DriftCode::NeverYielded => Severity::Hint,
@@ -125,11 +125,11 @@ pub struct SourcePlace {
 /// One difference.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Drift {
-    /// What kind.
+    /// The kind.
     pub code: DriftCode,
-    /// How bad.
+    /// The severity.
     pub severity: Severity,
-    /// What it is about.
+    /// The details.
     pub kind: Differing,
     /// Component: index into the components of the specification.
     pub component: u32,
@@ -137,21 +137,21 @@ pub struct Drift {
     pub spec: Vec<Src>,
     /// Place in the source.
     pub source: Option<SourcePlace>,
-    /// What the specification wants, where that is a text: the prototype.
+    /// The text that the specification requires: the prototype.
     pub expected: Option<String>,
-    /// What stands in the source instead.
+    /// The text in the source.
     pub found: Option<String>,
-    /// Ways to mend it, the best first as far as the texts tell; see [`super::repair::Repairs::ordered`].
+    /// The repairs, the best first as far as the texts alone show; see [`super::repair::Repairs::ordered`].
     pub repairs: Vec<Repair>,
 }
 
 impl Drift {
-    /// The repair by which the sources follow the specification, if that is the best one.
+    /// The repair that adapts the sources to the specification, if it is the best one.
     pub fn following(&self) -> Option<&Repair> {
         self.repairs.first().filter(|it| it.follows_specification())
     }
 
-    /// What is wrong and what would be right.
+    /// A description of the difference and of the correct form.
     pub fn message(&self) -> String {
         self.kind.wording().to_string()
     }
@@ -165,7 +165,7 @@ pub enum Repair {
         /// The codel.
         at: CodelRef,
     },
-    /// Give the function the prototype that the specification wants.
+    /// Give the function the prototype of the specification.
     UpdateSignature {
         /// Function and codel.
         name: Name,
@@ -174,7 +174,7 @@ pub enum Repair {
         /// Start of the function.
         start: usize,
     },
-    /// Make the generated comment true again.
+    /// Update the generated comment.
     RefreshComment {
         /// The codel.
         at: CodelRef,
@@ -190,7 +190,7 @@ pub enum Repair {
         /// `state` or `pause::state`.
         state: String,
     },
-    /// Take a state from the `yield` list of a codel.
+    /// Remove a state from the `yield` list of a codel.
     RemoveYield {
         /// The codel.
         at: CodelRef,
@@ -204,22 +204,22 @@ pub enum Repair {
         /// The exception.
         exception: TypeId,
     },
-    /// Add a state to the `yield` list of a codel, with a pause that the code does not make yet: without it,
-    /// the codel would be in a cycle without `pause::`.
+    /// Add a state to the `yield` list of a codel, with a pause that the code does not make yet: without the
+    /// pause, the codel would be in a cycle without `pause::`.
     AddPausedYield {
         /// The codel.
         at: CodelRef,
         /// The state, without `pause::`.
         state: String,
-        /// What its function returns then.
+        /// The new return value of its function.
         returns: Respelling,
     },
-    /// Let a function return an event that is declared, where it returns one that is not.
+    /// Let a function return a declared event in place of an undeclared one.
     ReturnDeclared(Respelling),
-    /// Let a function raise an exception that is declared, where it raises one that is not.
+    /// Let a function raise a declared exception in place of an undeclared one.
     RaiseDeclared(Respelling),
-    /// Give a member the name that the specification has for it now, everywhere in the sources, and the
-    /// parameters of codels that are called after it.
+    /// Rename a member to its present name in the specification, everywhere in the sources, with the
+    /// parameters of codels that are named after it.
     FollowMember {
         /// The mapped structure.
         structure: Name,
@@ -256,12 +256,12 @@ pub enum Repair {
 }
 
 impl Repair {
-    /// Whether it changes what code does, so that it does what the specification allows.
+    /// True if it changes the behaviour of code, to agree with the specification.
     pub fn changes_code(&self) -> bool {
         matches!(self, Repair::ReturnDeclared(_) | Repair::RaiseDeclared(_))
     }
 
-    /// Whether it changes the sources and nothing else, and has no alternative that changes as little.
+    /// True if it changes only the sources, and has no alternative that changes as little.
     pub fn follows_specification(&self) -> bool {
         matches!(
             self,
@@ -274,38 +274,38 @@ impl Repair {
         )
     }
 
-    /// Whether only people can know that it is right, so that it is never made unasked.
+    /// True if only the user can decide that it is right. It is then never applied without a request.
     pub fn is_choice(&self) -> bool {
         self.changes_code() || matches!(self, Repair::AddPausedYield { .. })
     }
 }
 
-/// Another name in some places of a source.
+/// A new name at some places of a source.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Respelling {
     /// The function around them.
     pub function: Name,
     /// The file.
     pub path: Utf8PathBuf,
-    /// Each place, with what is to stand there.
+    /// Each place, with its new text.
     pub places: Vec<(Range<usize>, String)>,
-    /// The new name as the mapping spells it.
+    /// The new name in the spelling of the mapping.
     pub to: String,
 }
 
-/// What the comparison depends on beside the two sides.
+/// The input of the comparison in addition to the two sides.
 #[derive(Debug, Clone, Default)]
 pub struct DriftOptions {
     /// Names of codels of specifications that share the sources.
     pub also_named: FxHashSet<Name>,
-    /// A parameter with another name and the right type is a mismatch.
+    /// True if a parameter with another name and the right type is a mismatch.
     pub parameter_names: bool,
-    /// What of the specification can be relied on.
+    /// The reliable part of the specification.
     pub trust: Arc<Trust>,
 }
 
-/// Compares components with the sources they share. Findings are by component, in order of codels,
-/// then orphans in text order.
+/// Compares components with the sources they share. Findings are by component, in order of codels, then
+/// orphans in text order.
 pub fn check(all: &[Expected<'_>], sources: &Sources, options: &DriftOptions) -> Vec<Drift> {
     let mut out = Vec::new();
     if !sources.exists || sources.sources.is_empty() {
@@ -364,7 +364,7 @@ pub fn unnamed<'a>(
     found.into_iter().map(|it| (it.file, it.function)).collect()
 }
 
-/// Something of the component is in these sources. If not, its codels are kept elsewhere.
+/// True if these sources contain a part of the component. Otherwise its codels are in other sources.
 fn are_here(expected: &Expected<'_>, sources: &Sources) -> bool {
     let component = &expected.component().name;
     let prefix = format!("{component}_");
@@ -380,7 +380,7 @@ fn are_here(expected: &Expected<'_>, sources: &Sources) -> bool {
     sources.sources.iter().any(|it| named(it) || defined(it))
 }
 
-/// One function that the specification wants, and where to look for it.
+/// A function that the specification requires, and the sources to search.
 struct Check<'a> {
     expected: &'a Expected<'a>,
     function: &'a ExpectedFunction,
@@ -444,7 +444,7 @@ impl<'a> Check<'a> {
     fn missing(&self) -> Option<Drift> {
         let name = &self.function.name;
         let mut files = self.sources.all();
-        // A macro may define it, a build step may bring it, half-typed code may swallow it.
+        // A macro may define the function, a build step may generate it, or incomplete code may hide it.
         let hidden = self.sources.incomplete
             || files.any(|file| {
                 let mut macros = file.index.macros.iter();
@@ -475,7 +475,7 @@ impl<'a> Check<'a> {
         Some(drift)
     }
 
-    /// Names are built by macros that are used outside functions.
+    /// True if macros outside functions build names.
     fn pasted(&self) -> bool {
         let paste = |file: &IndexedFile| {
             let mut macros = file.index.macros.iter().filter(|it| it.pastes);
@@ -494,7 +494,7 @@ impl<'a> Check<'a> {
             function: from.as_str().into(),
             codel: to.clone(),
         });
-        // A codel without function does not link.
+        // A program with a codel that has no function does not link.
         drift.severity = Severity::Warning;
         drift.source = Some(orphan.at(orphan.function.name_span.clone()));
         drift.expected = Some(to.to_string());

@@ -8,12 +8,12 @@ use dotgen_analysis::diagnostic::FileEdit;
 use dotgen_syntax::encoding::LineEnd;
 use serde::Serialize;
 
-/// Replaces a range of one text.
+/// A replacement of a range of one text.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct TextEdit {
     /// Byte offsets; empty for an insertion.
     pub range: Range<usize>,
-    /// What goes there.
+    /// The new text.
     pub text: String,
 }
 
@@ -22,12 +22,12 @@ pub struct TextEdit {
 pub struct Edit {
     /// New files with their text.
     pub created: BTreeMap<Utf8PathBuf, String>,
-    /// Edits of files that are there; ranges are of the text before all of them, in text order.
+    /// Edits of existing files, in text order. All ranges refer to the text before the edits.
     pub changed: BTreeMap<Utf8PathBuf, Vec<TextEdit>>,
 }
 
 impl Edit {
-    /// The edit that makes some replacements. Insertions at one place stay in their order.
+    /// The edit that makes some replacements. Insertions at one place keep their order.
     pub fn of(edits: &[FileEdit]) -> Edit {
         let mut all = Edit::default();
         for it in edits {
@@ -45,12 +45,12 @@ impl Edit {
         all
     }
 
-    /// No change.
+    /// True if there is no change.
     pub fn is_empty(&self) -> bool {
         self.created.is_empty() && self.changed.is_empty()
     }
 
-    /// Whether another edit changes a place that this one changes, or one right beside it.
+    /// True if another edit changes or touches a range that this one changes.
     pub fn touches(&self, other: &Edit) -> bool {
         let apart =
             |a: &TextEdit, b: &TextEdit| a.range.end < b.range.start || b.range.end < a.range.start;
@@ -62,7 +62,7 @@ impl Edit {
         })
     }
 
-    /// Adds one replacement. An equal one is added once only.
+    /// Adds one replacement, unless it is already there.
     pub fn replace(&mut self, path: &Utf8Path, range: Range<usize>, text: impl Into<String>) {
         let edits = self.changed.entry(path.to_owned()).or_default();
         let edit = TextEdit {
@@ -75,7 +75,7 @@ impl Edit {
         }
     }
 
-    /// Takes over another edit if it touches nothing that this one touches; says whether it did.
+    /// Adds another edit, if it touches no range of this one. Returns true if it was added.
     pub fn merge(&mut self, other: Edit) -> bool {
         let clash = other.changed.iter().any(|(path, edits)| {
             let mine = self.changed.get(path).map_or(&[][..], Vec::as_slice);
@@ -97,7 +97,7 @@ impl Edit {
     }
 }
 
-/// Edits that turn one text into another: whole lines, and no more of them than needed.
+/// Edits that turn one text into another: whole lines, and as few as possible.
 pub fn line_edits(before: &str, after: &str) -> Vec<TextEdit> {
     let diff = similar::TextDiff::from_lines(before, after);
     // Byte offsets of the beginning of each line, and of the end.
@@ -123,7 +123,7 @@ pub fn line_edits(before: &str, after: &str) -> Vec<TextEdit> {
         .collect()
 }
 
-/// Two insertions at one place do not clash: the earlier one stays in front.
+/// True if two edits overlap. Two insertions at one place do not: the earlier one comes first.
 fn overlap(a: &TextEdit, b: &TextEdit) -> bool {
     if a == b {
         return false;
@@ -136,7 +136,7 @@ fn overlap(a: &TextEdit, b: &TextEdit) -> bool {
 }
 
 /// Applies edits to a text, with its line ends. Edits that do not fit the text or overlap an earlier one are
-/// left out.
+/// skipped.
 pub fn apply(text: &str, edits: &[TextEdit]) -> String {
     let mut out = String::with_capacity(text.len());
     let mut at = 0;
@@ -156,8 +156,8 @@ pub fn apply(text: &str, edits: &[TextEdit]) -> String {
     out
 }
 
-/// The difference of two texts as `diff -u` shows it; empty when there is none. A missing text is
-/// shown as `/dev/null`.
+/// The difference of two texts in the format of `diff -u`; empty if they are equal. A missing text is shown
+/// as `/dev/null`.
 pub fn unified_diff(path: &Utf8Path, before: Option<&str>, after: &str) -> String {
     let old = before.unwrap_or_default();
     if before.is_some() && old == after {

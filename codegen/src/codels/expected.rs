@@ -1,9 +1,9 @@
-//! What the specification wants of the C or C++ side: for every codel its prototype, the events it
-//! may return and the exceptions it may throw.
+//! The functions that the specification requires: for every codel its prototype, the events it may return and
+//! the exceptions it may throw.
 //!
 //! Rules: sections "Codels" and "Mappings" of the GenoM3 manual. The prototype is the text of
-//! [`Mapper::prototype`]; it is read back with the reader of sources, so that both sides of a
-//! comparison went through one normalization.
+//! [`Mapper::prototype`], parsed by the reader of sources. Both sides of a comparison thus have the same
+//! normalization.
 
 use dotgen_analysis::model::{
     Awaited, CodelKind, CodelRef, Component, Name, Owner, Port, Service, ServiceKind, Spec, Src,
@@ -17,7 +17,7 @@ use super::source::{CType, Function, Grammar, SourceIndex};
 use crate::lang::{Language, Mapper, NoPlaces};
 use crate::template::throws::{service_throws, task_throws};
 
-/// The C side that a component wants.
+/// The functions that a component requires.
 pub struct Expected<'a> {
     /// The model.
     pub spec: &'a Spec,
@@ -32,7 +32,7 @@ pub struct Expected<'a> {
     /// Spellings of all exceptions of the specification.
     pub exceptions: FxHashMap<SmolStr, TypeId>,
     aliases: FxHashMap<SmolStr, CType>,
-    /// Spellings of types that are written as nobody can know.
+    /// Spellings of types whose mapping is unknown.
     opaque: FxHashSet<SmolStr>,
     /// Spellings of all types of the specification.
     named: FxHashSet<SmolStr>,
@@ -43,24 +43,24 @@ pub struct Expected<'a> {
 pub struct ExpectedFunction {
     /// Its name.
     pub name: Name,
-    /// Where the component uses it, in order.
+    /// The uses in the component, in order.
     pub uses: Vec<CodelRef>,
-    /// The prototype on one or more lines, without semicolon; what is wrong with the types if they
-    /// have no mapping.
+    /// The prototype on one or more lines, without semicolon. The error is the reason why its types have no
+    /// mapping.
     pub signature: Result<String, String>,
-    /// The prototype read back; `None` if it cannot be written or read.
+    /// The parsed prototype; `None` if it cannot be generated or parsed.
     pub shape: Option<Function>,
-    /// Spellings of what it may return in any use, `genom_ok` included.
+    /// Spellings of the events it may return in any use, `genom_ok` included.
     pub returns: FxHashSet<SmolStr>,
     /// Exceptions that it may throw in any use.
     pub throws: FxHashSet<TypeId>,
-    /// What its parameters wait for in any use: see [`Spec::awaited`].
+    /// The missing declarations of its parameters in any use: see [`Spec::awaited`].
     pub awaits: Awaited,
-    /// In some use it may throw more than is known here.
+    /// True if in some use it may throw exceptions that are unknown.
     pub throws_more: bool,
 }
 
-/// The file suffix and mapping that go with a language.
+/// The language of a component, which selects the file suffix and the mapping.
 fn interface_language(component: &Component) -> Language {
     let lang = component.lang.as_deref().and_then(Language::from_name);
     match lang {
@@ -70,13 +70,14 @@ fn interface_language(component: &Component) -> Language {
 }
 
 impl<'a> Expected<'a> {
-    /// What a component wants.
+    /// The functions that a component requires.
     pub fn new(spec: &'a Spec, component: u32) -> Expected<'a> {
         let language = interface_language(&spec.components[component as usize]);
         Expected::in_language(spec, component, language)
     }
 
-    /// What a component wants whose codels are in a language, whatever the specification says.
+    /// The functions that a component requires with codels in a given language, whatever the specification
+    /// says.
     pub fn in_language(spec: &'a Spec, component: u32, language: Language) -> Expected<'a> {
         let it = &spec.components[component as usize];
         let mut out = Expected {
@@ -147,14 +148,14 @@ impl<'a> Expected<'a> {
         }
     }
 
-    /// The event that pauses before a state, given the one that does not; `None` for what is no state.
+    /// The event with a pause before a state, for the event without one; `None` if the event is not a state.
     pub(crate) fn paused(&self, event: &str) -> Option<String> {
         let (paused, state) = cut_tag(event, &self.component().name);
         let scopes = event.strip_suffix(state).filter(|_| !paused)?;
         (!scopes.is_empty()).then(|| format!("{scopes}pause{}{state}", self.separator()))
     }
 
-    /// What stands between scopes in names.
+    /// The separator of scopes in names.
     pub fn separator(&self) -> &'static str {
         match self.language {
             Language::Cxx => "::",
@@ -162,8 +163,7 @@ impl<'a> Expected<'a> {
         }
     }
 
-    /// Exceptions that a codel of an owner may throw: those of the component, of the task and of
-    /// the service.
+    /// Exceptions that a codel of an owner may throw: those of the component, of the task and of the service.
     pub fn throws_of(&self, owner: Owner) -> Vec<TypeId> {
         let component = self.component();
         match owner {
@@ -172,15 +172,15 @@ impl<'a> Expected<'a> {
         }
     }
 
-    /// Whether the component declares something itself, so that its skeleton has it. Older releases write
-    /// what comes from interfaces too.
+    /// True if the component itself contains the declaration, so that its skeleton has it. Older releases
+    /// also write declarations of interfaces.
     pub(crate) fn is_own(&self, src: Src) -> bool {
         let per_component = self.spec.release.has(Change::PerComponentSkeletons);
         let body = || self.spec.body_of(src);
         !per_component || body().is_none_or(|it| it == self.component)
     }
 
-    /// Whether the skeleton has a file for a task.
+    /// True if the skeleton has a file for a task.
     pub(crate) fn has_file(&self, task: u32) -> bool {
         let it = &self.component().tasks[task as usize];
         let local_codels = self.spec.release.has(Change::ExternalLocalCodels);
@@ -194,7 +194,7 @@ impl<'a> Expected<'a> {
         self.is_own(it.src) || local_codels && own_codels()
     }
 
-    /// Whether the skeleton has a stub for a codel. If not, the function is expected elsewhere: interfaces
+    /// True if the skeleton has a stub for a codel. Otherwise the function is in other sources: interfaces
     /// have sources of their own.
     pub(crate) fn has_stub(&self, at: CodelRef) -> bool {
         let component = self.component();
@@ -207,7 +207,7 @@ impl<'a> Expected<'a> {
         self.functions.iter().find(|it| it.name == name)
     }
 
-    /// A type with the aliases of the specification replaced by what they stand for.
+    /// A type with the aliases of the specification replaced by their definitions.
     pub fn canonical(&self, ty: &CType) -> CType {
         let mut ty = ty.clone();
         for _ in 0..32 {
@@ -219,17 +219,17 @@ impl<'a> Expected<'a> {
         ty
     }
 
-    /// Whether it cannot be known how values of a type are written: it agrees with any.
+    /// True if the mapping of a type is unknown, so that it agrees with any.
     pub fn is_opaque(&self, ty: &CType) -> bool {
         !self.opaque.is_empty() && self.opaque.contains(&self.canonical(ty).base)
     }
 
-    /// Whether the specification has a type of that spelling.
+    /// True if the specification has a type of that spelling.
     pub fn has_type(&self, base: &str) -> bool {
         self.knows_type(base) || self.named.contains(base)
     }
 
-    /// The base type is one that the specification, the language or genom3 defines.
+    /// True if the specification, the language or genom3 defines the base type.
     pub fn knows_type(&self, base: &str) -> bool {
         matches!(
             base,
@@ -307,8 +307,9 @@ impl<'a> Expected<'a> {
         }
     }
 
-    /// A port that comes through `provides` has two right spellings of its type, whatever the release: that
-    /// of the interface, and that of the component. Newer releases declare one an alias of the other.
+    /// Adds the spellings of ports. In every release, a port from `provides` has two correct spellings of its
+    /// type: that of the interface and that of the component. Newer releases declare one as an alias of the
+    /// other.
     fn collect_ports(&mut self) {
         for port in &self.component().ports {
             let Some(interface) = port.imported_from else {
@@ -388,7 +389,7 @@ impl<'a> Expected<'a> {
     }
 }
 
-/// Reads prototypes (without semicolon) as sources are read.
+/// Parses prototypes (without semicolon) with the reader of sources.
 fn read_prototypes<'t>(
     texts: impl Iterator<Item = Option<&'t str>>,
     language: Language,
@@ -406,7 +407,7 @@ fn read_prototypes<'t>(
         .collect()
 }
 
-/// `start` or `pause::start`, as the specification writes it.
+/// `start` or `pause::start`, in the syntax of specifications.
 pub fn state_text(state: &State) -> String {
     let pause = if state.paused { "pause::" } else { "" };
     format!("{pause}{}", state.name)
@@ -428,7 +429,7 @@ pub fn owner_words(component: &Component, owner: Owner) -> (&'static str, &Name)
     }
 }
 
-/// A name of an event or exception without the component and the `pause` mark: `(paused, name)`.
+/// The name of an event or exception without the component and the `pause` mark: `(paused, name)`.
 pub(crate) fn cut_tag<'n>(name: &'n str, component: &str) -> (bool, &'n str) {
     let name = name.strip_prefix("::").unwrap_or(name);
     let rest = name.strip_prefix(component);

@@ -1,8 +1,8 @@
-//! Which files hold the codels of a component.
+//! The files with the codels of a component.
 //!
-//! The reference skeleton puts them in a folder `codels` beside the `.gen`, and lists them in
-//! `codels/Makefile.am` as `lib…_SOURCES`. Where that list names files that are there, it is
-//! believed; else every C and C++ file of the folder counts.
+//! The reference skeleton puts them in a folder `codels` next to the `.gen`, and lists them in
+//! `codels/Makefile.am` as `lib…_SOURCES`. If that list names existing files, only the listed files are used.
+//! Otherwise every C and C++ file of the folder is used.
 
 use std::sync::Arc;
 use std::time::SystemTime;
@@ -12,14 +12,14 @@ use rustc_hash::FxHashMap;
 
 use super::source::{Grammar, SourceIndex};
 
-/// Where to look.
+/// The location of codels.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FilesConfig {
     /// Folder of the codels, relative to the folder of the `.gen`.
     pub folder: Utf8PathBuf,
     /// Extensions of sources.
     pub extensions: Vec<String>,
-    /// Believe the build files.
+    /// True if the lists in build files are used.
     pub makefile: bool,
 }
 
@@ -40,7 +40,7 @@ impl FilesConfig {
             .parent()
             .unwrap_or(Utf8Path::new(""))
             .to_owned();
-        // As paths of files come: `..` taken away by looking at the text alone.
+        // `..` is resolved in the text of the path, without links, as in other paths of files.
         for part in self.folder.components() {
             match part {
                 Utf8Component::CurDir => {}
@@ -53,7 +53,7 @@ impl FilesConfig {
         folder
     }
 
-    /// Whether the extension is one of sources.
+    /// True if the extension is one of sources.
     pub fn is_source(&self, path: &Utf8Path) -> bool {
         let extension = path.extension().unwrap_or_default();
         self.extensions.iter().any(|it| it == extension)
@@ -63,18 +63,18 @@ impl FilesConfig {
 /// Files of a codels folder by role, relative to it.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct CodelFiles {
-    /// Where codels may be.
+    /// Sources, which may contain codels.
     pub sources: Vec<Utf8PathBuf>,
-    /// Read for the names they declare.
+    /// Headers, which are read for the names they declare.
     pub headers: Vec<Utf8PathBuf>,
-    /// Sources that the build files name and that are not there.
+    /// Sources that the build files list and that do not exist.
     pub absent: Vec<Utf8PathBuf>,
-    /// The build files were believed.
+    /// True if the lists in build files are used.
     pub listed: bool,
 }
 
-/// Sorts a listing (paths relative to the codels folder, subfolders included) into roles.
-/// `makefile` is the text of its `Makefile.am`.
+/// Sorts a listing (paths relative to the codels folder, subfolders included) into roles. `makefile` is the
+/// text of its `Makefile.am`.
 pub fn select(listing: &[Utf8PathBuf], makefile: Option<&str>, config: &FilesConfig) -> CodelFiles {
     let mut all: Vec<Utf8PathBuf> = listing.to_vec();
     all.sort();
@@ -99,8 +99,8 @@ pub fn select(listing: &[Utf8PathBuf], makefile: Option<&str>, config: &FilesCon
     out
 }
 
-/// Paths in the `*_SOURCES` variables of a `Makefile.am`, relative to its folder. What needs a
-/// variable to be known is left out.
+/// Paths in the `*_SOURCES` variables of a `Makefile.am`, relative to its folder. Paths that contain a
+/// variable are skipped.
 pub fn makefile_sources(text: &str) -> Vec<Utf8PathBuf> {
     let mut out: Vec<Utf8PathBuf> = Vec::new();
     let mut lines = text.lines();
@@ -121,7 +121,7 @@ pub fn makefile_sources(text: &str) -> Vec<Utf8PathBuf> {
             continue;
         };
         let variable = variable.trim_end_matches(['+', ':', ' ', '\t']);
-        // BUILT_SOURCES are made by the build, mostly headers.
+        // The build generates BUILT_SOURCES, most of them headers.
         if !variable.ends_with("_SOURCES") || variable == "BUILT_SOURCES" {
             continue;
         }
@@ -145,7 +145,7 @@ pub struct IndexedFile {
     pub path: Utf8PathBuf,
     /// Its text.
     pub text: Arc<str>,
-    /// What it holds.
+    /// Its declarations.
     pub index: Arc<SourceIndex>,
 }
 
@@ -159,7 +159,7 @@ impl IndexedFile {
         })
     }
 
-    /// Reads a text; `cxx` reads headers as C++ too.
+    /// Indexes a text; with `cxx`, headers are read as C++.
     pub fn new(path: Utf8PathBuf, text: Arc<str>, cxx: bool) -> IndexedFile {
         let grammar = match Grammar::of_path(path.as_str()) {
             Some(Grammar::C) if path.extension() == Some("c") || !cxx => Grammar::C,
@@ -170,7 +170,7 @@ impl IndexedFile {
     }
 }
 
-/// Indexes of texts, kept as long as their texts stay the same.
+/// Indexes of texts, reused as long as their texts are unchanged.
 #[derive(Debug, Default)]
 pub struct Indexes(FxHashMap<(Utf8PathBuf, bool), IndexedFile>);
 
@@ -188,7 +188,7 @@ impl Indexes {
         fresh
     }
 
-    /// Forgets the texts of other files.
+    /// Removes the indexes of other files.
     pub fn retain(&mut self, wanted: impl Fn(&Utf8Path) -> bool) {
         self.0.retain(|key, _| wanted(&key.0));
     }
@@ -199,37 +199,37 @@ impl Indexes {
 pub struct Sources {
     /// The codels folder.
     pub folder: Utf8PathBuf,
-    /// The folder is there.
+    /// True if the folder exists.
     pub exists: bool,
-    /// Where codels may be.
+    /// Sources, which may contain codels.
     pub sources: Vec<IndexedFile>,
-    /// Read for the names they declare.
+    /// Headers, which are read for the names they declare.
     pub headers: Vec<IndexedFile>,
-    /// `Makefile.am` of the folder with its text, where its list of sources is believed.
+    /// `Makefile.am` of the folder with its text, if its list of sources is used.
     pub makefile: Option<(Utf8PathBuf, Arc<str>)>,
-    /// A source could not be read, or the build files name one that is not there: something may
-    /// be missing here that exists.
+    /// True if a source cannot be read, or if the build files list one that does not exist: existing
+    /// functions may then be missing here.
     pub incomplete: bool,
 }
 
-/// What is needed to read a codels folder.
+/// Access to the files of a codels folder.
 pub trait Files {
-    /// Text of a file; `None` when it cannot be read.
+    /// Text of a file; `None` if it cannot be read.
     fn read(&self, path: &Utf8Path) -> Option<Arc<str>>;
-    /// Files below a folder, subfolders included, relative to it; `None` when it is not there.
+    /// Files below a folder, subfolders included, relative to it; `None` if the folder does not exist.
     fn list(&self, folder: &Utf8Path) -> Option<Vec<Utf8PathBuf>>;
-    /// When a file got the text that it has; `None` when nobody knows.
+    /// The time of the last change of a file; `None` if it is unknown.
     fn changed(&self, _path: &Utf8Path) -> Option<Changed> {
         None
     }
 }
 
-/// When a file got its text. The later is the greater.
+/// The time of the last change of a file. A later time is greater.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Changed {
-    /// At a moment: that of its last commit, or, where it differs from that, of its time stamp.
+    /// The time of its last commit, or of its time stamp if it differs from that commit.
     At(SystemTime),
-    /// It is open in an editor, with changes that are not saved.
+    /// The file is open in an editor, with unsaved changes.
     Unsaved,
 }
 
@@ -239,7 +239,7 @@ impl Sources {
         Sources::load_with(specification, config, files, &mut IndexedFile::new)
     }
 
-    /// Whether a name, or one that ends with it, stands in some source.
+    /// True if some source contains a name, or one that ends with it.
     pub fn mention(&self, name: &str) -> bool {
         let goes_on = |it: char| it.is_alphanumeric() || it == '_';
         self.all().any(|file| {
@@ -259,8 +259,8 @@ impl Sources {
             .filter(move |it| !any || own(it) || it.included_types().next().is_none())
     }
 
-    /// Like [`Sources::load`], with a function that may remember the indexes of texts (its
-    /// arguments are those of [`IndexedFile::new`]).
+    /// As [`Sources::load`], with a function that may reuse the indexes of texts (its arguments are those of
+    /// [`IndexedFile::new`]).
     pub fn load_with(
         specification: &Utf8Path,
         config: &FilesConfig,
@@ -303,7 +303,7 @@ impl Sources {
         }
     }
 
-    /// Whether some function returns an event as C++ writes it.
+    /// True if a function returns an event in the spelling of C++.
     pub fn speak_cxx(&self) -> bool {
         let mut functions = self.sources.iter().flat_map(|it| &it.index.functions);
         functions.any(|it| it.result.base == "genom::event")

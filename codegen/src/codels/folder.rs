@@ -1,4 +1,4 @@
-//! Which components have their codels in which folder.
+//! Components by the folder of their codels.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -31,13 +31,13 @@ pub struct Folder {
     pub unit: UnitResult,
     /// Indexes into the components of the unit.
     pub components: Vec<u32>,
-    /// The other side.
+    /// The sources in the folder.
     pub sources: Sources,
-    /// Names of codels of other specifications beside this one.
+    /// Names of codels of other specifications in the same folder.
     pub also_named: FxHashSet<Name>,
-    /// What of the specification can be relied on.
+    /// The reliable part of the specification.
     pub trust: Arc<Trust>,
-    /// The unit is that of an earlier text: the present one has syntax errors.
+    /// True if the unit is of an earlier text, because the present one has syntax errors.
     pub is_earlier: bool,
 }
 
@@ -49,13 +49,13 @@ impl Folder {
             .retain(|it| wanted(&components[*it as usize].name));
     }
 
-    /// What the components want.
+    /// The functions that the components require.
     pub fn expected(&self) -> Vec<Expected<'_>> {
         let spec = &self.unit.spec;
         let components = self.components.iter();
         components
             .map(|&it| {
-                // What an interface would say that is not here, the sources tell.
+                // The language of a missing interface is read from the sources.
                 let unsaid = spec.gaps_of(it).any(|gap| *gap == Missing::Language);
                 match unsaid && self.sources.speak_cxx() {
                     true => Expected::in_language(spec, it, Language::Cxx),
@@ -65,7 +65,7 @@ impl Folder {
             .collect()
     }
 
-    /// How much can be compared.
+    /// The part of the codels that can be compared.
     pub fn coverage(&self, all: &[Expected<'_>]) -> Coverage {
         let mut out = Coverage::default();
         all.iter().for_each(|it| out.add(it, &self.trust));
@@ -90,8 +90,8 @@ impl Folder {
         }
     }
 
-    /// Findings as the configuration and the comments on both sides want them: with their
-    /// severities, without what is switched off or allowed.
+    /// Findings after configuration and comments on both sides are applied: with their severities, without
+    /// those that are switched off or allowed.
     pub fn adjust(&self, findings: Vec<Drift>, analysis: &Analysis) -> Cancellable<Vec<Drift>> {
         let mut out = Vec::with_capacity(findings.len());
         for mut drift in findings {
@@ -114,8 +114,8 @@ impl Folder {
     }
 }
 
-/// The folders of codels of all components that a unit declares. `sources` reads the folder of a `.gen`. Of a
-/// unit with errors, what they leave alone is compared: see [`Trust`].
+/// The folders of codels of all components that a unit declares. `sources` reads the folder of a `.gen`. In a
+/// unit with errors, the declarations without errors are compared: see [`Trust`].
 pub fn folders(unit: &UnitResult, sources: &mut dyn FnMut(&Utf8Path) -> Sources) -> Vec<Folder> {
     let trust = Arc::new(Trust::of(unit));
     let mut by_file: BTreeMap<Utf8PathBuf, Vec<u32>> = BTreeMap::new();
@@ -138,17 +138,17 @@ pub fn folders(unit: &UnitResult, sources: &mut dyn FnMut(&Utf8Path) -> Sources)
     by_file.into_iter().map(folder).collect()
 }
 
-/// Whether the sources disagree with a finding about a specification: they raise an exception that no `throw`
-/// names. `text`: of the file of the finding.
+/// True if the sources disprove a finding about a specification: they raise an exception that is in no
+/// `throw` list. `text`: the text of the finding's file.
 pub fn is_refuted(finding: &Diagnostic, text: &str, sources: &Sources) -> bool {
     let name = text.get(finding.range.clone()).unwrap_or_default();
     finding.code == NEVER_THROWN && !name.is_empty() && sources.mention(name)
 }
 
-/// The finding that an exception is thrown nowhere.
+/// The code of the finding that an exception is never thrown.
 pub const NEVER_THROWN: &str = "unused/exception";
 
-/// Specifications in one folder share its codels: each learns the names that the others use.
+/// Adds to each folder the codel names of the other specifications in the same folder.
 pub fn share_names(folders: &mut [Folder]) {
     let mut names: FxHashMap<Utf8PathBuf, FxHashSet<Name>> = FxHashMap::default();
     for folder in folders.iter() {
@@ -165,18 +165,18 @@ pub fn share_names(folders: &mut [Folder]) {
     }
 }
 
-/// Comments that allow what no finding is, in specifications and sources. `compared` are folders with
-/// all they differ in, allowed or not.
+/// Comments that allow findings which do not occur, in specifications and sources. `compared` has folders
+/// with all their differences, allowed or not.
 ///
 /// # Errors
-/// When the answer is not wanted any more.
+/// The query was cancelled.
 pub fn unused_allowances(
     compared: &[(&Folder, &[Drift])],
     analysis: &Analysis,
 ) -> Cancellable<Vec<Diagnostic>> {
     let mut out: Vec<Diagnostic> = Vec::new();
     let known = DriftCode::ALL.map(DriftCode::as_str);
-    // What is not seen completely may have what a comment allows.
+    // A folder that is not completely read may contain the finding that a comment allows.
     let seen = |it: &Folder| it.sources.exists && !it.sources.incomplete;
     let compared = || compared.iter().filter(|it| seen(it.0));
     for (folder, findings) in compared() {
@@ -192,7 +192,7 @@ pub fn unused_allowances(
                     found.code.as_str() == it.code
                         && place.is_some_and(|at| it.scope.contains(&at.range.start))
                 };
-                // A function that no specification here names may be the business of another.
+                // A function that none of these specifications names may belong to another one.
                 let speaks = it.code.starts_with(CODEL) && names(&expected, &it.function.name);
                 if !speaks
                     || analysis.is_off(it.code)?

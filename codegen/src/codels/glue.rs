@@ -1,10 +1,10 @@
 //! The glue between the codels of a component and a host that runs them: one source in the language of the
 //! codels, compiled with them into one shared object.
 //!
-//! It holds what a server would hold (the ids, the parameters of the activities, the data of the ports) and
-//! calls the codels as their prototypes want it. A host calls six C functions, told by [`ENTRIES`];
-//! services, codels and ports have the numbers they have in the model. How values cross says the head of
-//! `glue/prelude.h`; [`value`](super::value) reads and writes the same bytes.
+//! It contains the data of a server (the ids, the parameters of the activities, the data of the ports) and
+//! calls the codels by their prototypes. A host calls the six C functions in [`ENTRIES`]. Services, codels
+//! and ports have the numbers of the model. The head of `glue/prelude.h` describes how values are passed;
+//! [`value`](super::value) reads and writes the same bytes.
 
 mod calls;
 mod ports;
@@ -23,14 +23,14 @@ const PRELUDE_C: &str = include_str!("glue/prelude_c.h");
 
 /// Names of the functions that a host calls:
 ///
-/// - `int make(service, instance, bytes, size)`: an activity or a request begins, with these inputs; not 0
-///   when the bytes are not such inputs;
-/// - `void run(codel, instance, struct { bytes, size, room } *)`: runs a codel and adds what came of it;
-/// - `void end(service, instance, buffer)`: adds the outputs, and forgets them;
-/// - `board *share(port, id, board *)`: where the data of an input port is from now on (`struct glue_board`);
-///   returns where it was;
-/// - `void drop(buffer)`: forgets the bytes of a buffer;
-/// - `void asks(function)`: what calls services of other components (`glue_asks`).
+/// - `int make(service, instance, bytes, size)`: begins an activity or a request, with these inputs; not 0 if
+///   the bytes are not valid inputs;
+/// - `void run(codel, instance, struct { bytes, size, room } *)`: runs a codel and appends its result;
+/// - `void end(service, instance, buffer)`: appends the outputs, and frees them;
+/// - `board *share(port, id, board *)`: sets the new address of the data of an input port (`struct
+///   glue_board`); returns the previous one;
+/// - `void drop(buffer)`: frees the bytes of a buffer;
+/// - `void asks(function)`: sets the function that calls services of other components (`glue_asks`).
 ///
 /// All numbers are `uint32_t`, sizes `size_t`.
 pub const ENTRIES: [&str; 6] = [
@@ -42,11 +42,10 @@ pub const ENTRIES: [&str; 6] = [
     "dotgen_glue_asks",
 ];
 
-/// The source. Codels of the functions that are `missing` are not called: whoever hosts the component must
-/// not run them.
+/// The source. Codels of the functions in `missing` are not called: the host must not run them.
 ///
 /// # Errors
-/// Something of the component has no mapping to the language.
+/// A declaration of the component has no mapping to the language.
 pub fn source(expected: &Expected<'_>, missing: &FxHashSet<Name>) -> LangResult {
     let mut glue = Glue {
         missing,
@@ -93,9 +92,9 @@ struct Glue<'a, 'e> {
     mapper: Mapper<'a>,
     expected: &'e Expected<'a>,
     missing: &'e FxHashSet<Name>,
-    /// Numbers of the types that cross, by type without aliases.
+    /// Numbers of the types that are passed, by type without aliases.
     numbers: FxHashMap<TypeId, usize>,
-    /// Those types; a type stands before what it is made of.
+    /// Those types, each before the types it contains.
     order: Vec<TypeId>,
 }
 
@@ -108,7 +107,7 @@ impl<'a> Glue<'a, '_> {
         self.mapper.final_kind(ty)
     }
 
-    /// The number of a type, with those of all that it is made of.
+    /// The number of a type, which also numbers the types it contains.
     fn number(&mut self, ty: TypeId) -> usize {
         let ty = self.expected.spec.resolve_alias(ty);
         if let Some(&known) = self.numbers.get(&ty) {
@@ -140,7 +139,7 @@ impl<'a> Glue<'a, '_> {
         known.ok_or_else(|| LangError::error("a type has no place in the glue"))
     }
 
-    /// What a parameter of a codel refers to, as a variable.
+    /// The object that a parameter of a codel refers to, as a variable.
     fn variable(&self, param: &Param) -> LangResult {
         let (base, _) = param_types(self.expected.spec, self.expected.component, param);
         let member = || self.mapper.member_path(base, &param.path);

@@ -1,8 +1,8 @@
-//! What a C or C++ compiler needs to read codels without a build: the mapped types of the
-//! component, minimal `genom3` headers, and the flags that lead to them (for clangd).
+//! The headers with which a C or C++ compiler reads codels without a build: the mapped types of the
+//! component, minimal `genom3` headers, and the flags that find them (for clangd).
 //!
-//! The `genom3` headers declare what the C and C++ mappings refer to; they are our own, written from
-//! the description, and stand in for an installation in editors and tests only.
+//! The `genom3` headers declare the names that the C and C++ mappings use. They are written from the
+//! description for dotgen, and replace an installation only in editors and tests.
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::model::TypeId;
@@ -43,7 +43,8 @@ pub const RUNTIME: [(&str, &str); 7] = [
     ),
 ];
 
-/// What compilers of C++ take so that `and`, `or` and the like may be names, as modules of GenoM3 have them.
+/// The flag with which C++ compilers accept `and`, `or` and similar words as names. Modules of GenoM3 may
+/// have such names.
 const CXX_NAMES: &str = "-fno-operator-names";
 
 /// Words that are operators in C++.
@@ -63,9 +64,8 @@ pub(super) fn flags_of_names(expected: &Expected<'_>) -> Option<String> {
 /// Name of the folder with the `genom3` headers.
 const INCLUDE: &str = "include";
 
-/// The headers of a component and `compile_flags.txt`, by path below `folder` (the absolute path of
-/// the folder they are going to). `flags` are further flags of the compiler: those of required
-/// packages, say.
+/// The headers of a component and `compile_flags.txt`, by path below `folder` (the absolute path of their
+/// destination). `flags` are further flags of the compiler, such as those of required packages.
 pub fn headers(
     expected: &Expected<'_>,
     folder: &Utf8Path,
@@ -98,7 +98,7 @@ pub fn headers(
     Ok(out)
 }
 
-/// The flags by which compilers find the headers of a folder, and those beside the codels.
+/// The flags by which compilers find the headers of a folder, and those next to the codels.
 pub(super) fn include_flags(folder: &Utf8Path, codels: &Utf8Path) -> Vec<String> {
     let mut out = vec![
         format!("-I{}", folder.join(INCLUDE)),
@@ -109,13 +109,13 @@ pub(super) fn include_flags(folder: &Utf8Path, codels: &Utf8Path) -> Vec<String>
     out
 }
 
-/// The mapped types and the prototypes of the codels, as `genom3 mappings --signature` gives them
-/// but for the `#line` marks.
+/// The mapped types and the prototypes of the codels, as in `genom3 mappings --signature` without the `#line`
+/// marks.
 pub fn types(expected: &Expected<'_>) -> Result<String, LangError> {
     let all = (0..expected.spec.types.len() as u32).map(|it| MapObject::Type(TypeId(it)));
     let all: Vec<MapObject> = all.collect();
     let mut out = opaque_types(expected) + &expected.mapper().mapping(&all, false)?;
-    // The mapping includes what its own text needs; the prototypes may need more.
+    // The mapping includes the headers for its own text; the prototypes may need more.
     let runtime: &[&str] = match expected.language {
         Language::Cxx => &[
             "<cerrno>",
@@ -152,8 +152,8 @@ pub fn types(expected: &Expected<'_>) -> Result<String, LangError> {
     Ok(out)
 }
 
-/// Declarations of the types of which only the name is known. They have a body, since others have members of
-/// them.
+/// Declarations of the types whose definition is unknown. They have a body, because other types have members
+/// of them.
 fn opaque_types(expected: &Expected<'_>) -> String {
     let spec = expected.spec;
     let mapper = expected.mapper();
@@ -199,7 +199,7 @@ fn opaque_types(expected: &Expected<'_>) -> String {
     out
 }
 
-/// What `configure` would write: the identity of the package.
+/// The text that `configure` would write: the identity of the package.
 fn configuration(expected: &Expected<'_>) -> String {
     let component = expected.component();
     let name = &component.name;

@@ -18,18 +18,18 @@ pub struct Hosted {
     pub component: u32,
     /// The glue, by absolute path.
     pub glue: NewFile,
-    /// Compiles the glue.
+    /// The step that compiles the glue.
     pub compile: Step,
-    /// After this and all steps of the plan.
+    /// The step that links, after this one and all steps of the plan.
     pub link: Step,
-    /// Codels that it does not have: no source defines their functions.
+    /// Codels that it lacks, because no source defines their functions.
     pub missing: FxHashSet<Name>,
 }
 
-/// What is to be built besides a plan, for each component of its folder.
+/// The additional steps to a plan, for each component of its folder.
 ///
 /// # Errors
-/// Something of a component has no mapping to its language.
+/// A declaration of a component has no mapping to its language.
 pub fn hosted(
     folder: &Folder,
     plan: &Plan,
@@ -54,7 +54,7 @@ pub fn hosted(
         let codels = &folder.sources.folder;
         let mut command = compiler.clone();
         command.extend(headers::flags_of_names(expected));
-        // What there is to say about the glue is nothing that its user could mend.
+        // A user cannot fix the causes of warnings in the glue.
         let level = tools.optimization.flag();
         let flags = ["-c", "-fPIC", "-g", level, "-w", "-MMD", "-MF"];
         command.extend(flags.map(str::to_owned));
@@ -73,7 +73,7 @@ pub fn hosted(
         inputs.push(object);
         let linker = match is_cxx {
             true => tools.cxx.clone(),
-            // The linker of the plan knows whether there is C++ among the sources.
+            // The linker of the plan depends on C++ sources in the folder.
             false => {
                 let words = plan.link.command.iter();
                 words.take_while(|it| *it != "-shared").cloned().collect()

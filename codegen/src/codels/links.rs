@@ -1,4 +1,4 @@
-//! From codels to functions and back, for navigation.
+//! Links from codels to functions and back, for navigation.
 
 use std::ops::Range;
 
@@ -12,8 +12,8 @@ use super::{
     source::{Function, Grammar, SourceIndex, mentions},
 };
 
-/// Functions that implement a codel: their names' places. More than one with conditional
-/// compilation.
+/// The places of the names of functions that implement a codel. With conditional compilation there may be
+/// several.
 pub fn implementations(sources: &Sources, codel: &str) -> Vec<SourcePlace> {
     let files = sources.all();
     files
@@ -40,8 +40,8 @@ pub fn references(sources: &Sources, codel: &str) -> Vec<SourcePlace> {
         .collect()
 }
 
-/// Where to write in the function of a codel in the text of a file: the first line between its braces,
-/// without the blanks around it; behind the opening brace if there is none.
+/// The place for the cursor in the function of a codel in the text of a file: the first line between its
+/// braces, without leading and trailing blanks. If there is no such line, the place after the opening brace.
 pub fn body_start(path: &Utf8Path, text: &str, codel: &str) -> Option<Range<usize>> {
     let index = SourceIndex::new(text, Grammar::of_path(path.as_str())?);
     let function = index.definitions(codel).next()?;
@@ -70,7 +70,7 @@ pub struct CodelFunction {
     pub codels: Vec<(u32, CodelRef)>,
 }
 
-/// Functions of a file that implement codels, in text order: where code lenses go.
+/// Functions of a file that implement codels, in text order, for code lenses.
 pub fn codel_functions(
     all: &[Expected<'_>],
     sources: &Sources,
@@ -101,7 +101,7 @@ fn codel_function(all: &[Expected<'_>], function: &Function) -> Option<CodelFunc
     })
 }
 
-/// The codel whose function is around or called at an offset of a source.
+/// The codel whose function contains, or is called at, an offset of a source.
 pub fn codel_at(
     all: &[Expected<'_>],
     sources: &Sources,

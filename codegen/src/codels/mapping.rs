@@ -1,4 +1,4 @@
-//! The mapped types of a component as one text, for those who read declarations.
+//! The mapped types of a component as one text, for readers of declarations.
 
 use dotgen_analysis::model::TypeId;
 
@@ -6,11 +6,11 @@ use super::expected::Expected;
 use super::source::Grammar;
 use crate::lang::{LangError, Language, MapObject};
 
-/// All mapped types of the specification without what only a compiler needs.
+/// All mapped types of the specification, without text that only a compiler needs.
 pub(crate) fn types(expected: &Expected<'_>) -> Result<String, LangError> {
     let all = (0..expected.spec.types.len() as u32).map(|it| MapObject::Type(TypeId(it)));
     let out = expected.mapper().mapping(&all.collect::<Vec<_>>(), false)?;
-    // A macro that the grammars would take for the declared name.
+    // The grammars would take this macro for the declared name.
     let blank = " ".repeat("genom_extern_weak".len());
     Ok(out.replace("genom_extern_weak", &blank))
 }

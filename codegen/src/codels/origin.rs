@@ -1,4 +1,4 @@
-//! From a name in a source to the declaration in the specification that the name stands for.
+//! The declaration in the specification for a name in a source.
 
 use std::ops::Range;
 
@@ -14,21 +14,21 @@ use super::source::place::{opened, qualifiers};
 use super::source::types::{Scope, Types, scopes};
 use super::source::{ctype::declared_name, parse};
 
-/// The structure with the data of an exception has the name of the exception, and this.
+/// Suffix of the name of the structure with the data of an exception.
 const DETAIL: &str = "_detail";
 
-/// A name in a source, and what it stands for.
+/// A name in a source, and the declarations it refers to.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Origin {
     /// The place of the name in the source, in bytes.
     pub range: Range<usize>,
-    /// The places of its declarations: a function may be several codels, each with its own parameters.
+    /// The places of its declarations: a function may implement several codels, each with its own parameters.
     pub declared: Vec<Src>,
 }
 
-/// What the name at an offset of a source stands for: a member, type, exception, enumerator or constant, a
-/// state, a codel, or a parameter of a codel. `None` for any other name, and where the type of what a member
-/// belongs to is not known.
+/// The declarations of the name at an offset of a source: a member, type, exception, enumerator or constant,
+/// a state, a codel, or a parameter of a codel. `None` for any other name, and for a member of a value whose
+/// type is unknown.
 pub fn origin(
     expected: &Expected<'_>,
     sources: &Sources,
@@ -89,7 +89,7 @@ impl<'a> Lookup<'a> {
         let mut types = Types::default();
         let mapped = mapping::types(self.expected).ok()?;
         types.read(&mapped, mapping::grammar(self.expected));
-        // Other sources are not visible to this one.
+        // Other sources are not visible in this one.
         let headers = sources.headers.iter();
         for file in headers.chain([self.file]) {
             types.read(&file.text, file.index.grammar);
@@ -177,8 +177,7 @@ impl<'a> Lookup<'a> {
         false
     }
 
-    /// What the name may be in full: as it is written, in the scopes around it, and in those that the file
-    /// opens.
+    /// The possible full names: as written, in the enclosing scopes, and in the scopes that the file opens.
     fn spellings(&self, path: &[SmolStr], root: Node<'a>) -> Vec<SmolStr> {
         let full = |around: &[SmolStr]| {
             let mut all = around.to_vec();
@@ -219,7 +218,7 @@ impl<'a> Lookup<'a> {
         named.next().map(|it| it.1.src).into_iter().collect()
     }
 
-    /// Where the state of an event is declared: the codel that it triggers, first in the service of the
+    /// The declaration of an event's state: the codel that the event triggers, first in the service of the
     /// function around the name.
     fn state(&self, event: TypeId) -> Option<Src> {
         let component = self.expected.component();

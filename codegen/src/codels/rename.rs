@@ -1,10 +1,10 @@
-//! A new name in the specification, carried into the C and C++ sources and the files of the build.
+//! Renames in the C and C++ sources and the build files, after a rename in the specification.
 //!
-//! What gets another name there is read from the whole mapping before and after (`names`), so that
-//! whatever the mapping makes of a name is followed: events, exceptions with their details, types,
-//! enumerators, prototypes, ports. Names of the mapping are renamed token by token in the parsed
-//! sources, members only where the type of what they are reached from is known
-//! (`super::source::types`). What cannot be told apart stays, and is listed.
+//! The renamed names are found by a comparison of the whole mapping before and after (`names`), so that every
+//! name derived by the mapping is covered: events, exceptions with their details, types, enumerators,
+//! prototypes, ports. Names of the mapping are renamed token by token in the parsed sources. A member is
+//! renamed only if the type of its value is known (`super::source::types`). Ambiguous names are unchanged,
+//! and listed.
 
 mod build;
 mod names;
@@ -32,12 +32,12 @@ use super::{
 
 pub use names::NoNames;
 
-/// Edits of sources and build files that go with a new name.
+/// Edits of sources and build files for a rename.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Renaming {
-    /// What is certain.
+    /// The certain edits.
     pub edit: Edit,
-    /// What may be meant and stays, by file and line.
+    /// The ambiguous places, which are unchanged, by file and line.
     pub left: Vec<Left>,
 }
 
@@ -48,20 +48,20 @@ pub struct Left {
     pub path: Utf8PathBuf,
     /// Line, from 1.
     pub line: usize,
-    /// The old name that stands there.
+    /// The old name at this place.
     pub name: SmolStr,
-    /// Why it stays.
+    /// The reason why it is unchanged.
     pub why: Why,
 }
 
-/// Why a mention stays.
+/// A reason why a mention is unchanged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Why {
-    /// A member of something whose type is not known.
+    /// A member of a value whose type is unknown.
     Receiver,
-    /// Another thing of that name is declared in the sources.
+    /// The sources have another declaration of that name.
     Homonym,
-    /// In the text of a macro, where it has no type or is built of parts.
+    /// In the text of a macro, where types are unknown and names may be built of parts.
     Macro,
     /// In a string or character.
     String,
@@ -85,12 +85,12 @@ impl fmt::Display for Left {
     }
 }
 
-/// Why sources cannot follow.
+/// A reason why the sources cannot be renamed.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Refused {
-    /// The new names cannot be made out.
+    /// The new names cannot be determined.
     Names(NoNames),
-    /// The sources declare something of a new name.
+    /// The sources already declare a new name.
     Taken {
         /// The name.
         name: SmolStr,
@@ -113,11 +113,11 @@ impl fmt::Display for Refused {
 
 impl std::error::Error for Refused {}
 
-/// The edits of the sources of a folder, whose unit is going to be `after`. Nothing when no name of
-/// the sources changes.
+/// The edits of the sources of a folder, whose unit is going to be `after`. Empty if no name in the sources
+/// changes.
 ///
 /// # Errors
-/// When the sources cannot follow; then nothing of the rename should be done.
+/// The sources cannot be renamed. The rename should then not be made at all.
 pub fn rename(folder: &Folder, after: &UnitResult, texts: &dyn Files) -> Result<Renaming, Refused> {
     let mut out = Renaming::default();
     if !folder.sources.exists {
@@ -156,7 +156,7 @@ pub fn rename(folder: &Folder, after: &UnitResult, texts: &dyn Files) -> Result<
     Ok(out)
 }
 
-/// No source declares something that something else is going to be called.
+/// Checks that no source declares one of the new names.
 fn check_free(folder: &Folder, names: &Names) -> Result<(), Refused> {
     for ((scopes, _), to) in &names.globals {
         let free = |file: &&IndexedFile| {
@@ -231,7 +231,7 @@ impl<'a> File<'a> {
         });
     }
 
-    /// One node; says whether to go inside.
+    /// Renames in one node. Returns true if its children have to be visited.
     fn node(&mut self, node: Node<'_>, scope: &Scope<'_>, open: &[Vec<SmolStr>]) -> bool {
         let span = node.byte_range();
         match node.kind() {
@@ -249,7 +249,7 @@ impl<'a> File<'a> {
                 let generated = |it: &&super::source::Comment| it.generated.is_some();
                 let inside = |it: &super::source::Comment| it.span.contains(&span.start);
                 if !all.by_ref().filter(generated).any(inside) {
-                    // That of a codel whose function is written elsewhere stands alone.
+                    // The comment of a codel stands alone if its function is in another file.
                     match comment::generated(&self.file.text, &span) {
                         Some(generated) => self.generated(&generated),
                         None => self.prose(&span, Why::Comment),
@@ -275,19 +275,20 @@ impl<'a> File<'a> {
         true
     }
 
-    /// Whether any source declares a name outside functions.
+    /// True if any source declares a name outside functions.
     fn declares(&self, name: &str) -> bool {
         self.file.index.names.contains(name)
     }
 
-    /// Whether an identifier may be a name of the mapping: not a variable, and not the name that is declared.
+    /// True if an identifier may be a name of the mapping: it is neither a variable, nor the name of a
+    /// declaration.
     fn may_be_mapped(&self, node: Node<'_>, scope: &Scope<'_>, path: &[SmolStr]) -> bool {
         let name = self.text(&node.byte_range());
         let variable = node.kind() == "identifier" && scope.has(name);
         !path.is_empty() || !variable && !names_parameter(node)
     }
 
-    /// The new name of an identifier that is no member, by the scopes that are written or stand around it.
+    /// The new name of an identifier that is not a member, by its written and enclosing scopes.
     fn global(&self, node: Node<'_>, scope: &Scope<'_>) -> Option<SmolStr> {
         let name: SmolStr = self.text(&node.byte_range()).into();
         if !self.names.globals.keys().any(|it| it.1 == name) {
@@ -339,7 +340,7 @@ impl<'a> File<'a> {
                 ty.and_then(|it| self.types.structure_of(&it))
             }
             "field_designator" => scope.designated(parent),
-            // The member of a structure of the sources themselves.
+            // A member of a structure that the sources declare.
             "field_declaration" => return,
             kind if kind.ends_with("declarator") => return,
             _ => None,
@@ -354,7 +355,7 @@ impl<'a> File<'a> {
         }
     }
 
-    /// A parameter that is named as the specification names it follows, unless the new name is in use.
+    /// Renames a parameter that has its name in the specification, unless the new name is in use.
     fn parameters(&mut self, function: Node<'_>) {
         let start = function.start_byte();
         let mut all = self.file.index.functions.iter();
@@ -395,7 +396,8 @@ impl<'a> File<'a> {
         }
     }
 
-    /// The text of a macro has no types: names of the mapping follow, all else is listed.
+    /// Renames names of the mapping in the text of a macro, and lists all others, because the text has no
+    /// types.
     fn macro_text(&mut self, span: &Span) {
         let text = self.text(span);
         for word in words(text) {
@@ -435,7 +437,7 @@ impl<'a> File<'a> {
         }
     }
 
-    /// A name of the mapping, scopes included, as it is spelled afterwards; `None` when it stays.
+    /// The new spelling of a name of the mapping, scopes included; `None` if it is unchanged.
     fn respelled(&self, word: &str) -> Option<String> {
         let (colons, path) = match word.strip_prefix("::") {
             Some(path) => ("::", path),
@@ -457,7 +459,8 @@ impl<'a> File<'a> {
         changed.then(|| format!("{colons}{spelled}"))
     }
 
-    /// The comment of the skeleton: codel and owner, and the events and exceptions of its sentences.
+    /// Renames in the comment of the skeleton: codel and owner, and the events and exceptions of its
+    /// sentences.
     fn generated(&mut self, generated: &Generated) {
         let header = self.text(&generated.header);
         let all: Vec<(usize, &str)> = spelled(header).collect();
@@ -483,18 +486,18 @@ impl<'a> File<'a> {
     }
 }
 
-/// Words of prose with their places; scopes belong to a word.
+/// Words of prose with their places; a word includes its scopes.
 fn spelled(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let part = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
     let words = text.split(move |c| !part(c)).filter(|it| !it.is_empty());
-    // Each is a part of `text`, so the distance is its place.
+    // Each word is a part of `text`, so the distance is its place.
     words.map(move |it| {
         let it = it.trim_end_matches(':');
         (it.as_ptr() as usize - text.as_ptr() as usize, it)
     })
 }
 
-/// The lines that tell what stays, at most so many of them.
+/// The lines that list the unchanged places, at most `most` of them.
 pub fn listed(left: &[Left], most: usize, root: &Utf8Path) -> String {
     let short = |it: &Left| Left {
         path: it.path.strip_prefix(root).unwrap_or(&it.path).to_owned(),

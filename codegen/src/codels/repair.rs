@@ -1,4 +1,4 @@
-//! Turns repairs into text edits on either side. Nothing is written: the caller shows the edits.
+//! Text edits for repairs, on either side. Nothing is written: the caller shows the edits.
 
 mod declare;
 mod signature;
@@ -20,21 +20,21 @@ use super::{
     stub::{StubOptions, Stubs},
 };
 
-/// Everything that edits of one component are made from.
+/// The data for the edits of one component.
 pub struct Repairs<'a> {
-    /// The specification's side.
+    /// The functions that the specification requires.
     pub expected: &'a Expected<'a>,
-    /// The other side.
+    /// The sources.
     pub sources: &'a Sources,
     /// Places of the specification.
     pub locations: &'a dyn Locations,
     /// Texts of the files of the specification.
     pub text: &'a dyn Files,
-    /// How stubs are written.
+    /// The options for stubs.
     pub stubs: &'a StubOptions,
 }
 
-/// Other names in a source.
+/// The edit for new names in a source.
 fn respelled(names: &Respelling) -> Edit {
     let mut edit = Edit::default();
     for (range, text) in &names.places {
@@ -44,7 +44,7 @@ fn respelled(names: &Respelling) -> Edit {
 }
 
 impl Repairs<'_> {
-    /// What a repair does, in the imperative.
+    /// The description of a repair, in the imperative.
     pub fn title(&self, repair: &Repair) -> String {
         let component = self.expected.component();
         match repair {
@@ -100,7 +100,7 @@ impl Repairs<'_> {
         }
     }
 
-    /// The edits of a repair; `None` when the place for them cannot be made out.
+    /// The edits of a repair; `None` if their place cannot be determined.
     pub fn edit(&self, repair: &Repair) -> Option<Edit> {
         match repair {
             Repair::Stub { at } => self.stub(&[*at]).ok(),
@@ -133,8 +133,8 @@ impl Repairs<'_> {
         }
     }
 
-    /// The repairs of a finding, the best first. Where some change what the specification allows and others
-    /// what the code does, the side that was changed last is meant: the other one follows it.
+    /// The repairs of a finding, the best first. If some change the specification and others change the
+    /// behaviour of code, the side that was changed last is taken as correct, and the other side is adapted.
     pub fn ordered<'d>(&self, drift: &'d Drift) -> Vec<&'d Repair> {
         let mut out: Vec<&Repair> = drift.repairs.iter().collect();
         let code = out.iter().filter(|it| it.changes_code()).count();
@@ -144,7 +144,7 @@ impl Repairs<'_> {
         out
     }
 
-    /// Whether the specification has been changed after the source.
+    /// True if the specification was changed later than the source.
     fn specification_is_newer(&self, drift: &Drift) -> bool {
         let specification = drift.spec.first().and_then(|it| self.locations.locate(*it));
         let changed = |it: &Utf8Path| self.text.changed(it);
@@ -159,7 +159,7 @@ impl Repairs<'_> {
         edit.merge(self.rename_function(from, to)).then_some(edit)
     }
 
-    /// Codels of the component that have no function.
+    /// Codels of the component without a function.
     pub fn missing(&self) -> Vec<CodelRef> {
         let functions = self.expected.functions.iter();
         let missing = functions.filter(|it| {
@@ -169,21 +169,21 @@ impl Repairs<'_> {
         missing.filter_map(|it| it.uses.first().copied()).collect()
     }
 
-    /// Codels of one task or service that have no function.
+    /// Codels of one task or service without a function.
     pub fn missing_of(&self, owner: Owner) -> Vec<CodelRef> {
         let mut all = self.missing();
         all.retain(|it| it.owner == owner);
         all
     }
 
-    /// The file that a stub of a codel goes to.
+    /// The file for the stub of a codel.
     pub fn stub_file(&self, at: CodelRef) -> Utf8PathBuf {
         let wanted = self.skeleton_file(at);
         let same = |it: &&IndexedFile| it.path.with_extension("") == wanted.with_extension("");
         if let Some(file) = self.sources.sources.iter().find(same) {
             return file.path.clone();
         }
-        // Where the others of its file are.
+        // The file with the other codels of its task.
         let component = self.expected.component();
         let others = component
             .all_codels()
@@ -206,7 +206,7 @@ impl Repairs<'_> {
             .join(path.file_name().unwrap_or_default())
     }
 
-    /// The options, with the language that the other sources have.
+    /// The options, with the language of the other sources.
     fn stub_options(&self) -> StubOptions {
         let mut files = self.sources.sources.iter();
         StubOptions {

@@ -1,21 +1,21 @@
-//! JSON Schema of types: what [`Values`] writes fits it.
+//! JSON Schema of types, for the output of [`Values`].
 
 use dotgen_analysis::model::{InitValue, Initializer, Param, PathElement, Spec, TypeId, TypeKind};
 use serde_json::{Map, Value, json};
 
 use super::value::Values;
 
-/// Levels of types within types before anything fits.
+/// Maximum depth of types within types; below it, the schema accepts any value.
 const DEPTH: usize = 64;
 
-/// The schema of the values of a type. Anything fits where a type is in itself.
+/// The schema of the values of a type. Where a type contains itself, the schema accepts any value.
 pub fn of_type(spec: &Spec, ty: TypeId) -> Value {
     schema(spec, ty, &mut Vec::new())
 }
 
-/// The schema of a parameter of a service: that of its type, with `description`, `unit` and `default`, of its
-/// members as well, as far as the specification has them. The unit is what ends a doc text in brackets:
-/// `Level to reach (m)`.
+/// The schema of a parameter of a service. It is the schema of its type, with `description`, `unit` and
+/// `default`, also for its members, if the specification contains them. The unit is the end of a doc text in
+/// brackets: `Level to reach (m)`.
 pub fn of_param(spec: &Spec, param: &Param) -> Value {
     let mut out = of_type(spec, param.ty);
     if let Some(init) = &param.init {
@@ -54,7 +54,8 @@ fn annotate(schema: &mut Value, init: &Initializer, values: Values<'_>) {
     }
 }
 
-/// A doc text, and the unit that it ends with: in brackets, and without blanks, which remarks have.
+/// A doc text, and the unit at its end. A unit is in brackets and without blanks; a text with blanks is a
+/// remark.
 fn with_unit(doc: &str) -> (&str, Option<&str>) {
     let doc = doc.trim();
     let close = match doc.chars().last() {
@@ -101,11 +102,11 @@ fn of_kind(spec: &Spec, ty: TypeId, around: &mut Vec<TypeId>) -> Value {
         TypeKind::UnsignedLong => whole(0, u32::MAX.into()),
         TypeKind::LongLong => whole(i64::MIN, i64::MAX as u64),
         TypeKind::UnsignedLongLong => whole(0, u64::MAX),
-        // A float that is none is `null`.
+        // A float that is NaN or infinite is `null`.
         TypeKind::Float | TypeKind::Double => json!({"type": ["number", "null"]}),
         TypeKind::Enum { enumerators } => {
             let names: Vec<String> = enumerators.iter().map(|&it| name(it)).collect();
-            // A number that is none of them stays one.
+            // A number that is not an enumerator remains a number.
             json!({"anyOf": [{"type": "string", "enum": names}, whole(0, u32::MAX.into())]})
         }
         TypeKind::String { .. } => json!({"type": "string"}),
@@ -137,7 +138,7 @@ fn of_kind(spec: &Spec, ty: TypeId, around: &mut Vec<TypeId>) -> Value {
             })
         }
         TypeKind::Union { switch, members } => {
-            // `_d` says which of the others is there.
+            // `_d` selects the other member.
             let switch = ("_d".to_owned(), schema(spec, *switch, around));
             let all = members
                 .iter()

@@ -1,9 +1,9 @@
-//! One C or C++ text as far as codels are concerned: its functions, what they return and raise, and
-//! the names it declares.
+//! A reader of one C or C++ text, for codels: its functions, their return values and exceptions, and the
+//! declared names.
 //!
-//! [`SourceIndex::new`] is a pure function of the text. It never fails: what does not parse is left
-//! out, and everything is marked that keeps a reader from knowing ([`Body::broken`],
-//! [`Function::known`], [`Value::Unknown`], [`SourceIndex::loose`]).
+//! [`SourceIndex::new`] is a pure function of the text, and it never fails. Text that cannot be parsed is
+//! skipped, and every part about which something is unknown is marked ([`Body::broken`], [`Function::known`],
+//! [`Value::Unknown`], [`SourceIndex::loose`]).
 
 mod body;
 pub(crate) mod comment;
@@ -26,7 +26,7 @@ pub use ctype::{CType, Layer};
 /// Byte offsets of start and end.
 pub type Span = Range<usize>;
 
-/// Longer texts are not read: no one wrote them by hand.
+/// Maximum length of a text in bytes; longer texts are generated and not read.
 const MAX_LEN: usize = 8 << 20;
 
 /// The grammar a text is read with.
@@ -48,19 +48,19 @@ impl Grammar {
     }
 }
 
-/// What one text holds.
+/// The content of one text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SourceIndex {
-    /// How it was read.
+    /// The grammar it was read with.
     pub grammar: Grammar,
     /// Definitions and prototypes, in text order.
     pub functions: Vec<Function>,
-    /// Macros it defines.
+    /// The macros it defines.
     pub macros: Vec<Macro>,
     /// Types, variables and functions declared outside functions.
     pub names: FxHashSet<SmolStr>,
-    /// Identifiers that stand outside functions where no declaration could be made out: arguments
-    /// of macros, and parts that do not parse. A function may hide behind each.
+    /// Identifiers outside functions that are not in a recognized declaration: arguments of macros, and parts
+    /// that cannot be parsed. Each may be the name of a function.
     pub loose: FxHashSet<SmolStr>,
     /// `#include` directives, in text order.
     pub includes: Vec<Include>,
@@ -69,7 +69,7 @@ pub struct SourceIndex {
 /// `#include "path"`
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Include {
-    /// Without the quotes or angle brackets.
+    /// The path without the quotes or angle brackets.
     pub path: String,
     /// The directive.
     pub span: Span,
@@ -80,9 +80,9 @@ pub struct Include {
 pub struct Macro {
     /// Its name.
     pub name: SmolStr,
-    /// It may leave the function that uses it.
+    /// True if it may leave the function that uses it.
     pub returns: bool,
-    /// It builds names with `##`.
+    /// True if it builds names with `##`.
     pub pastes: bool,
 }
 
@@ -96,7 +96,7 @@ pub struct Function {
     /// Enclosing namespaces, classes and qualifiers, outermost first; an anonymous namespace is
     /// empty.
     pub scope: Vec<SmolStr>,
-    /// In an `extern "C"` block.
+    /// True in an `extern "C"` block.
     pub extern_c: bool,
     /// `static`
     pub is_static: bool,
@@ -104,11 +104,11 @@ pub struct Function {
     pub result: CType,
     /// In order; `(void)` is empty.
     pub parameters: Vec<Parameter>,
-    /// Ends with `...`.
+    /// True if the list ends with `...`.
     pub variadic: bool,
-    /// The signature parsed without error.
+    /// True if the signature was parsed without an error.
     pub known: bool,
-    /// From the return type to the closing parenthesis: what a new signature replaces.
+    /// From the return type to the closing parenthesis: the part that a new signature replaces.
     pub signature_span: Span,
     /// The whole definition or declaration.
     pub span: Span,
@@ -129,14 +129,14 @@ pub struct Parameter {
     pub span: Span,
 }
 
-/// What a function does, as far as the state machine is concerned.
+/// The content of a function, as far as it concerns the state machine.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Body {
-    /// The braces and what is between them.
+    /// The braces and the text between them.
     pub span: Span,
-    /// It has syntax errors.
+    /// True if it has syntax errors.
     pub broken: bool,
-    /// It is the sample of the skeleton, still to be written.
+    /// True if it is the sample of the skeleton, still to be written.
     pub sample: bool,
     /// Every `return` with a value, in text order.
     pub returns: Vec<Return>,
@@ -144,14 +144,14 @@ pub struct Body {
     pub calls: Vec<Call>,
     /// Every `throw` of a named type, in text order (C++).
     pub throws: Vec<Throw>,
-    /// A `throw` of something else.
+    /// True if there is a `throw` of another expression.
     pub throws_unknown: bool,
     /// Every identifier.
     pub mentions: FxHashSet<SmolStr>,
-    /// Names used as values that the function does not declare, each at its first use. Left out are those
-    /// under a preprocessor's condition, and arguments of calls, which may be macros.
+    /// Names used as values that the function does not declare, each at its first use. Names under a
+    /// preprocessor condition, and arguments of calls, which may be macros, are absent.
     pub free: Vec<(SmolStr, Span)>,
-    /// Writes to what a parameter points to, where that is constant: its name, and the left side.
+    /// Writes through a parameter to constant data: the parameter's name, and the left side.
     pub constant_writes: Vec<(SmolStr, Span)>,
 }
 
@@ -160,27 +160,27 @@ pub struct Body {
 pub struct Return {
     /// The statement.
     pub span: Span,
-    /// What it may return: several for conditional expressions and variables.
+    /// The values it may return: several for conditional expressions and variables.
     pub values: Vec<Value>,
 }
 
-/// Something that a function may return.
+/// A value that a function may return.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Value {
     /// A name that is not a variable of the function.
     Name {
-        /// As written, scopes included.
+        /// The name as written, scopes included.
         name: SmolStr,
-        /// Where it is written.
+        /// Its place.
         span: Span,
-        /// It was put in a variable first: that it reaches the `return` is likely but not certain.
+        /// True if it was assigned to a variable first: it probably, but not certainly, reaches the `return`.
         variable: bool,
     },
     /// The result of a function or macro.
     Call {
         /// Index into [`Body::calls`].
         call: usize,
-        /// As in [`Value::Name`].
+        /// See [`Value::Name`].
         variable: bool,
     },
     /// Anything else.
@@ -190,24 +190,24 @@ pub enum Value {
 /// A call by name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Call {
-    /// As written, scopes included.
+    /// The name as written, scopes included.
     pub name: SmolStr,
-    /// The name.
+    /// The place of the name.
     pub span: Span,
     /// Number of arguments.
     pub arguments: usize,
-    /// The last argument, when it is a plain name.
+    /// The last argument, if it is a plain name.
     pub last: Option<SmolStr>,
-    /// It is a statement of its own.
+    /// True if it is a statement by itself.
     pub statement: bool,
 }
 
 /// `throw name(…)` or `throw name`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Throw {
-    /// As written, scopes included.
+    /// The name as written, scopes included.
     pub name: SmolStr,
-    /// The name.
+    /// The place of the name.
     pub span: Span,
 }
 
@@ -229,7 +229,7 @@ impl SourceIndex {
         index
     }
 
-    /// Definitions of a name that the linker sees under that name.
+    /// Definitions of a name that have this name for the linker.
     pub fn definitions<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Function> + 'a {
         self.functions
             .iter()
@@ -245,7 +245,7 @@ impl SourceIndex {
 }
 
 impl Function {
-    /// Its symbol is its plain name: it is in no namespace or class, or is `extern "C"`.
+    /// True if its symbol is its plain name: it is in no namespace or class, or is `extern "C"`.
     pub fn is_global(&self) -> bool {
         self.scope.is_empty() || self.extern_c
     }
@@ -286,8 +286,8 @@ pub(crate) fn parse(text: &str, grammar: Grammar) -> Option<tree_sitter::Tree> {
     parser.parse(without_attributes(text).as_ref(), None)
 }
 
-/// The text with blanks for each `__attribute__((…))`: compilers take them in more places than the
-/// grammars do, and nothing here depends on one.
+/// The text with blanks for each `__attribute__((…))`: compilers accept attributes in more places than the
+/// grammars, and nothing here depends on one.
 fn without_attributes(text: &str) -> Cow<'_, str> {
     const WORD: &str = "__attribute";
     let mut out = Cow::Borrowed(text);
@@ -302,10 +302,10 @@ fn without_attributes(text: &str) -> Cow<'_, str> {
             && !within
         {
             let end = text.len() - list.len() + length;
-            // Lines of a macro go on behind a backslash.
+            // Lines of a macro are continued after a backslash.
             let is_splice =
                 |at: usize| text[at..].starts_with("\\\n") || text[at..].starts_with("\\\r\n");
-            // A character of more than one byte becomes as many blanks.
+            // A character of several bytes becomes the same number of blanks.
             let blanks: String = text[start..end]
                 .char_indices()
                 .flat_map(|(at, letter)| {
@@ -320,11 +320,10 @@ fn without_attributes(text: &str) -> Cow<'_, str> {
     out
 }
 
-/// Longer lists of attributes are left as they are.
+/// Maximum length of a list of attributes in bytes; longer lists are unchanged.
 const LONGEST_ATTRIBUTE: usize = 1024;
 
-/// The length of the parentheses a text begins with; `None` where they do not close in the code
-/// that follows.
+/// The length of the parentheses at the start of a text; `None` if they are not closed in the following code.
 fn parenthesised(text: &str) -> Option<usize> {
     text.strip_prefix('(')?;
     let mut depth = 0_usize;
@@ -348,7 +347,7 @@ fn parenthesised(text: &str) -> Option<usize> {
     None
 }
 
-/// Visits a tree in text order without recursion; `enter` says whether to go inside.
+/// Visits a tree in text order without recursion; `enter` returns true if the children have to be visited.
 pub(crate) fn preorder<'t>(
     root: tree_sitter::Node<'t>,
     mut enter: impl FnMut(tree_sitter::Node<'t>) -> bool,

@@ -1,7 +1,7 @@
-//! Functions that have to be written: prototype, comment, and a body that returns a legal event.
+//! Stubs: prototype, comment, and a body that returns an allowed event.
 //!
 //! Layout, comments and file names are those of the `skeleton` template of the release of GenoM3 in use, so
-//! that its merge mode finds nothing to change.
+//! that its merge mode makes no changes.
 
 use camino::Utf8PathBuf;
 use dotgen_analysis::model::{CodelKind, CodelRef, Owner, Param, State};
@@ -11,15 +11,15 @@ use rustc_hash::FxHashMap;
 use super::expected::{Expected, owner_words};
 use crate::lang::{LangError, Language, text};
 
-/// How stubs are written.
+/// The options for stubs.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct StubOptions {
-    /// Put `(void)x;` for every parameter, so that the stub compiles without warning. The reference
+    /// Adds `(void)x;` for every parameter, so that the stub compiles without warnings. The reference
     /// skeleton does not.
     pub use_parameters: bool,
-    /// Compile C codels as C++: the files end in `.cc` (`skeleton -l c++`).
+    /// Compiles C codels as C++: the files end in `.cc` (`skeleton -l c++`).
     pub compile_as_cxx: bool,
-    /// Text of the comment that heads new files.
+    /// Text of the comment at the head of new files.
     pub notice: Option<String>,
 }
 
@@ -38,7 +38,7 @@ pub struct Stubs<'a> {
     options: &'a StubOptions,
 }
 
-/// What the head of a group of stubs is about.
+/// The subject of the heading of a group of stubs.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Group {
     Task(u32),
@@ -52,12 +52,12 @@ impl<'a> Stubs<'a> {
         Stubs { expected, options }
     }
 
-    /// The file of a codel: that of its task, or that of the control task.
+    /// The file of a codel: the file of its task, or of the control task.
     pub fn file_of(&self, at: CodelRef) -> Utf8PathBuf {
         let component = self.expected.component();
         let task = match at.owner {
             Owner::Task(task) => Some(task),
-            // Services without task belong to the control task, whatever their codels.
+            // Services without a task belong to the control task, whatever their codels.
             Owner::Service(service) => {
                 let validation = component.codel(at).kind == CodelKind::Validate;
                 component.services[service as usize]
@@ -82,11 +82,12 @@ impl<'a> Stubs<'a> {
     /// Every file of the component with all its stubs: one for each task, then that of the control
     /// task.
     pub fn all_files(&self) -> Result<Vec<NewFile>, LangError> {
-        // A function is written once only over all files.
+        // A function is written once, even if several files would contain it.
         self.files(&mut FxHashMap::default())
     }
 
-    /// The same with what has been written before: names of functions, and where they are.
+    /// The same files, after others: `written` has the names of functions that exist already, and their
+    /// files.
     pub(crate) fn files(
         &self,
         written: &mut FxHashMap<String, String>,
@@ -241,7 +242,7 @@ impl<'a> Stubs<'a> {
         format!("{word} {} of {kind} {owner}", codel.name)
     }
 
-    /// `Triggered by …`, `Yields to …`, `Throws …`: on lines of their own, without comment marks.
+    /// `Triggered by …`, `Yields to …`, `Throws …`, each on a separate line, without comment marks.
     pub fn comment_sentences(&self, at: CodelRef) -> String {
         let codel = self.expected.component().codel(at);
         let events = |all: &[State]| {
@@ -256,7 +257,7 @@ impl<'a> Stubs<'a> {
             .map(|&it| self.expected.spelling(it).to_string());
         let throws = throws.collect::<Vec<_>>().join(", ");
         let mut lines = Vec::new();
-        // Wrapped as the lines of the comment are, mark included.
+        // Wrapped as in the comment, with its mark included.
         let mut line = |text: String, indent: usize| {
             let prefix = format!(" * {}", " ".repeat(indent));
             let wrapped = text::wrap(&format!(" * {text}"), &prefix, " ", 70);
@@ -312,7 +313,7 @@ impl<'a> Stubs<'a> {
     }
 }
 
-/// The header with the mapped types that the codels of a component include.
+/// The header with the mapped types, which the codels of a component include.
 pub fn types_header(expected: &Expected<'_>) -> String {
     let name = &expected.component().name;
     match expected.language {

@@ -1,8 +1,8 @@
-//! What of a specification with errors can be relied on when it is compared with its codels.
+//! The reliable part of a specification with errors, for the comparison with its codels.
 //!
-//! An error leaves out what it is about: the codel in whose declaration it stands, or the exceptions of the
-//! task or service in which text was lost. What this machine lacks (packages, files) is no error of the text:
-//! see [`dotgen_analysis::model::gaps`].
+//! An error excludes its subject from the comparison: the codel whose declaration contains it, or the
+//! exceptions of the task or service in which text was skipped. Packages and files that are missing on this
+//! machine are not errors of the text: see [`dotgen_analysis::model::gaps`].
 
 use camino::Utf8PathBuf;
 use dotgen_analysis::codes::is_environment;
@@ -16,24 +16,24 @@ use std::sync::Arc;
 
 use super::expected::{Expected, ExpectedFunction};
 
-/// What can be relied on. The default is everything.
+/// The reliable part of a specification. By default it is the whole specification.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Trust {
-    /// Files or packages are missing on this machine.
+    /// True if files or packages are missing on this machine.
     pub lacks_files: bool,
-    /// A file ends in the middle of a declaration: more may follow.
+    /// True if a file ends inside a declaration: more text may follow.
     pub is_cut: bool,
-    /// Codels with errors of their own, by component.
+    /// Codels with errors in their declaration, by component.
     faulty: FxHashSet<(u32, CodelRef)>,
-    /// Tasks and services of which text was not understood, by component.
+    /// Tasks and services with text that could not be parsed, by component.
     broken: FxHashSet<(u32, Owner)>,
-    /// Text was not understood that may belong to components as a whole.
+    /// True if text that could not be parsed may belong to any component.
     all_broken: bool,
-    /// Words that may name what was not understood.
+    /// Words in the text that could not be parsed, which may be names.
     words: Arc<FxHashSet<Name>>,
 }
 
-/// What is reported of a text that ends too early.
+/// Codes of errors in incomplete text.
 const BREAKS_OFF: [&str; 5] = [
     "syntax-eof",
     "missing-yield",
@@ -47,7 +47,7 @@ struct Fault<'a> {
     path: &'a Utf8PathBuf,
     start: usize,
     end: usize,
-    /// Text around it may be lost.
+    /// True if text around it may have been skipped.
     loses_text: bool,
 }
 
@@ -58,7 +58,7 @@ impl Fault<'_> {
 }
 
 impl Trust {
-    /// What the errors of a unit leave.
+    /// The reliable part of a unit.
     pub fn of(unit: &UnitResult) -> Trust {
         let mut trust = Trust {
             lacks_files: unit.lacks_files(),
@@ -109,7 +109,7 @@ impl Trust {
             trust.all_broken |= around.is_empty() && !inside_codel;
             trust.broken.extend(around);
             if !inside_codel {
-                // What stands right before may break off here.
+                // The declaration before the error may be incomplete.
                 let before = codels.iter().filter(|it| it.2.path == *fault.path);
                 let before = before.filter(|it| it.2.range.end <= fault.start);
                 let last = before.clone().map(|it| it.2.range.end).max();
@@ -120,8 +120,8 @@ impl Trust {
         trust
     }
 
-    /// Leaves out the codels in whose declaration something was changed since: what they are to be is not
-    /// known yet. `changed` tells it of a place as of the unit.
+    /// Excludes the codels whose declaration was changed since, because their new declaration is not known
+    /// yet. `changed` returns true for a changed place of the unit.
     pub fn leave_out(&mut self, unit: &UnitResult, changed: &dyn Fn(&Location) -> bool) {
         for (index, component) in (0u32..).zip(&unit.spec.components) {
             for at in component.all_codels() {
@@ -133,24 +133,24 @@ impl Trust {
         }
     }
 
-    /// Whether the declaration of a codel has errors, in any of its uses.
+    /// True if the declaration of a codel has errors, in any of its uses.
     pub fn is_faulty(&self, expected: &Expected<'_>, function: &ExpectedFunction) -> bool {
         let mut uses = function.uses.iter();
         uses.any(|&at| self.faulty.contains(&(expected.component, at)))
     }
 
-    /// Whether a task or service of a codel, or its component, may say more than was understood.
+    /// True if a task or service of a codel, or its component, has text that could not be parsed.
     pub fn is_broken(&self, expected: &Expected<'_>, function: &ExpectedFunction) -> bool {
         let mut uses = function.uses.iter();
         self.all_broken || uses.any(|it| self.broken.contains(&(expected.component, it.owner)))
     }
 
-    /// Whether a member may be declared in what was not understood, or be still to come.
+    /// True if a member may be declared in text that could not be parsed, or in text that is still missing.
     pub fn may_have_member(&self, name: &str) -> bool {
         self.is_cut || self.may_declare(name)
     }
 
-    /// Whether a name may be declared in what was not understood.
+    /// True if a name may be declared in text that could not be parsed.
     pub fn may_declare(&self, name: &str) -> bool {
         self.words.contains(name)
     }

@@ -1,15 +1,15 @@
-//! Values as bytes, the way the [`glue`](super::glue) has them, and as JSON.
+//! Values as bytes, in the form of the [`glue`](super::glue), and as JSON.
 //!
 //! | IDL | JSON |
 //! | --- | --- |
-//! | numbers, `boolean` | numbers, `true` and `false`; a float that is none is `null` |
+//! | numbers, `boolean` | numbers, `true` and `false`; a float that is NaN or infinite is `null` |
 //! | `octet`, `char` | a number |
 //! | `string` | a string |
 //! | enumeration | the name of the enumerator; a number is read too |
 //! | `sequence`, array | a list |
 //! | `optional` | `null` or the value |
-//! | structure | an object with all members; what is not given is zero |
-//! | union | an object with `_d` and the member that it chooses |
+//! | structure | an object with all members; in input, a missing member is zero |
+//! | union | an object with `_d` and the selected member |
 
 use dotgen_analysis::model::{
     InitValue, Initializer, Label, Param, ParamDir, PathElement, Service, Spec, TypeId, TypeKind,
@@ -18,15 +18,15 @@ use dotgen_analysis::model::{
 use dotgen_syntax::near::advice;
 use serde_json::{Map, Value};
 
-/// Levels of types within types before a value is refused.
+/// Maximum depth of types within types; deeper values are refused.
 pub(super) const DEPTH: usize = 64;
 
-/// What is wrong with a value.
+/// An error in a value.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Wrong {
-    /// Where in the value: `.pos[2].x`.
+    /// The place in the value: `.pos[2].x`.
     pub at: String,
-    /// What is wrong there, as a predicate: `has to be a number`.
+    /// The error, as a predicate: `has to be a number`.
     pub what: String,
 }
 
@@ -48,7 +48,7 @@ pub(super) fn wrong<T>(at: &str, wanted: impl Into<String>) -> Result<T, Wrong> 
     })
 }
 
-/// An unknown name, with the known one that is near, or else all known ones.
+/// The error for an unknown name, with the most similar known name, or else all known names.
 fn unknown<T>(at: &str, what: &str, name: &str, known: &[&str]) -> Result<T, Wrong> {
     Err(Wrong {
         at: at.to_owned(),
@@ -63,16 +63,16 @@ pub struct Values<'s> {
 }
 
 impl<'s> Values<'s> {
-    /// Of the types of a specification.
+    /// The values of a specification's types.
     pub fn new(spec: &'s Spec) -> Self {
         Values { spec }
     }
 
-    /// The inputs of a service, from an object by the names of its parameters. What is not given has its
+    /// The inputs of a service, from an object by the names of its parameters. A missing input has its
     /// default, or is zero.
     ///
     /// # Errors
-    /// A value does not fit its parameter, or there is no such parameter.
+    /// A value does not fit its parameter, or the parameter does not exist.
     pub fn inputs(&self, service: &Service, given: &Map<String, Value>) -> Result<Vec<u8>, Wrong> {
         let inputs = || service.params.iter().filter(|it| goes_in(it));
         if let Some(unknown) = given
@@ -95,7 +95,7 @@ impl<'s> Values<'s> {
     /// The outputs of a service, as an object.
     ///
     /// # Errors
-    /// The bytes are no such outputs.
+    /// The bytes are not outputs of the service.
     pub fn outputs(&self, service: &Service, bytes: &[u8]) -> Result<Value, Wrong> {
         let mut reader = Reader { bytes };
         let mut out = Map::new();
@@ -110,7 +110,7 @@ impl<'s> Values<'s> {
     /// The value of a type.
     ///
     /// # Errors
-    /// The bytes are no such value.
+    /// The bytes are not a value of the type.
     pub fn decode(&self, ty: TypeId, bytes: &[u8]) -> Result<Value, Wrong> {
         self.read(ty, &mut Reader { bytes }, DEPTH)
     }
@@ -118,15 +118,15 @@ impl<'s> Values<'s> {
     /// The bytes of a value.
     ///
     /// # Errors
-    /// The value is none of the type.
+    /// The value is not of the type.
     pub fn encode(&self, ty: TypeId, value: &Value) -> Result<Vec<u8>, Wrong> {
         let mut out = Vec::new();
         self.write(ty, value, "", DEPTH, &mut out)?;
         Ok(out)
     }
 
-    /// How the bytes of a type are to be read: equal for types of different specifications exactly if they
-    /// hold the same.
+    /// The layout of a type's bytes. Types of different specifications have equal layouts exactly if they
+    /// have the same content.
     pub fn layout(&self, ty: TypeId) -> String {
         let mut out = String::new();
         self.lay_out(ty, &mut Vec::new(), &mut out);
@@ -185,13 +185,13 @@ impl<'s> Values<'s> {
         around.pop();
     }
 
-    /// The default of a parameter, as far as the specification has one.
+    /// The default of a parameter, if the specification has one.
     pub fn default_of(&self, param: &Param) -> Option<Value> {
         let init = param.init.as_ref()?;
         self.initial(init)
     }
 
-    /// The value that an initializer writes down.
+    /// The value of an initializer.
     pub(super) fn initial(&self, init: &Initializer) -> Option<Value> {
         match &init.value {
             InitValue::Void => None,
@@ -245,7 +245,7 @@ impl<'s> Values<'s> {
         name.map(|it| it.to_string()).unwrap_or_default()
     }
 
-    /// The member of a union that a discriminator chooses.
+    /// The member of a union that a discriminator selects.
     pub(super) fn chosen(&self, members: &[TypeId], number: i64) -> Option<TypeId> {
         let labels = |it: &TypeId| match &self.spec.ty(*it).kind {
             TypeKind::UnionMember { labels, .. } => labels.as_slice(),
@@ -301,7 +301,7 @@ impl<'s> Values<'s> {
             TypeKind::UnsignedLong => u32::from_ne_bytes(from.take()?).into(),
             TypeKind::LongLong => i64::from_ne_bytes(from.take()?).into(),
             TypeKind::UnsignedLongLong => u64::from_ne_bytes(from.take()?).into(),
-            // As it is written, not with the digits that a double has more.
+            // The decimal form of the float, without the additional digits of a double.
             TypeKind::Float => match f32::from_ne_bytes(from.take()?).to_string().parse::<f64>() {
                 Ok(it) => it.into(),
                 Err(_) => Value::Null,
@@ -481,12 +481,12 @@ impl<'s> Values<'s> {
     }
 }
 
-/// Whether a request has a value for a parameter.
+/// True if a request has a value for a parameter.
 pub fn goes_in(param: &Param) -> bool {
     matches!(param.dir, ParamDir::In | ParamDir::Inout)
 }
 
-/// Whether an answer has a value for a parameter.
+/// True if an answer has a value for a parameter.
 pub fn goes_out(param: &Param) -> bool {
     matches!(param.dir, ParamDir::Out | ParamDir::Inout)
 }
@@ -534,7 +534,7 @@ fn object<'v>(value: &'v Value, at: &str) -> Result<Option<&'v Map<String, Value
     }
 }
 
-/// Bytes of the glue that are read.
+/// Bytes of the glue to read.
 pub(super) struct Reader<'b> {
     pub(super) bytes: &'b [u8],
 }

@@ -1,4 +1,4 @@
-//! `-E`: the text that is left after preprocessing.
+//! `-E`: the text after preprocessing.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use dotgen_syntax::preproc::{
 };
 use smol_str::SmolStr;
 
-/// Files that may be open at the same time.
+/// Maximum number of nested files.
 const DEPTH: usize = 100;
 
 /// Preprocesses files one after the other.
@@ -77,7 +77,7 @@ impl Preprocessor {
     }
 }
 
-/// The host of one file: collects the texts of what it includes.
+/// The host of one file, which collects the texts of its included files.
 struct Inside<'p> {
     outer: &'p mut Preprocessor,
     texts: Vec<String>,
@@ -133,7 +133,8 @@ impl Host for Inside<'_> {
     }
 }
 
-/// What a compiler would read: directives gone but for pragmas, comments as blanks, macros expanded.
+/// The text for a compiler: without directives except pragmas, with blanks for comments, and with expanded
+/// macros.
 fn show(
     path: &Utf8Path,
     text: &str,

@@ -1,26 +1,26 @@
-//! General options that a project gives, for whoever leaves them out.
+//! General options that a project sets if the command line does not.
 
 use std::path::Path;
 
 use super::options;
 
-/// What a project says of how its specifications are read.
+/// The settings of a project for reading its specifications.
 #[derive(Debug, Default)]
 pub struct Project {
     /// Directories searched for included files, after those of the command line.
     pub include_paths: Vec<String>,
-    /// Macros and their bodies; those of the command line win.
+    /// Macros and their bodies; macros of the command line take precedence.
     pub defines: Vec<(String, String)>,
-    /// Directories searched for templates, as `-t` takes them, if the command line names none.
+    /// Directories searched for templates, in the form of `-t`, if the command line names none.
     pub template_paths: Option<String>,
 }
 
 impl Project {
-    /// The arguments with what the project adds. `find` gives the project for what follows the general
-    /// options.
+    /// The arguments with the options of the project. `find` returns the project for the arguments after the
+    /// general options.
     pub fn complete(args: &[String], find: impl FnOnce(&[String]) -> Project) -> Vec<String> {
         let Ok(given) = options::parse(args, Path::new("")) else {
-            // They will be refused, with the reason.
+            // These arguments are invalid and will be rejected with a reason.
             return args.to_vec();
         };
         let project = find(&given.rest);

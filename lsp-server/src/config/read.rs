@@ -1,5 +1,5 @@
-//! Reading settings leniently: a key that is unknown or has a wrong value is reported where it
-//! stands and left out; the others count.
+//! Tolerant reading of settings: a key that is unknown or has a wrong value is reported at its place and
+//! ignored. The other keys are used.
 
 use std::ops::Range;
 
@@ -11,39 +11,39 @@ use toml::de::{DeTable, DeValue};
 
 use super::{Settings, schema};
 
-/// What was read, and what was wrong with it.
+/// Settings, and the errors in their source.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Read {
-    /// Everything that made sense.
+    /// The valid settings.
     pub settings: Settings,
-    /// Everything that did not.
+    /// The errors.
     pub problems: Vec<Problem>,
 }
 
-/// Something wrong with a source of settings.
+/// An error in a source of settings.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problem {
     /// Kind of problem.
     pub kind: ProblemKind,
-    /// What is wrong and what would be right.
+    /// The error, and the correct value or name.
     pub message: String,
-    /// Byte range in the file, when the source is one.
+    /// Byte range in the file, if the source is a file.
     pub range: Option<Range<usize>>,
 }
 
 /// Kinds of problem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ProblemKind {
-    /// The file is not TOML; nothing was read.
+    /// The file is not TOML; no setting was read.
     Syntax,
-    /// No setting of that name.
+    /// The setting does not exist.
     UnknownKey,
     /// The value is not of the setting's type.
     BadValue,
 }
 
 impl Problem {
-    /// The file is there but is no text.
+    /// The file exists but is not text.
     pub(crate) fn unreadable() -> Problem {
         Problem {
             kind: ProblemKind::Syntax,
@@ -63,13 +63,13 @@ impl ProblemKind {
         }
     }
 
-    /// An unknown key may come from a newer dotgen, so it is only a warning.
+    /// True unless the key is unknown: it may belong to a newer dotgen, so it is only a warning.
     pub fn is_error(self) -> bool {
         !matches!(self, ProblemKind::UnknownKey)
     }
 }
 
-/// Settings that an editor extension keeps for itself under the same prefix.
+/// Settings under the same prefix that are for the editor extension itself.
 const CLIENT_ONLY: [&str; 4] = ["server", "trace", "files", "trusted"];
 
 /// Reads the text of a `dotgen.toml`.
@@ -104,8 +104,8 @@ pub fn from_toml(text: &str) -> Read {
     Read { settings, problems }
 }
 
-/// Reads what an editor sent: the section itself, an object that holds it as `dotgen`, or dotted
-/// keys (`"dotgen.includePaths"`). Names may be in camel case, as editors prefer.
+/// Reads the settings of an editor: the section itself, an object with the member `dotgen`, or dotted keys
+/// (`"dotgen.includePaths"`). Names may be in camel case, as editors prefer.
 pub fn from_editor(value: &Value) -> Read {
     let object = editor_section(value);
     let name = |key: &str| format!("dotgen.{}", camel(key));
@@ -128,7 +128,7 @@ fn editor_section(value: &Value) -> Map<String, Value> {
     for (key, value) in object {
         let key = match key.strip_prefix("dotgen.") {
             Some(key) => key,
-            // The whole settings of a client that flattens them: the rest is not ours.
+            // Some clients send all of their settings as dotted keys: those of other programs are ignored.
             None if dotted => continue,
             None => key,
         };
@@ -166,7 +166,7 @@ fn kebab(name: &str) -> String {
     out
 }
 
-/// `include-paths` to `includePaths`; what is behind a point stays.
+/// `include-paths` to `includePaths`; the text after a point is unchanged.
 fn camel(key: &str) -> String {
     let (name, rest) = key.split_at(key.find('.').unwrap_or(key.len()));
     let mut words = name.split('-');
@@ -179,8 +179,8 @@ fn camel(key: &str) -> String {
     out + rest
 }
 
-/// The settings of an object, and the problems with the JSON pointers they are at. `name` is how a key is
-/// told.
+/// The settings of an object, and the errors with their JSON pointers. `name` converts a key to the spelling
+/// of its source.
 fn read_object(
     object: &Map<String, Value>,
     ignored: &[&str],
@@ -212,12 +212,12 @@ fn read_object(
             ));
             continue;
         }
-        // Entry by entry, so that one bad entry of a table does not lose the others.
+        // Each entry is read separately, so that an invalid entry of a table does not remove the others.
         let entries = schema::entries(&properties[key]);
         let mut parts: Vec<(String, Value)> = Vec::new();
         for (entry, value) in value.as_object().into_iter().flatten() {
             let pointer = format!("/{key}/{entry}");
-            // Editors prefer camel case in here as well.
+            // Editors use camel case for these names too.
             let known = match &entries {
                 Some(all) => [entry.clone(), kebab(entry)]
                     .into_iter()
@@ -270,7 +270,7 @@ fn read_object(
     (settings, problems)
 }
 
-/// A JSON pointer as the settings are written, `/severity/fsm/busy-loop` with the quotes that the code needs.
+/// A JSON pointer in the syntax of settings: `/severity/fsm/busy-loop` with the quotes that the code needs.
 fn dotted(pointer: &str) -> String {
     match pointer[1..].split_once('/') {
         Some((table, entry)) if entry.contains('/') => format!("{table}.\"{entry}\""),
@@ -279,7 +279,7 @@ fn dotted(pointer: &str) -> String {
     }
 }
 
-/// A severity for a code that does not exist has no effect; that is worth saying.
+/// A problem for a severity of a code that does not exist, because such a setting has no effect.
 fn unknown_code(key: &str, pointer: &str) -> Option<Problem> {
     let code = pointer.strip_prefix("/severity/")?;
     let known = schema::codes;
@@ -297,7 +297,7 @@ fn unknown_code(key: &str, pointer: &str) -> Option<Problem> {
     })
 }
 
-/// What would be right, in words.
+/// A description of the correct values.
 fn explain(key: &str, error: &serde_json::Error) -> String {
     match key {
         "include-paths" | "package-paths" | "template-paths" => {
@@ -329,7 +329,7 @@ fn explain(key: &str, error: &serde_json::Error) -> String {
     }
 }
 
-/// The name within a third of edits, if any.
+/// The most similar name, if it differs in at most a third of its letters.
 fn nearest<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
     known
         .map(|it| (edit_distance(name, it), it))
@@ -353,7 +353,7 @@ fn edit_distance(a: &str, b: &str) -> usize {
     row.last().copied().unwrap_or(0)
 }
 
-/// Where the keys and values of a file are, by JSON pointer.
+/// The places of the keys and values of a file, by JSON pointer.
 #[derive(Default)]
 struct Spans {
     keys: FxHashMap<String, Range<usize>>,

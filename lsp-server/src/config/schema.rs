@@ -31,7 +31,7 @@ pub(crate) fn properties() -> Map<String, Value> {
     }
 }
 
-/// The entries of a setting that is a table with fixed ones.
+/// The entries of a setting that is a table with fixed entries.
 pub(crate) fn entries(setting: &Value) -> Option<Vec<String>> {
     let name = setting["$ref"].as_str()?.rsplit('/').next()?;
     let definition = settings_schema();
@@ -45,7 +45,7 @@ mod tests {
 
     use serde_json::Value;
 
-    /// Freshness: regenerates the committed schema and fails if it had to write.
+    /// Regenerates the committed schema, and fails if it was out of date.
     #[test]
     fn committed_schema_is_up_to_date() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/dotgen.schema.json");
@@ -61,7 +61,7 @@ mod tests {
     }
 
     /// The extension offers every setting, and none that the server does not know. The entries of tables are
-    /// settings of their own there; what commands write is not set by hand.
+    /// separate settings in the extension. Settings that commands write are not offered.
     #[test]
     fn extension_offers_the_same_settings() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../vscode-extension/package.json");

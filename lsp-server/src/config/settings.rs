@@ -1,5 +1,5 @@
-//! What can be set, in the words of `dotgen.toml`. The JSON schema and the manual's table are
-//! generated from the doc comments here.
+//! The settings of `dotgen.toml`. The JSON schema and the manual's table are generated from the doc comments
+//! here.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -213,18 +213,18 @@ impl Verification {
         }
     }
 
-    /// Whether documents are verified on edit.
+    /// True if documents are verified on edit.
     pub fn on_edit(&self) -> bool {
         self.enable != Some(false)
     }
 
-    /// After which a verification is given up.
+    /// The time limit of a verification.
     pub fn time_limit(&self) -> Duration {
         let seconds = self.time_limit.filter(|it| it.is_finite() && *it > 0.0);
         Duration::from_secs_f64(seconds.unwrap_or(10.0).min(86_400.0))
     }
 
-    /// What the verifier is told.
+    /// The options for the verifier.
     pub fn options(&self) -> Options {
         Options {
             limits: Limits {
@@ -248,7 +248,7 @@ impl Verification {
         })
     }
 
-    /// What the default scenario follows.
+    /// The semantics of the default scenario.
     pub fn semantics(&self) -> Option<Preset> {
         self.semantics.map(|it| match it {
             VerificationSemantics::Servers => Preset::Servers,
@@ -292,7 +292,7 @@ impl Timing {
         }
     }
 
-    /// What the lints have to know of it.
+    /// The settings that the lints need.
     pub(super) fn lints(&self) -> LintConfig {
         let default = LintConfig::default();
         LintConfig {
@@ -406,7 +406,7 @@ impl Codels {
         }
     }
 
-    /// Which files hold codels.
+    /// The files with codels.
     pub fn files(&self) -> FilesConfig {
         let default = FilesConfig::default();
         let folder = self.folder.as_deref().map(|it| it.trim_end_matches('/'));
@@ -467,7 +467,7 @@ pub enum Level {
 }
 
 impl DefineValue {
-    /// Body of the macro; `None` if it is not to be defined.
+    /// Body of the macro; `None` if the macro is not defined.
     pub fn body(&self) -> Option<String> {
         match self {
             DefineValue::Flag(true) => Some("1".to_owned()),
@@ -479,10 +479,10 @@ impl DefineValue {
 }
 
 impl Settings {
-    /// These settings on top of `weaker` ones: lists are joined (these first), tables are joined
-    /// by key (these win).
+    /// These settings on top of `weaker` ones. Lists are joined, these first. Tables are joined by key, and
+    /// these take precedence.
     ///
-    /// Lists are joined since editors send an empty list for a setting nobody touched.
+    /// Lists are joined because editors send an empty list for a setting that the user has not changed.
     pub fn over(mut self, mut weaker: Settings) -> Settings {
         self.max_file_size = self.max_file_size.or(weaker.max_file_size);
         let lenses = weaker.code_lenses();
@@ -529,7 +529,7 @@ impl Settings {
         self.defines.insert(name.to_owned(), value);
     }
 
-    /// Says who chose the release, if there is one and nobody said it yet.
+    /// Sets the origin of the release, if there is a release without one.
     pub fn chosen_by(mut self, origin: ReleaseOrigin) -> Settings {
         if self.release.is_some() && self.release_origin.is_none() {
             self.release_origin = Some(origin);
@@ -537,8 +537,7 @@ impl Settings {
         self
     }
 
-    /// Turns relative directories into ones below `base`, so that layers with different bases can
-    /// be stacked.
+    /// Resolves relative directories against `base`, so that sources with different bases can be combined.
     pub fn anchored(mut self, base: &camino::Utf8Path) -> Settings {
         let paths = self.include_paths.iter_mut().chain(&mut self.package_paths);
         for path in paths.chain(&mut self.template_paths) {
@@ -549,7 +548,7 @@ impl Settings {
 }
 
 impl Level {
-    /// The severity it stands for; `None` for off.
+    /// The severity; `None` for off.
     pub fn severity(self) -> Option<Severity> {
         match self {
             Level::Error => Some(Severity::Error),
@@ -560,7 +559,8 @@ impl Level {
         }
     }
 
-    /// A finding as the user wants it; `None`: not at all. Errors stay: something cannot go on.
+    /// A finding with its configured severity; `None` if it is off. Errors remain: they are reasons why
+    /// something fails.
     pub(crate) fn apply(
         levels: &BTreeMap<String, Level>,
         mut it: Diagnostic,

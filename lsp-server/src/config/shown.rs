@@ -1,4 +1,4 @@
-//! Which lenses and hints are shown.
+//! The selection of lenses and hints.
 
 use dotgen_analysis::ide::{InlayConfig, InlayTypes, LensConfig};
 
@@ -27,7 +27,7 @@ impl Settings {
         ]
     }
 
-    /// The lenses to show: all, unless switched off.
+    /// The lenses to show: all, except those that are switched off.
     pub fn lens_config(&self) -> LensConfig {
         let [any, verdicts, machines, accesses, codels, _] =
             self.code_lenses().map(|it| it.unwrap_or(true));
@@ -39,7 +39,7 @@ impl Settings {
         }
     }
 
-    /// Whether lenses that run something are shown, as the others are.
+    /// True if lenses that run components and scenarios are shown.
     pub fn run_lenses(&self) -> bool {
         self.code_lens.unwrap_or(true) && self.code_lens_runs.unwrap_or(true)
     }
@@ -66,8 +66,8 @@ impl Settings {
         ]
     }
 
-    /// The inlay hints to show: all, unless switched off; types only where they are inherited,
-    /// unless all are wanted.
+    /// The inlay hints to show: all, except those that are switched off. Types are shown only if they are
+    /// inherited, unless all are switched on.
     pub fn inlay_config(&self) -> InlayConfig {
         let on = |it: Option<bool>| it.unwrap_or(true);
         InlayConfig {

@@ -1,7 +1,7 @@
-//! The style of the formatter for a file: who says what.
+//! The style of the formatter for a file, and the order of its sources.
 //!
 //! Strongest first: the settings of dotgen, `.editorconfig`, the file itself, the editor. The editor comes
-//! last because most send their own default whatever the file looks like.
+//! last because most editors send their own default for every file.
 
 use camino::Utf8Path;
 use dotgen_syntax::format::{Align, DEFAULT_UNIT, Options, TAB, Unit};
@@ -10,7 +10,7 @@ use ec4rs::property::{IndentSize, IndentStyle, MaxLineLen, TabWidth};
 use crate::config::{Format, FormatAlign, FormatUnit};
 use crate::protocol::types::FormattingOptions;
 
-/// The style for a file. Without `editor`, a file that is not indented yet gets [`DEFAULT_UNIT`].
+/// The style for a file. Without `editor`, a file without indentation gets [`DEFAULT_UNIT`].
 pub(crate) fn options(
     settings: &Format,
     path: &Utf8Path,

@@ -1,8 +1,9 @@
-//! Specifications beside the C and C++ sources of their codels, as a snapshot sees them.
+//! Comparison of specifications with the C and C++ sources of their codels, in a snapshot.
 //!
-//! A source is parsed again only when its text changes, and a folder is compared again only when one
-//! of its sides does: what stays the same is kept in `Cache` from snapshot to snapshot. Texts come
-//! from analysis, so open documents count and a change on its way cancels between two files.
+//! A source is parsed again only when its text changes. A folder is compared again only when its
+//! specification or one of its sources changes. `Cache` keeps the other results from snapshot to snapshot.
+//! Texts come from analysis, so open documents count, and a pending change cancels the work between two
+//! files.
 
 pub(crate) mod actions;
 pub(crate) mod headers;
@@ -36,7 +37,7 @@ use crate::files::{history, vfs};
 use crate::workspace::codels::{Compared, Good, lock};
 use crate::workspace::snapshot::{DocumentKind, Snapshot};
 
-/// The files of the disk.
+/// The files on the disk.
 pub(crate) struct Disk;
 
 impl Files for Disk {
@@ -65,7 +66,7 @@ impl Files for Disk {
     }
 }
 
-/// The files of a snapshot. After a cancellation nothing can be read.
+/// The files of a snapshot. After a cancellation every read fails.
 pub(crate) struct Texts<'a> {
     snapshot: &'a Snapshot,
     cancelled: Cell<Option<Cancelled>>,
@@ -79,7 +80,7 @@ impl<'a> Texts<'a> {
         }
     }
 
-    /// Passes on that the answers are worth nothing.
+    /// Returns the cancellation, if there was one: results are then invalid.
     pub(crate) fn check(&self) -> Cancellable<()> {
         self.cancelled.get().map_or(Ok(()), Err)
     }
@@ -119,8 +120,8 @@ impl Files for Texts<'_> {
     }
 }
 
-/// The folders of the unit that serves a specification, or of the units whose codels are in the
-/// folder of a source. Nothing for what is neither.
+/// The folders of the unit that serves a specification, or of the units whose codels are in the folder of a
+/// source. Empty for any other file.
 pub(crate) fn around(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Arc<Compared>>> {
     if !snapshot.is_code(path) {
         return Ok(vec![of_unit(snapshot, &snapshot.analysis.root_of(path)?)?]);
@@ -175,7 +176,7 @@ fn of_unit(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<Arc<Compared>> {
         fresh.folders.push((folder, findings));
     }
     let fresh = Arc::new(fresh);
-    // Without codels there is little to remember, and the model would be kept for it.
+    // Without codels the result is cheap to compute again, and keeping it would keep the model.
     if fresh.folders().any(|it| it.sources.exists) {
         lock(&snapshot.codels.compared).insert(root.to_owned(), fresh.clone());
     } else {
@@ -185,8 +186,8 @@ fn of_unit(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<Arc<Compared>> {
     Ok(fresh)
 }
 
-/// What differs in a folder. An earlier text of the specification tells nothing about how to edit the present
-/// one.
+/// The differences in a folder. A comparison with an earlier text of the specification gives no edits of the
+/// present text.
 fn differences(folder: &Folder) -> Vec<Drift> {
     let mut found = folder.check(&folder.expected());
     if folder.is_earlier {
@@ -205,8 +206,7 @@ fn differences(folder: &Folder) -> Vec<Drift> {
     found
 }
 
-/// The unit of a root as codels are compared with it, and the texts that it was read from if these are
-/// earlier ones.
+/// The unit of a root with which codels are compared, and its texts if these are earlier ones.
 fn serving(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<(UnitResult, Option<Good>)> {
     let unit = snapshot.analysis.root_unit(root)?;
     if unit.has_syntax_errors() {
@@ -230,8 +230,8 @@ fn serving(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<(UnitResult, Opt
     Ok((unit, None))
 }
 
-/// Makes folders of an earlier unit speak of the present texts: places are where they are now, and codels in
-/// which something was changed are left out.
+/// Adapts folders of an earlier unit to the present texts: moves places to where they are now, and removes
+/// codels with changed text.
 fn bring_up(snapshot: &Snapshot, folders: &mut [Folder], earlier: &Good) -> Cancellable<()> {
     let mut now: BTreeMap<Utf8PathBuf, Arc<str>> = BTreeMap::new();
     for path in earlier.texts.keys() {
@@ -263,8 +263,8 @@ fn bring_up(snapshot: &Snapshot, folders: &mut [Folder], earlier: &Good) -> Canc
     Ok(())
 }
 
-/// Whether something can be said of a specification and its codels: a folder for them is there, or a comment
-/// allows findings. Told without asking what the specification means.
+/// True if there can be findings about a specification and its codels: a folder of codels exists, or a
+/// comment allows findings. Does not compile the specification.
 fn is_concerned(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<bool> {
     let text = snapshot.analysis.text(path)?;
     if snapshot.config.codels_of(path).is_some() && text.is_some_and(|it| it.contains("allow(")) {
@@ -273,8 +273,8 @@ fn is_concerned(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<bool> {
     may_have_sources(snapshot, &snapshot.analysis.root_of(path)?)
 }
 
-/// Whether there is a folder of codels for a file of the unit of a root, on the disk or in the editor. Told
-/// without asking what the specification means.
+/// True if there is a folder of codels for a file of the unit of a root, on the disk or in the editor. Does
+/// not compile the specification.
 pub(crate) fn may_have_sources(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<bool> {
     let Some(config) = snapshot.config.codels_of(root) else {
         return Ok(false);
@@ -286,7 +286,7 @@ pub(crate) fn may_have_sources(snapshot: &Snapshot, root: &Utf8Path) -> Cancella
     Ok(files.iter().any(|it| is_there(config.folder_of(it))))
 }
 
-/// The folders of a unit, without what the units of other roots show.
+/// The folders of a unit, without findings that the units of other roots disprove.
 fn folders(snapshot: &Snapshot, config: &FilesConfig, root: &Utf8Path) -> Cancellable<Vec<Folder>> {
     let (unit, earlier) = serving(snapshot, root)?;
     let texts = Texts::new(snapshot);
@@ -306,7 +306,8 @@ fn folders(snapshot: &Snapshot, config: &FilesConfig, root: &Utf8Path) -> Cancel
         if snapshot.analysis.root_of(&folder.specification)? != root {
             continue;
         }
-        // Specifications in one folder share its codels. Where there are none, nobody asks who else has them.
+        // Specifications in one folder share its codels. Without sources the search for those specifications
+        // is skipped.
         if !folder.sources.exists {
             out.push(folder);
             continue;
@@ -324,7 +325,7 @@ fn folders(snapshot: &Snapshot, config: &FilesConfig, root: &Utf8Path) -> Cancel
     Ok(out)
 }
 
-/// Whether two states of a folder have the same findings.
+/// True if two states of a folder have the same findings.
 fn same(a: &Folder, b: &Folder) -> bool {
     let files = |it: &Folder| -> Vec<*const ()> {
         let all = it.sources.all();
@@ -342,7 +343,7 @@ fn same(a: &Folder, b: &Folder) -> bool {
         && a.also_named == b.also_named
 }
 
-/// What is to be said of a specification or a source.
+/// The diagnostics of a specification or a source.
 pub(crate) fn file_diagnostics(
     snapshot: &Snapshot,
     path: &Utf8Path,
@@ -367,7 +368,7 @@ pub(crate) fn file_diagnostics(
     Ok(out)
 }
 
-/// Findings about a specification with which its codels do not disagree.
+/// The findings about a specification that its codels do not disprove.
 pub(crate) fn founded(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
     let mut all = snapshot.analysis.diagnostics(path)?;
     if all.iter().any(|it| it.code == folder::NEVER_THROWN)
@@ -380,14 +381,14 @@ pub(crate) fn founded(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<D
     Ok(all)
 }
 
-/// Comments of a file that allow what nothing is.
+/// The comments of a file that allow findings which do not occur.
 pub(crate) fn unused_in(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
     let mut unused = unused_allowances(snapshot, &around(snapshot, path)?)?;
     unused.retain(|it| it.path == *path);
     Ok(unused)
 }
 
-/// Comments that allow what nothing is.
+/// Diagnostics for comments that allow findings which do not occur.
 fn unused_allowances(
     snapshot: &Snapshot,
     compared: &[Arc<Compared>],
@@ -397,7 +398,7 @@ fn unused_allowances(
     folder::unused_allowances(&folders, &snapshot.analysis)
 }
 
-/// The sources of the workspace that something is to be said of.
+/// The sources of the workspace that have findings.
 pub(crate) fn sources_with_findings(snapshot: &Snapshot) -> Cancellable<Vec<Utf8PathBuf>> {
     let mut out = Vec::new();
     let shown = |it: &&Utf8PathBuf| snapshot.in_workspace(it) || snapshot.open.contains_key(*it);
@@ -424,8 +425,7 @@ pub(crate) fn sources_with_findings(snapshot: &Snapshot) -> Cancellable<Vec<Utf8
     Ok(out)
 }
 
-/// Stands for what specifications and open sources say of each other, whatever the places; 0 for
-/// nothing.
+/// A hash of the findings about specifications and open sources, without their places; 0 if there are none.
 pub(crate) fn fingerprint(snapshot: &Snapshot) -> Cancellable<u64> {
     let mut hasher = FxHasher::default();
     let mut anything = false;
@@ -464,7 +464,7 @@ pub(crate) fn fingerprint(snapshot: &Snapshot) -> Cancellable<u64> {
     Ok(if anything { hasher.finish() } else { 0 })
 }
 
-/// How stubs of a folder are written: with the notice of its specification.
+/// The options for stubs in a folder: with the notice of its specification.
 pub(crate) fn stub_options(folder: &Folder, texts: &Texts<'_>) -> StubOptions {
     let text = texts.read(&folder.specification);
     StubOptions {

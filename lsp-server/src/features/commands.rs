@@ -1,4 +1,4 @@
-//! Names of commands: of clients, which lenses and actions ask for, and of the server.
+//! Names of commands: client commands, which lenses and actions use, and server commands.
 
 /// Client command that shows a state machine; argument `{ uri, component, owner }`.
 pub(crate) const SHOW_DIAGRAM: &str = "dotgen.showDiagram";
@@ -10,11 +10,11 @@ pub(crate) const SHOW_VERIFICATION: &str = "dotgen.showVerification";
 pub(crate) const SIMULATE: &str = "dotgen.simulate";
 /// Client command that runs a document on the real clock, with its codels; argument `{ uri }`.
 pub(crate) const RUN: &str = "dotgen.run";
-/// Command of the server: shows where a codel is declared, or its function. Argument: a location.
+/// Server command: shows the declaration of a codel, or its function. Argument: a location.
 pub(crate) const SHOW_CODEL: &str = "dotgen.showCodel";
 /// Server command: a picture as Mermaid. Argument: as for `dotgen/diagram`.
 pub(crate) const MERMAID: &str = "dotgen.diagram.mermaid";
 /// Server command: a picture as Graphviz DOT.
 pub(crate) const DOT: &str = "dotgen.diagram.dot";
-/// Command of the server: shows an included file in the unit of another root.
+/// Server command: shows an included file in the unit of another root.
 pub(crate) const CHOOSE_ROOT: &str = "dotgen.chooseRoot";

@@ -1,5 +1,5 @@
-//! A new component: `dotgen/interfaces`, `dotgen/newComponent` and `dotgen new`. The files are made here; the
-//! editor, or the command line, writes them.
+//! A new component: `dotgen/interfaces`, `dotgen/newComponent` and `dotgen new`. This module makes the files;
+//! the editor, or the command line, writes them.
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::Severity;
@@ -23,7 +23,7 @@ use crate::protocol::types::Uri;
 use crate::verification::problem::EXTENSION;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
-/// What a component shall have, with interfaces by name and file.
+/// The contents of a new component, with interfaces by name and file.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Answers {
     pub(crate) name: String,
@@ -32,8 +32,8 @@ pub(crate) struct Answers {
     pub(crate) uses: Vec<(String, Utf8PathBuf)>,
 }
 
-/// The files of a component in a folder: specification, scenario, sources of the codels. `texts` has all that
-/// is there. The error is a message for the user.
+/// The files of a component in a folder: specification, scenario, sources of the codels. `texts` has every
+/// existing file. The error is a message for the user.
 pub(crate) fn files(
     host: &mut AnalysisHost,
     texts: &dyn Files,
@@ -101,7 +101,7 @@ fn formatted(text: &str) -> String {
     )
 }
 
-/// An interface of a file, as a component sees it.
+/// An interface of a file, in the form that a component uses.
 fn interface(
     host: &AnalysisHost,
     folder: &Utf8Path,
@@ -145,7 +145,7 @@ fn is_interface(it: &Component) -> bool {
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
 pub(crate) struct NewComponentParams {
-    /// The folder of the component, which need not be there.
+    /// The folder of the component, which need not exist.
     folder: Option<Uri>,
     name: String,
     tasks: Vec<TaskParams>,
@@ -176,7 +176,7 @@ pub(crate) struct InterfaceInfo {
     uri: Uri,
     /// Its ports as declared: `out pose`.
     ports: Vec<String>,
-    /// It has ports alone: who provides services has to have codels for them.
+    /// True if it has only ports: a component that provides services needs codels for them.
     can_be_provided: bool,
 }
 
@@ -187,7 +187,7 @@ struct NewFile {
     text: String,
 }
 
-/// Answer of `dotgen/newComponent`: the specification comes first.
+/// Answer of `dotgen/newComponent`. The specification is the first file.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct NewFiles {
     files: Vec<NewFile>,
@@ -203,7 +203,7 @@ pub(crate) fn interfaces(
     for root in snapshot.roots.iter() {
         let unit = snapshot.analysis.root_unit(root)?;
         let components = &unit.spec.components;
-        // A file with a component cannot be included beside another one.
+        // Two files with components cannot be in one unit.
         let file_of = |it: &Component| unit.locations.locate(it.src).map(|it| it.path);
         let with_components: Vec<Utf8PathBuf> = components
             .iter()

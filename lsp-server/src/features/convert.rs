@@ -1,4 +1,4 @@
-//! Answers of analysis as values of the protocol, where that takes a snapshot.
+//! Conversions from answers of analysis to values of the protocol that need a snapshot.
 
 pub(crate) mod diagnostic;
 pub(crate) mod edit;

@@ -15,10 +15,10 @@ use crate::panic;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
-/// Marks text that a conditional leaves out.
+/// The code for text that a conditional excludes.
 const INACTIVE_CODE: &str = "inactive-code";
 
-/// Diagnostics of a document, or that they are what the client has.
+/// The diagnostics of a document, or a note that they are unchanged.
 #[derive(Default)]
 pub(crate) struct DocumentReport {
     result_id: String,
@@ -26,7 +26,7 @@ pub(crate) struct DocumentReport {
     items: Option<Vec<Diagnostic>>,
 }
 
-/// `textDocument/diagnostic`. Editors ask other servers for those of sources.
+/// `textDocument/diagnostic`. Empty for sources: editors get their diagnostics from other servers.
 pub(crate) fn document(
     language: &dyn Language,
     snapshot: &Snapshot,
@@ -43,10 +43,10 @@ pub(crate) fn document(
     ))
 }
 
-/// Some files of the workspace, and what the client has of them.
+/// Some files of the workspace, and the identifiers of the client's reports.
 pub(crate) struct Part {
     pub(crate) paths: Vec<Utf8PathBuf>,
-    /// By path.
+    /// The identifiers of the client's reports, by path.
     pub(crate) known: Arc<FxHashMap<Utf8PathBuf, String>>,
 }
 
@@ -69,12 +69,12 @@ pub(crate) fn part(
     Ok(reports?.into_iter().flatten().collect())
 }
 
-/// A file that left the workspace is in order now.
+/// An empty report for a file that left the workspace.
 pub(crate) fn gone(known: PreviousResultId) -> WorkspaceDocumentDiagnosticReport {
     DocumentReport::new(Vec::new(), Some(&known.value)).into_workspace(known.uri, None)
 }
 
-/// Whether a report says nothing new.
+/// True if a report is unchanged.
 pub(crate) fn is_unchanged(report: &WorkspaceDocumentDiagnosticReport) -> bool {
     matches!(report, WorkspaceDocumentDiagnosticReport::Unchanged(_))
 }
@@ -82,7 +82,7 @@ pub(crate) fn is_unchanged(report: &WorkspaceDocumentDiagnosticReport) -> bool {
 impl DocumentReport {
     fn new(items: Vec<Diagnostic>, known: Option<&str>) -> DocumentReport {
         let mut hasher = FxHasher::default();
-        // The protocol's types do not hash; their text does.
+        // The protocol's types do not implement `Hash`; their debug text is hashed instead.
         format!("{items:?}").hash(&mut hasher);
         let result_id = format!("{:016x}", hasher.finish());
         let unchanged = known == Some(result_id.as_str());
@@ -103,7 +103,7 @@ impl DocumentReport {
                 ..RelatedFullDocumentDiagnosticReport::default()
             }
             .into(),
-            // The default report, of a document nobody knows, says that there is nothing.
+            // The default report is that of an unknown document: it has no diagnostics.
             None if self.result_id.is_empty() => {
                 RelatedFullDocumentDiagnosticReport::default().into()
             }
@@ -141,14 +141,14 @@ impl DocumentReport {
     }
 }
 
-/// Files to look at, each group by path.
+/// Files to report on, each group by path.
 #[derive(Default)]
 pub(crate) struct Listing {
     pub(crate) open: Vec<Utf8PathBuf>,
     pub(crate) rest: Vec<Utf8PathBuf>,
 }
 
-/// Every file of every unit. A unit that makes analysis panic is left out.
+/// Every file of every unit, except units that make analysis panic.
 pub(crate) fn listing(snapshot: &Snapshot, (): &()) -> Cancellable<Listing> {
     let units = snapshot.on_all_cores(&snapshot.roots, |snapshot, root| {
         survived(
@@ -165,7 +165,7 @@ pub(crate) fn listing(snapshot: &Snapshot, (): &()) -> Cancellable<Listing> {
     Ok(Listing { open, rest })
 }
 
-/// The answer, or nothing if there was a panic instead: work on many files goes on with the others.
+/// The result, or `None` after a panic: work on many files continues with the other files.
 pub(crate) fn survived<R>(
     path: &Utf8Path,
     result: std::result::Result<Cancellable<R>, String>,
@@ -180,7 +180,8 @@ pub(crate) fn survived<R>(
     }
 }
 
-/// What is told of a file: of files of others only what keeps the user's own from being accepted.
+/// The lowest severity that is reported for a file. Files that are not open and not in the workspace have
+/// errors reported only.
 pub(crate) fn least(snapshot: &Snapshot, path: &Utf8Path) -> Severity {
     match snapshot.open.contains_key(path) || snapshot.in_workspace(path) {
         true => Severity::Hint,
@@ -188,7 +189,7 @@ pub(crate) fn least(snapshot: &Snapshot, path: &Utf8Path) -> Severity {
     }
 }
 
-/// Diagnostics of a file, down to a severity.
+/// Diagnostics of a file, from a severity up.
 pub(crate) fn file_diagnostics(
     snapshot: &Snapshot,
     path: &Utf8Path,
@@ -197,7 +198,7 @@ pub(crate) fn file_diagnostics(
     let mut items = Vec::new();
     let all = super::language_of(snapshot, path).diagnostics(snapshot, path)?;
     for it in all {
-        // Clients that know clangd's notification grey the regions themselves.
+        // Clients that support clangd's notification grey the regions by it.
         let greyed = it.code == INACTIVE_CODE && snapshot.client.inactive_regions;
         if it.severity <= least
             && !greyed
@@ -209,7 +210,7 @@ pub(crate) fn file_diagnostics(
     Ok(items)
 }
 
-/// Regions of a file that conditionals leave out.
+/// Regions of a file that conditionals exclude.
 pub(crate) fn inactive_ranges(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Range>> {
     let Some(lines) = snapshot.lines(path)? else {
         return Ok(Vec::new());

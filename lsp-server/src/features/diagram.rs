@@ -1,4 +1,4 @@
-//! `dotgen/diagram`, the picture in hovers, and the commands that give a picture as text.
+//! `dotgen/diagram`, the picture in hovers, and the commands that return a picture as text.
 
 use std::cell::RefCell;
 use std::collections::btree_map::Entry;
@@ -27,16 +27,16 @@ use crate::workspace::snapshot::{Snapshot, Subject};
 pub(crate) struct DiagramParams {
     /// The document.
     pub(crate) text_document: TextDocumentIdentifier,
-    /// Whatever is declared around this place is drawn; it wins over the names in the wish.
+    /// A place: the declaration around it is drawn, and takes precedence over the names in the wish.
     #[serde(default)]
     pub(crate) position: Option<Position>,
-    /// What to draw.
+    /// The subject of the picture.
     #[serde(flatten)]
     pub(crate) wish: Wish,
     /// Colours.
     #[serde(default = "editor_theme")]
     pub(crate) theme: Theme,
-    /// Form of the picture.
+    /// Format of the picture.
     #[serde(default)]
     pub(crate) format: Form,
 }
@@ -45,7 +45,7 @@ fn editor_theme() -> Theme {
     Theme::Editor
 }
 
-/// A question with what was answered before.
+/// A request with the earlier answers.
 pub(crate) struct Question {
     pub(crate) params: DiagramParams,
     pub(crate) last: Arc<LastGood>,
@@ -56,7 +56,7 @@ pub(crate) struct Question {
 pub(crate) struct LastGood(Mutex<VecDeque<(String, Value)>>);
 
 impl LastGood {
-    /// Pictures remembered.
+    /// Maximum number of stored pictures.
     const CAPACITY: usize = 64;
 
     fn get(&self, key: &str) -> Option<Value> {
@@ -117,7 +117,7 @@ pub(crate) fn handle(
     let (nodes, edges) = pictures::data(&units, picture, &|it| {
         let uri = snapshot.uri(&it.path)?;
         let lines = snapshot.lines(&it.path).ok()??;
-        // The whole codel, component…, where the outline of its document knows it.
+        // The whole codel, component or other declaration, if the outline of its document contains it.
         let mut outlines = outlines.borrow_mut();
         let outline = match outlines.entry(it.path.clone()) {
             Entry::Occupied(known) => known.into_mut(),
@@ -165,7 +165,7 @@ pub(crate) fn handle(
     Ok(Some(answer))
 }
 
-/// The picture alone, for editors that show text.
+/// The picture without the rest of the answer, for editors that show text.
 pub(crate) fn text(
     snapshot: &Snapshot,
     subject: &Subject,
@@ -175,7 +175,7 @@ pub(crate) fn text(
     Ok(answer.map(|mut it| it["picture"].take()))
 }
 
-/// The units a picture is drawn from.
+/// The units that a picture is drawn from.
 fn units(snapshot: &Snapshot, subject: &Subject, wish: &Wish) -> Cancellable<Vec<UnitResult>> {
     if wish.kind != Kind::System {
         return Ok(vec![snapshot.analysis.unit(&subject.path)?]);
@@ -183,7 +183,7 @@ fn units(snapshot: &Snapshot, subject: &Subject, wish: &Wish) -> Cancellable<Vec
     snapshot.system_units(&subject.path)
 }
 
-/// The chains of data that scenarios of these specifications ask for, with what is known of them.
+/// The cause-effect chains in the scenarios of these specifications, with their results.
 fn chains(snapshot: &Snapshot, units: &[UnitResult]) -> Vec<Chain> {
     let mut out: Vec<Chain> = Vec::new();
     for entry in snapshot.verification.values() {
@@ -217,7 +217,7 @@ fn chains(snapshot: &Snapshot, units: &[UnitResult]) -> Vec<Chain> {
     out
 }
 
-/// The answer to a check that is written at a place: `age a.x -> b.y: ≤ 20 ms of 30 ms, proved`.
+/// The answer to the check at a place: `age a.x -> b.y: ≤ 20 ms of 30 ms, proved`.
 fn said(view: View, written: &std::ops::Range<usize>) -> Option<String> {
     let mut checks = view.checks.iter();
     let check = checks.find(|it| it.written.as_ref() == Some(written))?;
@@ -231,7 +231,8 @@ fn said(view: View, written: &std::ops::Range<usize>) -> Option<String> {
     Some(format!("{text}, {}", check.outcome.word()))
 }
 
-/// Names what is declared around an offset; keeps the names there are when nothing is.
+/// Sets the names in a wish to the declaration around an offset. Without a declaration there, the names are
+/// unchanged.
 fn around(symbols: &[DocumentSymbol], offset: usize, wish: &mut Wish) {
     for symbol in symbols.iter().filter(|it| it.range.contains(&offset)) {
         match symbol.kind {
@@ -265,7 +266,7 @@ fn whole(symbols: &[DocumentSymbol], offset: usize) -> Option<std::ops::Range<us
     })
 }
 
-/// The component of a picture, or its task or activity, where the document declares it.
+/// The declaration, in the document, of a picture's component, task or activity.
 fn declared<'s>(
     symbols: &'s [DocumentSymbol],
     component: Option<&str>,
@@ -285,10 +286,10 @@ fn declared<'s>(
     })
 }
 
-/// What the parser says about texts that are not whole.
+/// Codes of the parser's findings in incomplete texts.
 const BROKEN: [&str; 4] = ["syntax", "syntax-eof", "missing-semicolon", "missing-yield"];
 
-/// What keeps the text from being read, if anything.
+/// The first syntax error, if there is one.
 fn syntax_error(snapshot: &Snapshot, subject: &Subject) -> Cancellable<Option<String>> {
     let diagnostics = snapshot.analysis.diagnostics(&subject.path)?;
     let first = diagnostics
@@ -302,13 +303,13 @@ fn syntax_error(snapshot: &Snapshot, subject: &Subject) -> Cancellable<Option<St
     Ok(Some(format!("line {line}: {}", first.message)))
 }
 
-/// The picture of what is under the cursor, as Markdown, for clients that show images in hovers.
+/// The picture of the declaration under the cursor, as Markdown, for clients that show images in hovers.
 pub(crate) fn hover_image(
     snapshot: &Snapshot,
     subject: &Subject,
     at: &FilePosition,
 ) -> Cancellable<Option<String>> {
-    /// Hovers are about so high; VS Code cuts Markdown at 100,000 characters.
+    /// The approximate height of a hover. VS Code cuts Markdown at 100,000 characters.
     const HEIGHT: f64 = 220.0;
     const LONGEST: usize = 60_000;
     if !snapshot.client.hover_images {

@@ -11,20 +11,19 @@ use crate::protocol::types::{Command, Uri};
 
 /// Lists the templates.
 pub(crate) const TEMPLATES: &str = "dotgen.templates";
-/// Tells the options of a template.
+/// Lists the options of a template.
 pub(crate) const OPTIONS: &str = "dotgen.templateOptions";
-/// Runs a template and offers what it would write.
+/// Runs a template and shows the files it would write.
 pub(crate) const GENERATE: &str = "dotgen.generate";
-/// The same with the choices made before.
+/// Runs a template with the stored choices.
 pub(crate) const REGENERATE: &str = "dotgen.regenerate";
-/// Keeps a choice.
+/// Stores a choice.
 pub(crate) const REMEMBER: &str = "dotgen.rememberTemplate";
 
 /// All commands of this module.
 pub(crate) const COMMANDS: [&str; 5] = [TEMPLATES, OPTIONS, GENERATE, REGENERATE, REMEMBER];
 
-/// The actions on a component: the code action "Generate…", and "Regenerate" when something was
-/// generated before.
+/// The actions on a component: the code action "Generate…", and "Regenerate" if a choice is stored.
 pub(crate) fn actions(uri: &Uri, remembered: bool) -> Vec<(String, Command)> {
     let command = |title: &str, command: &str| {
         let argument = json!({ "uri": uri });

@@ -1,4 +1,4 @@
-//! Requests that show what dotgen makes of a document: `dotgen/syntaxTree`, `dotgen/model`, …
+//! Requests that show internal representations of a document: `dotgen/syntaxTree`, `dotgen/model`, …
 
 use dotgen_analysis::host::Cancellable;
 use serde_json::Value;
@@ -28,7 +28,7 @@ pub(crate) fn model(
     Ok(crate::views::model::document(&unit))
 }
 
-/// `dotgen/itemTree`: the declarations as lowering sees them, as text.
+/// `dotgen/itemTree`: the declarations that lowering reads, as text.
 pub(crate) fn item_tree(
     snapshot: &Snapshot,
     subject: &Subject,

@@ -1,5 +1,5 @@
-//! What a language of documents has: one interface for specifications, scenarios, sources of codels and files
-//! of templates.
+//! The features of a language of documents: one interface for specifications, scenarios, sources of codels
+//! and template files.
 
 use camino::Utf8Path;
 use dotgen_analysis::diagnostic::Diagnostic;
@@ -9,21 +9,22 @@ use crate::protocol::refusable::Refusable;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
-/// Declares [`Language`]: features by parameters and answer. By default a language has nothing to say.
+/// Declares [`Language`]: features by parameters and answer. The default answer of every feature is empty.
 macro_rules! language {
     ($($(#[$doc:meta])+ $name:ident: $params:ty => $answer:ty;)*) => {
         /// A language of documents.
         pub(crate) trait Language: Sync {
-            /// What is wrong with a file.
+            /// The diagnostics of a file.
             fn diagnostics(&self, snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>>;
 
-            /// Whether its documents are this server's alone. About those of others the client asks other
-            /// servers too: what is wrong is told unasked, and nothing beyond the protocol is served.
+            /// True if no other server serves its documents. For other documents the client also asks other
+            /// servers: diagnostics are then sent without a request, and only the standard protocol is
+            /// served.
             fn is_own(&self) -> bool {
                 false
             }
 
-            /// Whether something can be said of a file.
+            /// True if a file can have diagnostics.
             fn is_served(&self, _: &Snapshot, _: &Utf8Path) -> Cancellable<bool> {
                 Ok(true)
             }
@@ -41,55 +42,55 @@ macro_rules! language {
 language! {
     /// The outline.
     symbols: DocumentSymbolParams => Option<DocumentSymbolResponse>;
-    /// What can be folded.
+    /// The ranges that can be folded.
     folds: FoldingRangeParams => Option<Vec<FoldingRange>>;
-    /// What is selected by and by around some places.
+    /// The nested ranges around some places, for growing selections.
     selections: SelectionRangeParams => Option<Vec<SelectionRange>>;
-    /// Names of files that can be followed.
+    /// Links to the files that are named in a document.
     links: DocumentLinkParams => Option<Vec<DocumentLink>>;
     /// The tokens of a document, for colours.
     tokens: SemanticTokensParams => Option<Vec<SemanticToken>>;
     /// The tokens of a part of a document.
     tokens_in: SemanticTokensRangeParams => Option<SemanticTokensRangeResult>;
-    /// Where a name is defined.
+    /// The definition of a name.
     definition: GotoDefinitionParams => Option<GotoDefinitionResponse>;
-    /// Where a name is declared.
+    /// The declaration of a name.
     declaration: GotoDeclarationParams => Option<GotoDeclarationResponse>;
-    /// Where the type of a name is defined.
+    /// The definition of a name's type.
     type_definition: GotoTypeDefinitionParams => Option<GotoTypeDefinitionResponse>;
-    /// Where a name is implemented.
+    /// The implementation of a name.
     implementation: GotoImplementationParams => Option<GotoImplementationResponse>;
     /// All mentions of a name.
     references: ReferenceParams => Option<Vec<Location>>;
     /// The mentions of a name in the same document.
     highlights: DocumentHighlightParams => Option<Vec<DocumentHighlight>>;
-    /// What a name means.
+    /// The description of a name.
     hover: HoverParams => Option<Hover>;
-    /// What may be written at a place.
+    /// The proposals at a place.
     completion: CompletionParams => Option<CompletionResponse>;
-    /// The parameters at a place.
+    /// The parameters of the call at a place.
     signature: SignatureHelpParams => Option<SignatureHelp>;
-    /// Whether a name can be changed.
+    /// The range of a name that can be renamed.
     prepare_rename: TextDocumentPositionParams => Refusable<PrepareRenameResponse>;
-    /// The edits that give something another name.
+    /// The edits that rename a declaration.
     rename: RenameParams => Refusable<WorkspaceEdit>;
     /// The edits that format a document.
     format: DocumentFormattingParams => Option<Vec<TextEdit>>;
     /// The edits that format a part of a document.
     format_range: DocumentRangeFormattingParams => Option<Vec<TextEdit>>;
-    /// The edits that format what was just typed.
+    /// The edits that format newly typed text.
     format_typed: DocumentOnTypeFormattingParams => Option<Vec<TextEdit>>;
-    /// What is shown between the words.
+    /// Hints between the words.
     hints: InlayHintParams => Option<Vec<InlayHint>>;
-    /// What is shown between the lines.
+    /// Lenses between the lines.
     lenses: CodeLensParams => Option<Vec<CodeLens>>;
-    /// What at a place calls something or is called.
+    /// The caller or callee at a place.
     calls: CallHierarchyPrepareParams => Option<Vec<CallHierarchyItem>>;
-    /// What can be done at a place.
+    /// The actions at a place.
     actions: CodeActionParams => Option<CodeActionResponse>;
 }
 
-/// Methods of [`Language`] that a function of the same form answers.
+/// Methods of [`Language`] that call a function of the same signature.
 macro_rules! answered_by {
     ($($name:ident: $params:ty => $answer:ty = $handler:path;)*) => {
         $(

@@ -1,4 +1,4 @@
-//! Names of specifications in scenarios: where they are declared, and where scenarios mention them.
+//! Names of specifications in scenarios: their declarations, and their mentions in scenarios.
 
 use std::ops::Range;
 
@@ -16,12 +16,12 @@ use crate::verification::Problem;
 use crate::verification::problem::EXTENSION;
 use crate::workspace::snapshot::Snapshot;
 
-/// Whether a document is a scenario.
+/// True if a document is a scenario.
 pub(crate) fn is_scenario(path: &Utf8Path) -> bool {
     path.extension() == Some(EXTENSION)
 }
 
-/// Where a target is declared.
+/// The declaration of a target.
 pub(crate) fn declaration(
     snapshot: &Snapshot,
     problem: &Problem,
@@ -62,7 +62,7 @@ pub(crate) fn declaration(
     let Some(place) = place else {
         return Ok(None);
     };
-    // Analysis says where the name stands.
+    // Analysis finds the place of the name.
     let at = FilePosition {
         path: place.path.clone(),
         offset: place.range.start,
@@ -88,7 +88,7 @@ pub(crate) struct FilePlace {
     pub(crate) range: Range<usize>,
 }
 
-/// The scenarios of the workspace and open documents that use a file, as they stand.
+/// The scenarios of the workspace and the open scenarios that use a file, with their present texts.
 fn scenarios_using(snapshot: &Snapshot, file: &Utf8Path) -> Cancellable<Vec<Problem>> {
     let open = snapshot.open.keys().filter(|it| is_scenario(it));
     let mut paths: Vec<&Utf8PathBuf> = snapshot.scenarios.iter().chain(open).collect();
@@ -111,7 +111,7 @@ fn scenarios_using(snapshot: &Snapshot, file: &Utf8Path) -> Cancellable<Vec<Prob
     Ok(out)
 }
 
-/// Where scenarios mention what is declared at a place of a specification.
+/// The mentions in scenarios of the declaration at a place of a specification.
 pub(crate) fn mentions(
     snapshot: &Snapshot,
     at: &FilePosition,
@@ -145,7 +145,7 @@ pub(crate) fn mentions(
     Ok(out)
 }
 
-/// Edits that let scenarios follow a rename.
+/// The edits of scenarios for a rename in a specification.
 pub(crate) fn renames(
     snapshot: &Snapshot,
     at: &FilePosition,

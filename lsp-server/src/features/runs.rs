@@ -1,5 +1,4 @@
-//! Lenses that run what is written: over the components of a specification, and over a scenario. The client
-//! runs it.
+//! Lenses that run a component or a scenario. The client runs it.
 
 use std::ops::Range;
 
@@ -13,7 +12,7 @@ use crate::features::commands::{RUN, SIMULATE};
 use crate::protocol::types::{CodeLens, CodeLensParams, Command};
 use crate::workspace::snapshot::{Snapshot, Subject};
 
-/// `Simulate` and `Run` over every component, with the place of its name; nothing for clients that do not run
+/// `Simulate` and `Run` over every component, at the place of its name. Empty for clients that do not run
 /// components.
 pub(crate) fn lenses(
     snapshot: &Snapshot,
@@ -36,7 +35,7 @@ pub(crate) fn lenses(
     over(snapshot, subject, names)
 }
 
-/// The verdicts of a scenario, after what runs it.
+/// The lenses of a scenario: first the ones that run it, then the verdicts.
 pub(crate) fn scenario_lenses(
     snapshot: &Snapshot,
     subject: &Subject,
@@ -56,7 +55,7 @@ fn offered(snapshot: &Snapshot) -> bool {
     snapshot.client.runs && snapshot.config.run_lenses
 }
 
-/// Where the name of a scenario is, if it has one.
+/// The place of a scenario's name, if it has one.
 fn name_of(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Option<Range<usize>>> {
     let Some(text) = snapshot.analysis.text(path)? else {
         return Ok(None);

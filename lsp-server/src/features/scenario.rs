@@ -1,4 +1,5 @@
-//! Scenarios (`.scn`). The language itself is in `dotgen_timing::scn`; here it meets documents and positions.
+//! Scenarios (`.scn`). The language itself is in `dotgen_timing::scn`. This module applies it to documents
+//! and positions.
 
 use std::ops::Range;
 
@@ -52,7 +53,7 @@ impl Language for Scenario {
         rename: RenameParams => Refusable<WorkspaceEdit> = rename;
         format: DocumentFormattingParams => Option<Vec<TextEdit>> = format;
         lenses: CodeLensParams => Option<Vec<CodeLens>> = super::runs::scenario_lenses;
-        // What the text alone tells.
+        // Features that need only the text.
         selections: SelectionRangeParams => Option<Vec<SelectionRange>> = selection_range::handle;
         links: DocumentLinkParams => Option<Vec<DocumentLink>> = document_link::handle;
         tokens: SemanticTokensParams => Option<Vec<SemanticToken>> = semantic_tokens::full;
@@ -63,7 +64,7 @@ impl Language for Scenario {
     }
 }
 
-/// A scenario as it stands, with the cursor in it.
+/// The present text of a scenario, with the position of the cursor.
 struct Cursor {
     problem: Problem,
     offset: usize,
@@ -110,12 +111,13 @@ fn read(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Problem> {
     problems::scenario(snapshot, path, text)
 }
 
-/// Syntax, files, names; and what the verifier said, if that was about this text.
+/// Findings about syntax, files and names, and the results of the verifier if they are of this text.
 fn diagnostics(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
     let problem = read(snapshot, path)?;
     let (mut out, mut elsewhere): (Vec<Diagnostic>, Vec<Diagnostic>) =
         (problem.errors.iter().cloned()).partition(|it| it.path == path);
-    // Errors of a specification are shown there; here it is enough that there are some.
+    // Errors of a specification are reported in that specification. Here one diagnostic says that there are
+    // some.
     elsewhere.dedup_by(|a, b| a.path == b.path);
     for mut it in elsewhere {
         let file = it.path.file_name().unwrap_or("a specification");
@@ -129,7 +131,7 @@ fn diagnostics(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnost
         out.push(it);
     }
     if out.is_empty() {
-        // Names are looked up whether verification is on or not.
+        // Names are checked even if verification is off.
         let known = super::verification::in_scenario(snapshot, path);
         let specs = problem.specs();
         let names = Names::new(&specs);
@@ -159,7 +161,7 @@ fn format(
     Ok(formatted.map(|it| vec![TextEdit::new(lines.range(&(0..text.len())), it)]))
 }
 
-/// From a name of a path to its declaration, and from a `use` to its file.
+/// The declaration of a name in a path, or the file of a `use`.
 fn definition(
     snapshot: &Snapshot,
     subject: &Subject,
@@ -263,12 +265,13 @@ fn completion(
     })))
 }
 
-/// Specifications of the workspace, as `use` names them.
+/// Specifications of the workspace, in the form that `use` names them.
 fn files(snapshot: &Snapshot, path: &Utf8Path) -> Vec<String> {
     let Some(directory) = path.parent() else {
         return Vec::new();
     };
-    // Those beside it are there before the workspace is listed, and without one.
+    // The folder of the scenario is read directly: its files are known before the workspace is listed, and
+    // without a workspace.
     let beside = directory.read_dir_utf8().into_iter().flatten();
     let beside = beside.filter_map(|it| Some(it.ok()?.into_path()));
     let specifications = snapshot.roots.iter().cloned().chain(beside);
@@ -342,7 +345,7 @@ fn symbol(it: outline::Entry) -> Symbol {
     }
 }
 
-/// Braces that hold more than a line, and comments.
+/// Ranges of braces with more than one line, and of comments.
 fn folds(
     snapshot: &Snapshot,
     subject: &Subject,
@@ -415,8 +418,8 @@ fn highlights(
     Ok(Some(ranges.collect()))
 }
 
-/// The declaration in a specification of the name under the cursor of a scenario: where the handlers of
-/// specifications can go on.
+/// The declaration, in a specification, of the name under the cursor of a scenario. The handlers of
+/// specifications continue from there.
 fn declared_at(
     snapshot: &Snapshot,
     subject: &Subject,
@@ -440,7 +443,7 @@ fn declared_at(
     Ok(Some((at, range, text.unwrap_or_default().to_owned())))
 }
 
-/// The mentions of what a name of a scenario means.
+/// The mentions of the declaration that a name in a scenario refers to.
 fn references(
     snapshot: &Snapshot,
     subject: &Subject,
@@ -453,7 +456,8 @@ fn references(
     }
 }
 
-/// What a scenario declares itself has no other name: specifications know nothing of it.
+/// The range of a name that can be renamed. Names that a scenario declares itself cannot be renamed: they are
+/// not in a specification.
 fn prepare_rename(
     snapshot: &Snapshot,
     subject: &Subject,
@@ -472,7 +476,7 @@ fn prepare_rename(
     }))
 }
 
-/// Another name for what a name of a scenario means.
+/// Renames the declaration that a name in a scenario refers to.
 fn rename(
     snapshot: &Snapshot,
     subject: &Subject,

@@ -1,4 +1,4 @@
-//! C and C++ sources of codels: what dotgen adds to the server of their language.
+//! C and C++ sources of codels: the features that dotgen adds to those of the C and C++ server.
 
 use camino::Utf8Path;
 use dotgen_analysis::diagnostic::Diagnostic;
@@ -37,13 +37,13 @@ impl Language for Sources {
     }
 }
 
-/// A name in a source, and the places of specifications where what it stands for is declared.
+/// A name in a source, and the places of its declarations in specifications.
 struct Declared {
     range: Option<Range>,
     places: Vec<FilePosition>,
 }
 
-/// What the name at a position of a source stands for.
+/// The declarations of the name at a position of a source.
 fn declared(
     snapshot: &Snapshot,
     subject: &Subject,
@@ -91,7 +91,7 @@ pub(crate) fn definition(
     };
     let mut links = Vec::new();
     for at in &found.places {
-        // The declaration of a parameter of a codel is that of the member or port that it passes.
+        // The declaration of a codel's parameter is the declaration of the member or port that it passes.
         for link in goto::links(snapshot, at, Analysis::goto_definition)? {
             if !links.contains(&link) {
                 links.push(link);
@@ -104,7 +104,7 @@ pub(crate) fn definition(
     Ok(goto::response(snapshot, links))
 }
 
-/// `textDocument/hover` in a source: that of the declaration in the specification.
+/// `textDocument/hover` in a source: the hover of the declaration in the specification.
 pub(crate) fn hover(
     snapshot: &Snapshot,
     subject: &Subject,

@@ -1,4 +1,4 @@
-//! Specifications (`.gen`), and what they include: one file per feature.
+//! Specifications (`.gen`) and the files they include: one module per feature.
 
 pub(crate) mod call_hierarchy;
 pub(crate) mod code_action;
@@ -29,7 +29,7 @@ use crate::protocol::refusable::Refusable;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::Snapshot;
 
-/// Specifications and what they include.
+/// Specifications and the files they include.
 pub(crate) struct Specification;
 
 impl Language for Specification {

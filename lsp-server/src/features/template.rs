@@ -1,4 +1,4 @@
-//! Files of templates: what is wrong with those that are open. Nothing of a template is run for this.
+//! Diagnostics of open template files. No template is executed for them.
 
 use camino::Utf8Path;
 use dotgen_analysis::diagnostic::Diagnostic;
@@ -18,10 +18,10 @@ impl Language for Template {
     }
 }
 
-/// More scripts than a template requires.
+/// Maximum number of scripts that a template requires.
 const MAX_REQUIRED: usize = 32;
 
-/// What is wrong with an open file of a template.
+/// The diagnostics of an open file of a template.
 fn diagnostics(snapshot: &Snapshot, file: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
     let Some(text) = snapshot.analysis.text(file)? else {
         return Ok(Vec::new());
@@ -35,7 +35,7 @@ fn diagnostics(snapshot: &Snapshot, file: &Utf8Path) -> Cancellable<Vec<Diagnost
         }
         scripts.push(main);
     }
-    // What the user says is true.
+    // The settings of the user take precedence.
     let said = snapshot
         .open
         .get(file)

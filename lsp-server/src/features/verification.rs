@@ -1,5 +1,5 @@
-//! What verification shows in documents: lenses on tasks, diagnostics, code actions, and
-//! `dotgen/verification` with everything in one answer.
+//! Verification in documents: lenses on tasks, diagnostics, code actions, and `dotgen/verification` with
+//! everything in one answer.
 
 mod answer;
 mod diagnostics;
@@ -30,7 +30,7 @@ pub(crate) use lens::{hover, lenses, scenario_lenses};
 pub(crate) use sensitivity::{SensitivityParams, SensitivityResult, ask, shown};
 pub(crate) use trace::{TraceShown, trace};
 
-/// A task of a document: its name and the place of it.
+/// A task of a document: its name and place.
 struct TaskAt {
     id: TaskId,
     range: Range<usize>,
@@ -55,7 +55,7 @@ fn tasks(problem: &Problem, path: &Utf8Path) -> Vec<TaskAt> {
     out
 }
 
-/// The place of something in the specifications of a problem.
+/// The place of an item in the specifications of a problem.
 fn place(
     problem: &Problem,
     src: Option<(usize, dotgen_analysis::model::Src)>,
@@ -69,7 +69,7 @@ fn argument(uri: &Uri, check: Option<usize>) -> Value {
     json!({ "uri": uri, "check": check })
 }
 
-/// Code actions: open the run that a diagnostic is about; write the default scenario out.
+/// Code actions: open the run of a diagnostic; write the default scenario to a file.
 pub(crate) fn actions(
     snapshot: &Snapshot,
     subject: &Subject,
@@ -92,7 +92,7 @@ pub(crate) fn actions(
                 )?);
             }
             if found.diagnostic.code == diagnostics::GAVE_UP {
-                // There is no run to show; a scenario is what helps.
+                // Without a run to show, the action that helps is the one that writes a scenario.
                 let scenario = write_out(snapshot, subject, range, diagnostic)?;
                 out.extend(scenario.map(CodeActionOrCommand::CodeAction));
                 continue;
@@ -119,8 +119,8 @@ pub(crate) fn actions(
     Ok(out)
 }
 
-/// The default scenario as a file beside the specification, offered on the heading of a component, and where
-/// something was given up for want of one.
+/// The action that writes the default scenario to a file next to the specification. Offered on the heading of
+/// a component, and at a check that gave up because there is no scenario.
 fn write_out(
     snapshot: &Snapshot,
     subject: &Subject,

@@ -6,7 +6,7 @@ use crate::protocol::convert::symbol;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::Snapshot;
 
-/// More than anybody scrolls through.
+/// Maximum number of symbols in an answer.
 const LIMIT: usize = 256;
 
 pub(crate) fn handle(

@@ -1,4 +1,4 @@
-//! The disk: the one way in which dotgen reads and writes files of users.
+//! The disk: the only module that reads and writes files of users.
 
 mod growing;
 mod passing;

@@ -1,4 +1,4 @@
-//! When files got the text that they have: from git where a file is as it was committed, else from its time
+//! The times at which files got their present text: from git if the file is as committed, else from its time
 //! stamp.
 
 use std::ffi::OsString;
@@ -8,16 +8,16 @@ use camino::Utf8Path;
 
 use crate::process;
 
-/// When a file on disk got its text; `None` when nobody knows.
+/// The time at which a file on disk got its text; `None` if it is unknown.
 ///
-/// A time stamp tells little in a fresh clone, where every file is as old as the clone: a file that is as git
-/// has it got its text with the last commit that changed it. Git is asked for objects only. It refreshes no
-/// index, runs no hook and no filter, and reaches no network, whatever the settings of the repository are.
+/// In a fresh clone every file has the time stamp of the clone. A file that is as committed got its text with
+/// the last commit that changed it. The git commands only read objects. They refresh no index, run no hook
+/// and no filter, and use no network, whatever the settings of the repository are.
 pub(crate) fn changed(path: &Utf8Path) -> Option<SystemTime> {
     committed(path).or_else(|| std::fs::metadata(path).ok()?.modified().ok())
 }
 
-/// The time of the last commit that changed a file, if it has still the text of that; in whole seconds.
+/// The time of the last commit that changed a file, in whole seconds, if the file still has that text.
 fn committed(path: &Utf8Path) -> Option<SystemTime> {
     let (folder, name) = (path.parent()?, path.file_name()?);
     let blob = git(folder, &["cat-file", "blob", &format!("HEAD:./{name}")])?;
@@ -32,10 +32,10 @@ fn committed(path: &Utf8Path) -> Option<SystemTime> {
     SystemTime::UNIX_EPOCH.checked_add(Duration::from_secs(seconds))
 }
 
-/// What git prints about a folder; `None` when it is not there, or has nothing to say.
+/// The output of git in a folder; `None` if git is not installed, fails or prints nothing.
 fn git(folder: &Utf8Path, question: &[&str]) -> Option<Vec<u8>> {
     let mut words: Vec<OsString> = vec!["-C".into(), folder.into()];
-    // Objects that a partial clone has left out would be fetched.
+    // Without this option, git would fetch the missing objects of a partial clone.
     words.extend(["-c", "protocol.allow=never", "--literal-pathspecs"].map(Into::into));
     words.extend(question.iter().map(Into::into));
     let environment = [

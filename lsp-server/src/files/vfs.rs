@@ -1,4 +1,4 @@
-//! Files as analysis sees them, and packages.
+//! Reading of files for analysis, and packages.
 //!
 //! All input and output of the analysis goes through [`Vfs`], which implements its `Loader`.
 
@@ -23,32 +23,33 @@ pub(crate) use interfaces::{
 pub use pkg_config::query;
 pub(crate) use pkg_config::words;
 
-/// How packages of `#pragma requires`, and GenoM3 itself, are found.
+/// The search for packages of `#pragma requires`, and for GenoM3 itself.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
 pub struct PackageConfig {
-    /// Directories with `.pc` files, searched before the system's.
+    /// Directories with `.pc` files, searched before those of the system.
     pub paths: Vec<Utf8PathBuf>,
-    /// Directories of templates: the GenoM3 that one of them belongs to is the installed one.
+    /// Directories of templates. The installed GenoM3 is the one that the first of them with a release
+    /// belongs to.
     pub templates: Vec<Utf8PathBuf>,
-    /// Whether the package tool may be run. Otherwise dotgen reads `.pc` files itself.
+    /// True if the package tool may be run. Otherwise dotgen reads `.pc` files itself.
     pub may_run: bool,
-    /// Whether the interfaces that come with dotgen take the place of packages that are not installed.
+    /// True if the interfaces included in dotgen replace packages that are not installed.
     pub own_interfaces: bool,
 }
 
-/// The disk and the package tool, as analysis asks for them.
+/// The disk and the package tool, as the loader of analysis.
 ///
-/// Open documents need no overlay here: their text is set on the host, which asks the loader only
-/// for what nobody has set.
+/// Open documents need no overlay here: their text is set on the host, which uses the loader only for other
+/// files.
 #[derive(Debug, Default)]
 pub struct Vfs {
     packages: RwLock<PackageConfig>,
-    /// What is no UTF-8 reads as editors show it.
+    /// True if text that is not UTF-8 is read in the form that editors show.
     for_editor: bool,
 }
 
 impl Vfs {
-    /// Looks packages up as `packages` says.
+    /// A loader with the package search of `packages`.
     pub fn new(packages: PackageConfig) -> Vfs {
         Vfs {
             packages: RwLock::new(packages),
@@ -56,9 +57,9 @@ impl Vfs {
         }
     }
 
-    /// For a server: what is no UTF-8 is read with U+FFFD, as editors show it, so that positions agree. Such
-    /// a text is never written: edits of the file are refused unless it is open, and then the text of the
-    /// client counts.
+    /// A loader for a server. Text that is not UTF-8 is read with U+FFFD, as editors show it, so that
+    /// positions agree. Such a text is never written: edits of the file are refused unless the file is open,
+    /// in which case the client's text is used.
     pub fn for_editor() -> Vfs {
         Vfs {
             for_editor: true,
@@ -66,7 +67,7 @@ impl Vfs {
         }
     }
 
-    /// Changes how packages are looked up; whether anything changed.
+    /// Changes the package search. Returns true if it differs from the previous one.
     pub fn set_packages(&self, packages: &PackageConfig) -> bool {
         let mut current = self
             .packages
@@ -140,14 +141,14 @@ fn shown(text: String) -> String {
     }
 }
 
-/// More entries of a directory than anybody chooses from.
+/// Maximum number of listed entries of a directory.
 const MAX_ENTRIES: usize = 2_000;
 
 /// Reads a file from the disk.
 pub fn read(path: &Utf8Path) -> FileContent {
     match std::fs::metadata(path) {
         Ok(metadata) if metadata.is_dir() => return FileContent::Directory,
-        // A pipe or device might never end.
+        // A read of a pipe or device might never end.
         Ok(metadata) if !metadata.is_file() => {
             return FileContent::Unreadable("it is not a regular file".to_owned());
         }
@@ -176,7 +177,7 @@ fn missing(error: &std::io::Error) -> bool {
     )
 }
 
-/// The `.gen` files of a directory, not of those below it, sorted.
+/// The `.gen` files in a directory, without subdirectories, sorted.
 pub fn specifications_in(directory: &Utf8Path) -> Vec<Utf8PathBuf> {
     let entries = directory.read_dir_utf8().into_iter().flatten().flatten();
     let paths = entries.map(|it| directory.join(it.file_name()));
@@ -187,8 +188,8 @@ pub fn specifications_in(directory: &Utf8Path) -> Vec<Utf8PathBuf> {
     out
 }
 
-/// Every file below `directory` with one of the extensions, sorted. Hidden directories, `build`
-/// results of other tools and links to directories are left alone.
+/// Every file below `directory` with one of the extensions, sorted. Hidden directories, `build` directories
+/// of other tools and links to directories are skipped.
 pub fn files_below(directory: &Utf8Path, extensions: &[&str]) -> Vec<Utf8PathBuf> {
     let visible = |entry: &walkdir::DirEntry| {
         let name = entry.file_name().to_string_lossy();

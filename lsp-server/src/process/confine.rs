@@ -1,8 +1,7 @@
-//! What this process gives up for ever: the system keeps it, and what it becomes, from the rest.
+//! The confinement of this process and of the program it becomes. It cannot be undone.
 //!
-//! On Linux, Landlock limits files (and connections over TCP), seccomp refuses calls by which a program
-//! would start others, open connections, or change what Landlock does not look at. Neither needs
-//! privileges.
+//! On Linux, Landlock limits files (and connections over TCP). seccomp refuses calls that start programs,
+//! open connections, or change attributes that Landlock does not cover. Neither needs privileges.
 
 use std::io;
 use std::path::Path;
@@ -12,7 +11,7 @@ use dotgen_codegen::process::{Access, Gap, Resources};
 #[cfg(target_os = "linux")]
 pub(super) use linux::{confine, gaps};
 
-/// Limits what this process may use up.
+/// Limits the resources of this process.
 #[cfg(unix)]
 pub(super) fn limit(resources: &Resources) -> io::Result<()> {
     use rustix::process::{Resource, Rlimit, setrlimit};
@@ -44,7 +43,7 @@ pub(super) fn limit(_: &Resources) -> io::Result<()> {
     Ok(())
 }
 
-/// Other systems have nothing that a process can confine itself with and that outlives `exec`.
+/// Other systems have no confinement that remains after `exec`.
 #[cfg(not(target_os = "linux"))]
 pub(super) fn confine(_: &Access, _: Option<&Path>) -> io::Result<()> {
     Ok(())
@@ -76,9 +75,9 @@ mod linux {
 
     use super::*;
 
-    /// What is asked for where the system has it.
+    /// The requested version of Landlock.
     const WANTED: ABI = ABI::V6;
-    /// What there must be for files to count as confined: before the third version files could be cut off.
+    /// The minimum version of Landlock with which files count as confined: earlier versions allow truncation.
     const LEAST: ABI = ABI::V3;
 
     /// See [`super::super::System`].
@@ -92,7 +91,7 @@ mod linux {
             if files.is_err() {
                 gaps.push(Gap::Files);
             }
-            // A filter holds for the thread that installs it. So one that ends at once can try.
+            // A filter applies to the thread that installs it. A thread that ends at once can test it.
             let tried = std::thread::spawn(|| install(Vec::new(), SeccompAction::Allow).is_ok());
             if !tried.join().unwrap_or(false) {
                 gaps.extend([Gap::Programs, Gap::Network]);
@@ -102,13 +101,13 @@ mod linux {
         GAPS.clone()
     }
 
-    /// Confines this thread, which is the only one, and what it becomes.
+    /// Confines this thread, which is the only one, and the program it becomes.
     pub(in super::super) fn confine(access: &Access, program: Option<&Path>) -> io::Result<()> {
         confine_files(access, program).map_err(io::Error::other)?;
         if gaps().contains(&Gap::Programs) {
             return Ok(());
         }
-        // The first filter that is installed must not refuse what the next ones need.
+        // The filter that is installed first must not refuse calls that the next ones need.
         install(emulated(), SeccompAction::Errno(0))?;
         install(
             missing(),
@@ -133,7 +132,7 @@ mod linux {
             .handle_access(AccessNet::from_all(WANTED))?
             .scope(Scope::from_all(WANTED))?
             .create()?
-            // Paths that are not there need no rule.
+            // Missing paths need no rule.
             .add_rules(path_beneath_rules(&access.read, read))?
             .add_rules(path_beneath_rules(&data, read))?
             .add_rules(path_beneath_rules(["/dev/null"], read | AccessFs::WriteFile))?
@@ -143,7 +142,7 @@ mod linux {
         Ok(())
     }
 
-    /// Folders of libraries, which the loader of programs is among, and files that Tcl reads.
+    /// Folders of libraries, including the dynamic loader, and files that Tcl reads.
     fn needed(program: &Path) -> (Vec<PathBuf>, Vec<PathBuf>) {
         let mut libraries: Vec<PathBuf> = [
             "/lib",
@@ -168,13 +167,13 @@ mod linux {
         ]
         .map(PathBuf::from)
         .to_vec();
-        // An installation elsewhere has its library beside its programs.
+        // An installation elsewhere has its library folder next to its programs.
         if let Some(prefix) = program.parent().and_then(Path::parent) {
             libraries.push(prefix.join("lib"));
             for name in ["share/tcltk", "share/tcl", "share/tcl8.6"] {
                 data.push(prefix.join(name));
             }
-            // Stores of packages: all that they hold is public, and libraries are found in any part of them.
+            // Stores of packages: their content is public, and libraries may be anywhere in them.
             for store in ["/nix/store", "/gnu/store"] {
                 if prefix.starts_with(store) {
                     libraries.push(store.into());
@@ -190,13 +189,13 @@ mod linux {
     fn install(rules: Rules, action: SeccompAction) -> io::Result<()> {
         let mut all: BTreeMap<i64, Vec<SeccompRule>> = BTreeMap::new();
         for (call, conditions) in rules {
-            // The same calls for programs with short pointers have numbers of their own.
+            // On this architecture, programs with 32-bit pointers (x32) use other numbers for these calls.
             #[cfg(target_arch = "x86_64")]
             all.insert(call | 0x4000_0000, conditions.clone());
             all.insert(call, conditions);
         }
         let action = match all.is_empty() {
-            // A filter needs two different actions, even one that refuses nothing.
+            // A filter needs two different actions, even if it refuses nothing.
             true => SeccompAction::Errno(libc::EPERM.cast_unsigned()),
             false => action,
         };
@@ -214,8 +213,8 @@ mod linux {
         calls.iter().map(|it| (*it, Vec::new())).collect()
     }
 
-    /// Changes of permissions and dates, which Landlock does not look at. They succeed and do nothing:
-    /// Tcl copies them with a file, and would take a refusal for a failure to copy.
+    /// Changes of permissions and dates, which Landlock does not cover. They succeed without effect: Tcl
+    /// copies them with a file, and would report a refusal as a failed copy.
     fn emulated() -> Rules {
         #[cfg_attr(
             not(target_arch = "x86_64"),
@@ -237,12 +236,13 @@ mod linux {
         all(&calls)
     }
 
-    /// Calls that libraries do without where a system lacks them: arguments in memory cannot be looked at.
+    /// Calls that are reported as missing, because libraries can do without them. seccomp cannot read their
+    /// arguments in memory.
     fn missing() -> Rules {
         all(&[libc::SYS_clone3, libc::SYS_io_uring_setup])
     }
 
-    /// What is refused.
+    /// The refused calls.
     fn refused(programs: bool) -> io::Result<Rules> {
         let mut rules = all(REFUSED);
         #[cfg(target_arch = "x86_64")]
@@ -264,13 +264,13 @@ mod linux {
             let rule = condition.and_then(|it| SeccompRule::new(vec![it]));
             rule.map(|it| vec![it]).map_err(io::Error::other)
         };
-        // Threads, but no processes.
+        // Threads are allowed, processes are not.
         let thread = u64::from(libc::CLONE_THREAD.cast_unsigned());
         rules.push((libc::SYS_clone, when(0, SeccompCmpOp::MaskedEq(thread), 0)?));
-        // Signals to itself only: that is how a program aborts.
+        // A process may send signals only to itself: a program aborts in this way.
         let own = u64::from(std::process::id());
         rules.push((libc::SYS_tgkill, when(0, SeccompCmpOp::Ne, own)?));
-        // Limits may be read.
+        // Limits may be read but not set.
         rules.push((libc::SYS_prlimit64, when(2, SeccompCmpOp::Ne, 0)?));
         Ok(rules)
     }

@@ -1,4 +1,4 @@
-//! Temporary folders. Each is locked by the process that has made it: one without a lock is left over.
+//! Temporary folders. Each is locked by the process that created it: a folder without a lock is a leftover.
 
 use std::fs::File;
 use std::io;
@@ -10,16 +10,16 @@ use dotgen_codegen::process::Folder;
 use super::watcher::{Watched, Watcher};
 
 const PREFIX: &str = "dotgen-";
-/// Younger folders may not be locked yet.
+/// Minimum age of leftovers: a younger folder may not be locked yet.
 const YOUNG: Duration = Duration::from_secs(60);
-/// What a file takes at least on usual file systems, in bytes.
+/// Minimum space of a file on usual file systems, in bytes.
 const BLOCK: u64 = 4096;
 
 #[derive(Debug)]
 struct Temporary {
     folder: Option<tempfile::TempDir>,
     path: PathBuf,
-    /// Holds the lock.
+    /// The open file that holds the lock.
     _lock: Option<File>,
     watched: Option<Watched>,
 }
@@ -39,13 +39,13 @@ impl Folder for Temporary {
 
 impl Drop for Temporary {
     fn drop(&mut self) {
-        // The folder first: as long as it is there, the helper is to know it.
+        // The folder is removed first: the helper must know it as long as it exists.
         self.folder = None;
         self.watched = None;
     }
 }
 
-/// Makes one.
+/// Creates a temporary folder.
 pub(super) fn create(parent: Option<&Path>) -> io::Result<Box<dyn Folder>> {
     let parent = parent.map_or_else(std::env::temp_dir, Path::to_owned);
     let parent = parent.canonicalize().unwrap_or(parent);
@@ -60,8 +60,8 @@ pub(super) fn create(parent: Option<&Path>) -> io::Result<Box<dyn Folder>> {
     }))
 }
 
-/// The space that a folder takes, in bytes. Every entry counts as a block at least, so that a flood of empty
-/// files counts too.
+/// The space of a folder in bytes. Every entry counts as at least a block, so that many empty files count
+/// too.
 pub(super) fn size(folder: &Path) -> u64 {
     let entries = walkdir::WalkDir::new(folder).into_iter().flatten();
     let space = |it: walkdir::DirEntry| {
@@ -71,7 +71,7 @@ pub(super) fn size(folder: &Path) -> u64 {
     entries.map(space).sum()
 }
 
-/// Removes what processes have left that were killed together with their helpers.
+/// Removes leftovers of processes that were killed together with their helpers.
 pub(crate) fn clean_up() {
     clean_up_in(&std::env::temp_dir());
 }
@@ -81,7 +81,7 @@ fn clean_up_in(parent: &Path) {
     for entry in entries.into_iter().flatten().flatten() {
         let name = entry.file_name();
         let is_ours = name.as_encoded_bytes().starts_with(PREFIX.as_bytes());
-        // The kind of the entry itself: a link that somebody has laid there is no folder.
+        // The type of the entry itself: a link is not a folder.
         if !is_ours || !entry.file_type().is_ok_and(|it| it.is_dir()) {
             continue;
         }
@@ -92,13 +92,13 @@ fn clean_up_in(parent: &Path) {
         }
         if let Some(_lock) = lock(&entry.path(), true) {
             tracing::info!(path = %entry.path().display(), "removing what was left behind");
-            // Fails for those of other users.
+            // Fails for folders of other users.
             let _ = std::fs::remove_dir_all(entry.path());
         }
     }
 }
 
-/// Locks a folder, alone or with others; `None` when that cannot be.
+/// Locks a folder, exclusively or shared; `None` if that fails.
 #[cfg(unix)]
 fn lock(path: &Path, alone: bool) -> Option<File> {
     use rustix::fs::{FlockOperation, flock};

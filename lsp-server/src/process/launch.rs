@@ -1,6 +1,6 @@
-//! `dotgen confined`: what a program is started through. Not for people.
+//! `dotgen confined`: the process that becomes a program. Not for users.
 //!
-//! It binds its life to that of its parent, limits and confines itself, and becomes the program.
+//! It ends with its parent, limits and confines itself, and becomes the program.
 
 use std::ffi::{OsStr, OsString};
 use std::io::Write;
@@ -14,11 +14,11 @@ use super::{COMMAND, confine, watcher};
 
 const RENDER: &str = "render";
 
-/// Exit statuses of a shell that cannot run a command, and cannot find it.
+/// Exit status of a shell that cannot run a command; the other constant is for a command that is not found.
 const CANNOT_RUN: u8 = 126;
 const NOT_FOUND: u8 = 127;
 
-/// The words that start a program.
+/// The arguments that start a program.
 pub(super) fn arguments(program: &Program) -> Vec<OsString> {
     let mut out = vec![
         COMMAND.into(),
@@ -40,7 +40,7 @@ pub(super) fn arguments(program: &Program) -> Vec<OsString> {
     out
 }
 
-/// The words that start the renderer of texts.
+/// The arguments that start the renderer of texts.
 pub(super) fn renderer_arguments(resources: Resources) -> Vec<OsString> {
     let mut out = vec![
         COMMAND.into(),
@@ -65,7 +65,7 @@ fn limits(out: &mut Vec<OsString>, resources: Resources) {
     }
 }
 
-/// What the words say.
+/// The parsed arguments.
 #[derive(Debug, Default, PartialEq, Eq)]
 struct Order {
     parent: Option<i32>,
@@ -110,13 +110,13 @@ impl Order {
     }
 }
 
-/// Runs the subcommand when the words of the command line are for it.
+/// Runs the subcommand if it is on the command line.
 pub(crate) fn intercept() -> Option<ExitCode> {
     let words: Vec<OsString> = std::env::args_os().collect();
     let [own, command, words @ ..] = words.as_slice() else {
         return None;
     };
-    // To GenoM3 this word is the name of a template.
+    // As `genom3`, this word is the name of a template.
     let stands_in = Path::new(own).file_stem() == Some(OsStr::new("genom3"));
     if command != COMMAND || stands_in {
         return None;
@@ -139,7 +139,7 @@ pub(crate) fn intercept() -> Option<ExitCode> {
 }
 
 fn say(message: &str) {
-    // Whoever has closed the channel does not want to know.
+    // Fails if the error output is closed.
     let _ = writeln!(std::io::stderr(), "dotgen: {message}");
 }
 
@@ -174,19 +174,19 @@ fn carry_out(order: &Order) -> Result<ExitCode, (u8, String)> {
     })
 }
 
-/// Asks the system to end this process when its parent ends. The wish outlives `exec`.
+/// Makes the system end this process when its parent ends. Remains in force after `exec`.
 #[cfg(target_os = "linux")]
 fn bind_life(parent: i32) -> std::io::Result<()> {
     use rustix::process::{Signal, getppid, set_parent_process_death_signal};
     set_parent_process_death_signal(Some(Signal::KILL))?;
-    // The parent may have ended before it was asked for.
+    // The parent may have ended before the call.
     if getppid().map(|it| it.as_raw_nonzero().get()) != Some(parent) {
         return Err(std::io::Error::other("its parent has ended"));
     }
     Ok(())
 }
 
-/// Other systems leave it to the helper that watches.
+/// Other systems rely on the helper.
 #[cfg(not(target_os = "linux"))]
 fn bind_life(_: i32) -> std::io::Result<()> {
     Ok(())
@@ -197,7 +197,7 @@ fn become_program(command: &mut Command) -> std::io::Error {
     std::os::unix::process::CommandExt::exec(command)
 }
 
-/// Where a process cannot become another one, it waits for it.
+/// Systems on which a process cannot become another program: it starts the program and waits.
 #[cfg(not(unix))]
 fn become_program(command: &mut Command) -> std::io::Error {
     match command.status() {

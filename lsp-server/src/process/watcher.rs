@@ -1,8 +1,7 @@
-//! The helper that cleans up after a process that was killed: `dotgen confined watch`.
+//! The helper that cleans up after a killed process: `dotgen confined watch`.
 //!
-//! It reads, from a pipe that only its process holds, which process groups and temporary folders there
-//! are, and which files are about to take the place of others. When the pipe breaks, that process is
-//! gone, however it ended.
+//! It reads process groups, temporary folders and pending moves of files from a pipe that only its process
+//! holds. When the pipe breaks, that process has ended.
 
 use std::ffi::OsStr;
 use std::io::{Read, Write};
@@ -12,7 +11,7 @@ use std::sync::{LazyLock, Mutex, PoisonError};
 
 use super::{COMMAND, OWN};
 
-/// The words that start it.
+/// The arguments that start the helper.
 pub(super) const WORDS: [&str; 2] = [COMMAND, "watch"];
 
 /// The helper of this process.
@@ -20,27 +19,27 @@ pub(super) struct Watcher {
     pipe: Mutex<ChildStdin>,
 }
 
-/// What the helper knows of. Dropped when there is nothing left to clean up.
+/// An item that the helper knows. Dropped when there is nothing left to clean up.
 #[derive(Debug)]
 pub(crate) struct Watched(Vec<u8>);
 
-/// One of several changes of files that belong together.
+/// A move or removal of a file, part of a group of moves.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Move {
     /// The file.
     pub(crate) from: PathBuf,
-    /// Whose place it takes; `None` when it is removed.
+    /// The new path; `None` if the file is removed.
     pub(crate) to: Option<PathBuf>,
 }
 
 impl Watcher {
-    /// The helper; started when it is first wanted. `None` where it cannot be.
+    /// The helper, started on first use. `None` if it cannot be started.
     pub(super) fn get() -> Option<&'static Watcher> {
         static WATCHER: LazyLock<Option<Watcher>> = LazyLock::new(|| {
             let mut command = super::again(OWN.get()?);
             command.args(WORDS).stdin(Stdio::piped());
             command.stdout(Stdio::null()).stderr(Stdio::null());
-            // It must not keep a folder busy, nor end with the terminal's group.
+            // The helper must not keep a folder in use, nor end with the terminal's group.
             command.current_dir("/");
             #[cfg(unix)]
             std::os::unix::process::CommandExt::process_group(&mut command, 0);
@@ -51,19 +50,19 @@ impl Watcher {
         WATCHER.as_ref()
     }
 
-    /// A process group to be ended.
+    /// Registers a process group, which will be killed.
     pub(super) fn group(&self, id: u32) -> Watched {
         self.tell(format!("g{id}").into_bytes())
     }
 
-    /// A folder to be removed.
+    /// Registers a folder, which will be removed.
     pub(super) fn folder(&self, path: &Path) -> Watched {
         let mut item = b"f".to_vec();
         item.extend_from_slice(path.as_os_str().as_encoded_bytes());
         self.tell(item)
     }
 
-    /// Files to be moved, all of them. The helper does what is not done yet.
+    /// Registers a group of moves. The helper makes those that are not made yet.
     pub(super) fn moves(&self, moves: &[Move]) -> Watched {
         self.tell(packed(moves))
     }
@@ -76,7 +75,7 @@ impl Watcher {
     fn write(&self, sign: u8, item: &[u8]) {
         let mut pipe = self.pipe.lock().unwrap_or_else(PoisonError::into_inner);
         let message = [&[sign], item, b"\0"].concat();
-        // A helper that somebody has killed cleans up nothing; the next start does.
+        // A killed helper cleans up nothing; the next start of dotgen does.
         let _ = pipe.write_all(&message);
     }
 }
@@ -89,13 +88,13 @@ impl Drop for Watched {
     }
 }
 
-/// The helper itself: returns when the process is gone and all is cleaned up.
+/// The helper itself: returns when the process has ended and everything is cleaned up.
 pub(super) fn serve(mut pipe: impl Read) {
     let mut bytes = Vec::new();
     // A broken pipe is the end as well.
     let _ = pipe.read_to_end(&mut bytes);
     let mut items: Vec<&[u8]> = Vec::new();
-    // What follows the last end of an item was cut off.
+    // A part after the last terminator is incomplete.
     let end = bytes.iter().rposition(|it| *it == 0).unwrap_or(0);
     for told in bytes[..end].split(|it| *it == 0) {
         match told.split_first() {
@@ -111,7 +110,7 @@ pub(super) fn serve(mut pipe: impl Read) {
             _ => {}
         }
     }
-    // Folders last: nobody writes in them any more.
+    // Folders come last, when no process writes in them.
     for item in &items {
         if let Some((b'f', path)) = item.split_first() {
             let _ = std::fs::remove_dir_all(path_of(path));
@@ -119,10 +118,10 @@ pub(super) fn serve(mut pipe: impl Read) {
     }
 }
 
-/// Does those moves that are not done yet.
+/// Makes the moves that are not made yet.
 pub(crate) fn carry_out(moves: &[Move]) {
     for it in moves {
-        // Fails for what the process has done itself.
+        // Fails for a move that the process has made itself.
         let _ = match &it.to {
             Some(to) => std::fs::rename(&it.from, to),
             None => std::fs::remove_file(&it.from),
@@ -130,8 +129,8 @@ pub(crate) fn carry_out(moves: &[Move]) {
     }
 }
 
-/// All moves as one item: a message that is cut off is none, so it is all of them or nothing. Each path is
-/// preceded by its length and a colon; no path stands for a removal.
+/// All moves as one item. An incomplete item is ignored, so either all moves are made or none. Each path is
+/// preceded by its length and a colon. An empty path stands for a removal.
 fn packed(moves: &[Move]) -> Vec<u8> {
     let mut item = b"m".to_vec();
     for it in moves {
@@ -198,7 +197,7 @@ mod tests {
             std::fs::write(&path, name).expect("a file");
             path
         };
-        // A newline and a colon are letters of a name.
+        // A name may contain a newline and a colon.
         let names = ["new:1", "new\n2", "new3"];
         let moves = names.map(|name| Move {
             from: make(name),

@@ -1,24 +1,24 @@
-//! What the client can do. Every decision that depends on the client is made from here.
+//! The capabilities of the client. Every decision that depends on the client uses them.
 
 use serde_json::Value;
 
 use super::convert::Encoding;
 use super::types::{InitializeParams, MarkupKind};
 
-/// What matters of the client's capabilities.
+/// The capabilities that dotgen uses.
 #[derive(Debug, Clone, Default)]
 pub struct ClientCaps {
     /// Unit of `character` in positions.
     pub encoding: Encoding,
-    /// The client asks for diagnostics, so none are pushed.
+    /// The client pulls diagnostics, so none are pushed.
     pub pull_diagnostics: bool,
-    /// The client asks for diagnostics of codels' sources, too (`initializationOptions.pullSources`).
+    /// The client also pulls diagnostics of codels' sources (`initializationOptions.pullSources`).
     pub pull_sources: bool,
     /// `workspace/diagnostic/refresh`.
     pub diagnostic_refresh: bool,
     /// `workspace/semanticTokens/refresh`.
     pub semantic_tokens_refresh: bool,
-    /// Semantic tokens come on top of a grammar's colours: those that say no more are not wanted.
+    /// The client colours by a grammar first: semantic tokens that add nothing to the grammar are omitted.
     pub augments_syntax_tokens: bool,
     /// Related information in diagnostics.
     pub related_information: bool,
@@ -40,7 +40,7 @@ pub struct ClientCaps {
     pub document_text: bool,
     /// Images in hovers, with a size after `|` (`initializationOptions.hoverImages`).
     pub hover_images: bool,
-    /// Wants to be told where verifications stand (`initializationOptions.verificationStatus`).
+    /// Status of verifications (`initializationOptions.verificationStatus`).
     pub verification_status: bool,
     /// Runs components: executes `dotgen.run` and `dotgen.simulate` (`initializationOptions.runs`).
     pub runs: bool,
@@ -64,9 +64,9 @@ pub struct ClientCaps {
     pub progress: bool,
     /// New files in workspace edits.
     pub creates_files: bool,
-    /// Changes that are confirmed before they are made.
+    /// Changes that the user confirms before they are made.
     pub change_annotations: bool,
-    /// Actions that cannot be made are shown with the reason.
+    /// Disabled actions, shown with the reason.
     pub disabled_actions: bool,
     /// `codeAction/resolve` for edits.
     pub resolves_edits: bool,
@@ -74,17 +74,17 @@ pub struct ClientCaps {
     pub code_lens_refresh: bool,
     /// `window/showDocument`.
     pub show_document: bool,
-    /// Registration of what is offered for documents in other languages.
+    /// Dynamic registration of features for documents in other languages.
     pub documents_registration: bool,
-    /// Registration of definitions.
+    /// Dynamic registration of definitions.
     pub definition_registration: bool,
-    /// Registration of hovers.
+    /// Dynamic registration of hovers.
     pub hover_registration: bool,
 }
 
 impl ClientCaps {
-    /// From the parameters of `initialize`. `raw` is the same message before it became typed: it
-    /// still has what the protocol types do not know.
+    /// The capabilities in the parameters of `initialize`. `raw` is the same message as JSON: it contains
+    /// fields that the protocol types lack.
     pub fn new(params: &InitializeParams, raw: &Value) -> ClientCaps {
         let capabilities = &params.capabilities;
         let text = capabilities.text_document.clone().unwrap_or_default();
@@ -189,13 +189,13 @@ impl ClientCaps {
     }
 }
 
-/// Returns true if a request about documents can be registered later.
+/// True if a request about documents can be registered later.
 fn registers(raw: &Value, request: &str) -> bool {
     let path = format!("/capabilities/textDocument/{request}/dynamicRegistration");
     flag(raw, &path)
 }
 
-/// Whether workspace edits may do something to files.
+/// True if workspace edits support an operation on files.
 fn operations(raw: &Value, wanted: &str) -> bool {
     let all = raw.pointer("/capabilities/workspace/workspaceEdit/resourceOperations");
     let mut all = all.and_then(Value::as_array).into_iter().flatten();

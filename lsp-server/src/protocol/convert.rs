@@ -1,5 +1,5 @@
-//! Between the plain data of analysis (absolute paths, byte offsets) and protocol types (URIs,
-//! positions in the negotiated encoding). The only place where either becomes the other.
+//! Conversions between the plain data of analysis (absolute paths, byte offsets) and protocol types (URIs,
+//! positions in the negotiated encoding). No other module converts between them.
 
 pub mod position;
 pub mod semantic_tokens;

@@ -7,8 +7,7 @@ use crate::protocol::types::{
     VersionedTextDocumentIdentifier, WorkspaceDiagnosticReport,
 };
 
-/// clangd's `textDocument/inactiveRegions`: the regions of an open document that conditionals leave
-/// out.
+/// clangd's `textDocument/inactiveRegions`: the regions of an open document that conditionals exclude.
 #[derive(Debug)]
 pub enum InactiveRegions {}
 
@@ -26,7 +25,7 @@ pub struct InactiveRegionsParams {
     pub regions: Vec<Range>,
 }
 
-/// `dotgen/documentText`, a request of the server: the text of an open document as its client has it.
+/// `dotgen/documentText`, a request of the server: the client's text of an open document.
 #[derive(Debug)]
 pub enum DocumentTextRequest {}
 
@@ -42,7 +41,7 @@ impl crate::protocol::types::request::Request for DocumentTextRequest {
 pub struct DocumentText {
     /// Version of the document.
     pub version: i32,
-    /// All of its text.
+    /// The whole text.
     pub text: String,
 }
 
@@ -70,19 +69,19 @@ pub struct PositionParams {
 pub struct MacroExpansion {
     /// Name of the macro.
     pub name: String,
-    /// What the call stands for.
+    /// The expanded text.
     pub expansion: String,
     /// The call.
     pub range: Range,
 }
 
-/// Answer of `dotgen/includingRoots`: as included by whom a document may be shown.
+/// Answer of `dotgen/includingRoots`: the roots in whose units a document may be shown.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct IncludingRoots {
     /// The root whose unit shows the document.
     pub current: Option<Uri>,
-    /// All roots that include it, the current one first; the document itself if nobody does.
+    /// All roots that include it, the current one first; the document itself if there are none.
     pub roots: Vec<Uri>,
 }
 
@@ -92,9 +91,9 @@ pub struct IncludingRoots {
 pub struct ReleaseInfo {
     /// Its number.
     pub release: String,
-    /// Whether dotgen was compared with it.
+    /// True if dotgen was compared with this release.
     pub verified: bool,
-    /// Who chose it, in words.
+    /// The source of the choice, as text.
     pub origin: String,
 }
 
@@ -104,7 +103,7 @@ pub struct ReleaseInfo {
 pub struct ChooseRoot {
     /// The included document.
     pub uri: Uri,
-    /// The root to show it in; without it dotgen chooses.
+    /// The root to show it in; by default dotgen chooses.
     #[serde(default)]
     pub root: Option<Uri>,
 }
@@ -121,13 +120,13 @@ impl Notification for PartialDiagnostics {
 /// See [`PartialDiagnostics`].
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct PartialDiagnosticsParams {
-    /// As the request has it.
+    /// The token of the request.
     pub(crate) token: ProgressToken,
     /// The part.
     pub(crate) value: WorkspaceDiagnosticReport,
 }
 
-/// `dotgen/verificationStatus`: where the verification of a document stands.
+/// `dotgen/verificationStatus`: the status of the verification of a document.
 #[derive(Debug)]
 pub enum VerificationStatus {}
 
@@ -142,22 +141,22 @@ impl Notification for VerificationStatus {
 pub struct VerificationStatusParams {
     /// The scenario, or the specification that is verified without one.
     pub uri: Uri,
-    /// Version of the document it holds for; none if that is not open.
+    /// Version of the verified document; none if it is not open.
     pub version: Option<i32>,
-    /// Where it stands.
+    /// The status.
     pub status: crate::verification::results::Status,
     /// Name of the scenario.
     pub scenario: String,
-    /// Whether the scenario is written in a file.
+    /// True if the scenario is in a file.
     pub written: bool,
-    /// Checks that are answered for this version; while it is at work, these answers are final.
+    /// Number of checks with a final answer for this version.
     pub answered: Option<usize>,
-    /// Checks that there are.
+    /// Total number of checks.
     pub checks: Option<usize>,
-    /// The least number of cores with which no deadline is missed, once it is known.
+    /// The minimum number of cores with which every deadline is met, if it is known.
     pub minimum_cores: Option<u32>,
-    /// States of the answer, if it is of this version.
+    /// Number of explored states, if the answer is for this version.
     pub states: Option<usize>,
-    /// How long it took.
+    /// Duration of the verification in seconds.
     pub seconds: Option<f64>,
 }

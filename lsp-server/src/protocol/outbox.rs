@@ -1,4 +1,4 @@
-//! Messages to the client, sent in order from threads that must not wait.
+//! Messages to the client, in order, from threads that must not block.
 
 use std::future::Future;
 use std::pin::Pin;
@@ -14,7 +14,7 @@ use crate::protocol::types::{
 
 type Job = Pin<Box<dyn Future<Output = ()> + Send>>;
 
-/// See the module. Cheap to clone.
+/// The queue of messages. Cheap to clone.
 #[derive(Clone)]
 pub(crate) struct Outbox {
     client: Client,
@@ -23,7 +23,7 @@ pub(crate) struct Outbox {
 }
 
 impl Outbox {
-    /// To be called on the runtime.
+    /// Creates the queue. Must be called on the runtime.
     pub(crate) fn new(client: Client) -> Outbox {
         let (jobs, mut queue) = unbounded_channel::<Job>();
         let runtime = Handle::current();
@@ -47,11 +47,11 @@ impl Outbox {
     {
         let client = self.client.clone();
         let job: Job = Box::pin(async move { client.send_notification::<N>(params).await });
-        // Fails only when the runtime is gone, and then there is nobody to tell.
+        // Fails only after the end of the runtime.
         let _ = self.jobs.send(job);
     }
 
-    /// Publishes diagnostics of a file that is not open, or all the same of every version.
+    /// Publishes diagnostics of a file without a version: it is not open, or they hold for every version.
     pub(crate) fn publish(&self, path: &Utf8Path, diagnostics: Vec<Diagnostic>) {
         if let Some(uri) = uri::from_path(path) {
             let params = PublishDiagnosticsParams::new(uri, diagnostics, None);
@@ -67,7 +67,7 @@ impl Outbox {
         });
     }
 
-    /// Runs a conversation with the client (requests that wait for answers) beside everything else.
+    /// Runs a conversation with the client (requests that await answers) in the background.
     pub(crate) fn converse<F>(&self, conversation: impl FnOnce(Client) -> F)
     where
         F: Future<Output = ()> + Send + 'static,
@@ -75,7 +75,7 @@ impl Outbox {
         self.runtime.spawn(conversation(self.client.clone()));
     }
 
-    /// The client, to talk to it directly.
+    /// The client, for direct requests.
     pub(crate) fn client(&self) -> &Client {
         &self.client
     }

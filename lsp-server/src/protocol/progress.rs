@@ -8,7 +8,7 @@ use crate::protocol::types::{
     WorkDoneProgressBegin, WorkDoneProgressEnd, WorkDoneProgressReport, notification,
 };
 
-/// What is shown as going on, and how it is stopped.
+/// The progress shown by the client, and the functions that cancel the work.
 #[derive(Clone)]
 pub(crate) struct Shown {
     client: Client,
@@ -18,11 +18,11 @@ pub(crate) struct Shown {
 #[derive(Default)]
 struct Inner {
     next: u64,
-    /// What stops each, by its token.
+    /// The function that cancels the work, by token.
     stops: BTreeMap<String, Box<dyn Fn() + Send>>,
 }
 
-/// One that is shown. It is to be ended.
+/// One progress that is shown. The owner must call `end`.
 pub(crate) struct Running {
     shown: Shown,
     name: String,
@@ -40,7 +40,7 @@ impl Shown {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Begins to show one that can be cancelled; `None` if the client refuses.
+    /// Begins to show a progress that can be cancelled; `None` if the client refuses.
     pub(crate) async fn begin(
         &self,
         title: &str,
@@ -51,7 +51,7 @@ impl Shown {
         Some(running)
     }
 
-    /// Asks the client to make one. It is not shown yet.
+    /// Asks the client for a token. The progress is not shown yet.
     pub(crate) async fn create(&self) -> Option<Running> {
         let name = {
             let mut inner = self.inner();
@@ -77,7 +77,7 @@ impl Shown {
 }
 
 impl Running {
-    /// Shows it.
+    /// Shows the progress.
     pub(crate) async fn show(&self, title: &str, stop: impl Fn() + Send + 'static) {
         let name = self.name.clone();
         self.shown.inner().stops.insert(name, Box::new(stop));
@@ -89,7 +89,7 @@ impl Running {
         self.tell(WorkDoneProgress::Begin(begin)).await;
     }
 
-    /// Says how much is done, in percent.
+    /// Reports the progress in percent.
     pub(crate) async fn report(&self, percentage: u32) {
         let report = WorkDoneProgressReport {
             cancellable: Some(true),
@@ -99,7 +99,7 @@ impl Running {
         self.tell(WorkDoneProgress::Report(report)).await;
     }
 
-    /// It is done, or it was stopped.
+    /// Ends the progress, after the work is finished or cancelled.
     pub(crate) async fn end(self) {
         self.shown.inner().stops.remove(&self.name);
         let end = WorkDoneProgressEnd::default();
@@ -118,7 +118,7 @@ impl Running {
     }
 }
 
-/// Begins to show something that cannot be cancelled; `None` if the client cannot show it.
+/// Begins to show a progress that cannot be cancelled; `None` if the client does not support it.
 pub(crate) async fn begin(client: &Client, wanted: bool, title: &str) -> Option<Unstoppable> {
     if !wanted {
         return None;
@@ -128,7 +128,7 @@ pub(crate) async fn begin(client: &Client, wanted: bool, title: &str) -> Option<
     Some(client.progress(token, title.to_owned()).begin().await)
 }
 
-/// Ends it.
+/// Ends the progress.
 pub(crate) async fn end(progress: Option<Unstoppable>, message: String) {
     if let Some(progress) = progress {
         progress.finish_with_message(message).await;

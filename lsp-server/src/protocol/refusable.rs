@@ -1,8 +1,8 @@
-//! Answers that a request may be refused.
+//! Answers of requests that may be refused.
 
 use super::types::{Error, ErrorCode, Result};
 
-/// An answer, or why there is none: a message for the user.
+/// An answer, or an error message for the user.
 #[derive(Debug)]
 pub(crate) struct Refusable<T>(pub(crate) std::result::Result<Option<T>, String>);
 
@@ -13,7 +13,7 @@ impl<T> Default for Refusable<T> {
 }
 
 impl<T> Refusable<T> {
-    /// As the protocol says it: `RequestFailed`.
+    /// The response; an error has the code `RequestFailed`.
     pub(crate) fn into_response(self) -> Result<Option<T>> {
         self.0.map_err(|message| Error {
             code: ErrorCode::ServerError(-32803),

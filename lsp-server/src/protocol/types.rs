@@ -1,7 +1,7 @@
-//! The one place that imports protocol types.
+//! The only module that imports protocol types.
 //!
-//! Everything else says `types::Range`, `types::Uri`, …, so that a move to another version of the
-//! protocol library touches this file and `convert/`.
+//! Other modules use `types::Range`, `types::Uri` and so on. A move to another version of the protocol
+//! library changes only this file and `convert/`.
 
 pub use tower_lsp::jsonrpc::{Error, ErrorCode, Result};
 pub use tower_lsp::ls_types::notification::{self, Notification};

@@ -1,5 +1,5 @@
-//! The protocol's methods. Each hands its message to the writer or to the dispatcher before it
-//! first waits: that is what keeps messages in order.
+//! The protocol's methods. Each sends its message to the writer or to the dispatcher before its first
+//! `await`, which keeps messages in order.
 
 mod generation;
 mod pull;
@@ -24,25 +24,25 @@ use crate::workspace::snapshot::{Snapshot, Subject};
 
 use tokens::TokenResults;
 
-/// See the module.
+/// The state of a session, shared by all methods.
 pub(crate) struct Backend {
     pub(crate) dispatch: Dispatcher,
     /// Keeps the writer alive.
     events: UnboundedSender<Event>,
     pub(super) revisions: watch::Receiver<u64>,
-    /// Becomes true when the client has closed its end.
+    /// True as soon as the client has closed its end.
     pub(super) closed: watch::Receiver<bool>,
-    /// Parameters of `initialize` before they became typed.
+    /// Parameters of `initialize` as JSON, before deserialization.
     pub(super) raw_initialize: Arc<OnceLock<Value>>,
     pub(super) shut_down: Arc<AtomicBool>,
     pub(super) tokens: TokenResults,
-    /// Pictures to show while a text cannot be read.
+    /// Pictures to show while a text has syntax errors.
     last_pictures: Arc<diagram::LastGood>,
     pub(crate) generation: generation::Generation,
 }
 
 impl Backend {
-    /// Starts the writer. To be called on the runtime.
+    /// Starts the writer. Must be called on the runtime.
     pub(crate) fn new(
         client: Client,
         raw_initialize: Arc<OnceLock<Value>>,
@@ -58,7 +58,7 @@ impl Backend {
         };
         std::thread::Builder::new()
             .name("writer".to_owned())
-            // Deep trees are dropped here.
+            // Deep syntax trees are dropped on this thread.
             .stack_size(32 << 20)
             .spawn(move || state().run(queue))
             .expect("the operating system starts one more thread");
@@ -75,7 +75,7 @@ impl Backend {
         }
     }
 
-    /// Tells the writer something.
+    /// Sends an event to the writer.
     pub(super) fn send(&self, event: Event) {
         // Fails only after `exit`.
         let _ = self.events.send(event);
@@ -85,12 +85,13 @@ impl Backend {
         self.send(Event::Mutation(mutation));
     }
 
-    /// The text of a document came with something that is no text; see `transport`.
+    /// Reports that the text of a document came with half of a surrogate pair, which was replaced; see
+    /// `transport`.
     pub(crate) fn mended(&self, document: Uri) {
         self.mutate(Mutation::Mended(document));
     }
 
-    /// Waits for a change; false if there will be none, for the client has gone.
+    /// Waits for a change. False if the client has closed its end.
     async fn changed(&self, revisions: &mut watch::Receiver<u64>) -> bool {
         let mut closed = self.closed.clone();
         tokio::select! {
@@ -107,7 +108,7 @@ impl Backend {
         self.dispatch.document(uri, question, diagram::handle).await
     }
 
-    /// The commands that give a picture as text.
+    /// The commands that return a picture as text.
     pub(super) async fn diagram_text(
         &self,
         form: crate::views::pictures::Form,
@@ -138,7 +139,7 @@ impl Backend {
         self.verified(params, verification::trace).await
     }
 
-    /// Shows a verification, by what makes something to show of it.
+    /// Answers a request about a verification, with a function that makes the answer.
     async fn verified<R: Send + 'static>(
         &self,
         params: verification::VerificationParams,
@@ -151,7 +152,7 @@ impl Backend {
         let Some(prepared) = found.await? else {
             return Ok(None);
         };
-        // A variation takes its time: without a snapshot, which would keep edits waiting.
+        // A variation takes long. It runs without a snapshot, because a snapshot would delay edits.
         let question = verification::Question {
             shown: prepared.answer().await,
             params,
@@ -197,7 +198,7 @@ pub(crate) fn document_of(place: &TextDocumentPositionParams) -> Uri {
     place.text_document.uri.clone()
 }
 
-/// Diagnostics that a change overtook are to be asked for again (LSP 3.17,
+/// Sets the data of an error so that the client asks again for diagnostics that a change cancelled (LSP 3.17,
 /// `DiagnosticServerCancellationData`).
 pub(super) fn retriggered(mut error: Error) -> Error {
     if error.code == ErrorCode::ContentModified {

@@ -1,4 +1,4 @@
-//! What this server offers to a client.
+//! The capabilities of this server.
 
 use std::collections::BTreeSet;
 
@@ -15,7 +15,7 @@ fn strings(all: &[&str]) -> Vec<String> {
     all.iter().map(|it| (*it).to_owned()).collect()
 }
 
-/// What this server offers to that client.
+/// The capabilities of this server for a client.
 pub(crate) fn server_capabilities(client: &ClientCaps) -> ServerCapabilities {
     ServerCapabilities {
         position_encoding: Some(client.encoding.kind()),
@@ -141,15 +141,15 @@ pub(crate) fn server_capabilities(client: &ClientCaps) -> ServerCapabilities {
     }
 }
 
-/// Extensions of the files that matter on disk.
+/// Extensions of the files whose changes on disk are watched.
 const WATCHED_EXTENSIONS: [&str; 12] = [
     "gen", "idl", "scn", "pc", "c", "cc", "cpp", "cxx", "h", "hh", "hpp", "hxx",
 ];
 
-/// Names of others.
+/// Names of watched files with other extensions.
 const WATCHED_NAMES: [&str; 3] = ["dotgen.toml", "Makefile.am", "template.tcl"];
 
-/// Whether a change of a file on disk matters because of its name.
+/// True if changes of a file on disk are watched, by its name.
 pub(crate) fn is_watched(path: &Utf8Path) -> bool {
     let extension = path.extension();
     extension.is_some_and(|it| WATCHED_EXTENSIONS.contains(&it))
@@ -158,7 +158,7 @@ pub(crate) fn is_watched(path: &Utf8Path) -> bool {
             .is_some_and(|it| WATCHED_NAMES.contains(&it))
 }
 
-/// What is registered once the client is initialized.
+/// The registrations that are sent after `initialized`.
 pub(crate) fn registrations(client: &ClientCaps) -> Vec<Registration> {
     let mut registrations = Vec::new();
     if client.watched_files {
@@ -169,7 +169,7 @@ pub(crate) fn registrations(client: &ClientCaps) -> Vec<Registration> {
         let extensions = WATCHED_EXTENSIONS.join(",");
         let mut watchers = vec![watcher(&format!("**/*.{{{extensions}}}"), None)];
         watchers.extend(WATCHED_NAMES.map(|name| watcher(&format!("**/{name}"), None)));
-        // Of a folder that goes, only its own end is told.
+        // The deletion of a folder is reported for the folder alone, not for its files.
         watchers.push(watcher("**/*", Some(WatchKind::Delete)));
         registrations.push(Registration {
             id: "dotgen-watched-files".to_owned(),
@@ -190,18 +190,18 @@ pub(crate) fn registrations(client: &ClientCaps) -> Vec<Registration> {
     registrations
 }
 
-/// What is registered for documents in other languages: its id and method.
+/// A registration for documents in other languages: its id and method.
 type Registered = (&'static str, &'static str);
 
-/// Documents are sent, those of codels and of templates by one registration: one that two
-/// registrations match may be sent twice.
+/// Synchronization of documents. One registration covers codels and templates: a document that matches two
+/// registrations may be sent twice.
 const SENT: [Registered; 3] = [
     ("dotgen-documents-open", "textDocument/didOpen"),
     ("dotgen-documents-change", "textDocument/didChange"),
     ("dotgen-documents-close", "textDocument/didClose"),
 ];
 
-/// What is asked about sources of codels.
+/// Requests about sources of codels.
 const ASKED: [Registered; 5] = [
     ("dotgen-codels-action", "textDocument/codeAction"),
     ("dotgen-codels-lens", "textDocument/codeLens"),
@@ -210,8 +210,8 @@ const ASKED: [Registered; 5] = [
     ("dotgen-codels-references", "textDocument/references"),
 ];
 
-/// Languages of the files that templates are made of: those whose markers are coloured. Not ours:
-/// these documents are sent anyway.
+/// Languages of template files, in which markers are coloured. dotgen's own languages are absent: their
+/// documents are sent in any case.
 const TEMPLATE_LANGUAGES: [&str; 18] = [
     "asciidoc",
     "c",
@@ -233,8 +233,8 @@ const TEMPLATE_LANGUAGES: [&str; 18] = [
     "yaml",
 ];
 
-/// The documents in other languages that a client is to send, and nothing else of the server: the
-/// editor's server for those languages keeps the rest.
+/// The documents in other languages that the client sends. Other features of those languages belong to the
+/// editor's server for them.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(crate) struct ForeignDocuments {
     /// Folders with sources of codels, relative to their specifications.
@@ -253,11 +253,11 @@ impl ForeignDocuments {
         sent.chain(asked).collect()
     }
 
-    /// What is to be registered.
+    /// The registrations for these documents.
     pub(crate) fn registrations(&self) -> Vec<Registration> {
         let selector = |language: &str, pattern: &str| json!({ "language": language, "scheme": "file", "pattern": pattern });
         let patterns = self.codels.iter().map(|folder| {
-            // What is above the folder cannot be told by a pattern.
+            // A pattern cannot contain the path above the folder.
             match folder.file_name() {
                 Some(name) => format!("**/{name}/**"),
                 None => "**/*".to_owned(),
@@ -297,7 +297,7 @@ impl ForeignDocuments {
         self.registered().into_iter().map(registration).collect()
     }
 
-    /// Takes [`ForeignDocuments::registrations`] back.
+    /// Reverses [`ForeignDocuments::registrations`].
     pub(crate) fn unregistrations(&self) -> Vec<Unregistration> {
         let one = |(id, method): Registered| Unregistration {
             id: id.to_owned(),

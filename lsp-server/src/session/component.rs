@@ -1,4 +1,4 @@
-//! Requests about a component that is to be made (docs/protocol.md).
+//! Requests about a new component (docs/protocol.md).
 
 use crate::features::component;
 use crate::protocol::types::*;

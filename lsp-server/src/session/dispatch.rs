@@ -1,10 +1,10 @@
-//! Requests that read: admission by the writer in order of arrival, work on the blocking pool,
-//! answers or the right error.
+//! Requests that read: admission by the writer in order of arrival, work on the blocking pool, then the
+//! answer or an error.
 //!
-//! - A change that arrives while a request works cancels it. It is tried again if its own document
-//!   stayed the same, else the client is told `ContentModified`.
+//! - A change that arrives during the work cancels it. The work is repeated if the document of the request is
+//!   unchanged; otherwise the client gets `ContentModified`.
 //! - A client that cancels drops the future here; the guard then stops the work too.
-//! - A panic is an internal error of that request and of nothing else.
+//! - A panic is an internal error of that request and affects no other request.
 
 use std::pin::{Pin, pin};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -24,25 +24,25 @@ use crate::protocol::types::{self, MessageType, Uri};
 use crate::session::post::Post;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
-/// How often a request is tried. At the start the list of files and the settings arrive in a row;
-/// whatever is changed elsewhere more often than that would make the client wait for nothing.
+/// Maximum number of attempts of a request. At the start the list of files and the settings arrive shortly
+/// after one another. More attempts would make the client wait too long if other files change often.
 const ATTEMPTS: u32 = 4;
 
-/// How often is looked how far an answer is.
+/// Interval at which the progress of an answer is read.
 const TICK: Duration = Duration::from_millis(100);
 
-/// What takes longer, in ticks, is shown.
+/// Number of ticks after which progress is shown.
 const PATIENCE: u32 = 5;
 
 /// A request on its way to the writer.
 pub(crate) struct Read {
-    /// The document it is about; `None` for the workspace.
+    /// The document of the request; `None` for the workspace.
     pub(crate) subject: Option<Uri>,
-    /// It is about many files.
+    /// True if the request reads many files.
     pub(crate) bulk: bool,
-    /// It is about all of the workspace: it waits until all files of that are known.
+    /// True if the request needs the whole workspace: it waits until all files are known.
     pub(crate) whole: bool,
-    /// Version of that document at the first try.
+    /// Version of that document at the first attempt.
     pub(crate) expected: Option<Option<i32>>,
     /// For cancellation by the client.
     pub(crate) control: Arc<Control>,
@@ -50,17 +50,17 @@ pub(crate) struct Read {
     pub(crate) work: Box<dyn FnOnce(Admission) + Send>,
 }
 
-/// What the writer says to a request.
+/// The decision of the writer on a request.
 pub(crate) enum Admission {
-    /// Go ahead.
+    /// The request may run.
     Admitted(Box<Snapshot>, Option<Subject>),
-    /// The document is unknown: not open and not on disk, or out of step with the client.
+    /// The document is unknown: neither open nor on disk, or different from the client's text.
     UnknownDocument,
-    /// The document changed since the first try.
+    /// The document changed since the first attempt.
     Outdated,
 }
 
-/// Shared by the waiting handler and the working thread.
+/// The cancellation of a request, shared by the waiting handler and the working thread.
 #[derive(Default)]
 pub(crate) struct Control {
     cancelled: AtomicBool,
@@ -68,7 +68,7 @@ pub(crate) struct Control {
 }
 
 impl Control {
-    /// Whether the client has gone.
+    /// True if the client no longer waits.
     pub(crate) fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Acquire)
     }
@@ -98,11 +98,11 @@ impl Drop for CancelOnDrop {
     }
 }
 
-/// What those who wait see of the work.
+/// The state of the work, for the waiting handler.
 #[derive(Default)]
 struct Seen {
     progress: Arc<Progress>,
-    /// It is under way, and the client can show that.
+    /// The work has begun, and the client can show progress.
     wanted: AtomicBool,
 }
 
@@ -121,7 +121,7 @@ enum Outcome<R> {
     Panicked(String),
 }
 
-/// What a request is about, besides its document.
+/// The scope of a request, in addition to its document.
 #[derive(Debug, Clone, Copy, Default)]
 struct About {
     /// Many files.
@@ -130,7 +130,7 @@ struct About {
     whole: bool,
 }
 
-/// Hands requests to the writer and waits for what comes of them.
+/// Sends requests to the writer and waits for their results.
 #[derive(Clone)]
 pub(crate) struct Dispatcher {
     reads: Post<Read>,
@@ -151,12 +151,12 @@ impl Dispatcher {
         }
     }
 
-    /// The client, for conversations of a command.
+    /// The client, for commands that ask the user.
     pub(crate) fn client(&self) -> &types::Client {
         self.outbox.client()
     }
 
-    /// What the client is shown as going on.
+    /// The progress shown by the client.
     pub(crate) fn running(&self) -> &Shown {
         &self.running
     }
@@ -181,8 +181,8 @@ impl Dispatcher {
         });
     }
 
-    /// A request beyond the protocol, or for diagnostics: about a document of our own languages. Any other
-    /// has nothing to show, nor has one that is unknown.
+    /// A request beyond the protocol, or for diagnostics, about a document of dotgen's own languages. Empty
+    /// for documents in other languages and unknown documents.
     pub(crate) async fn document<P, R>(
         &self,
         uri: Uri,
@@ -225,9 +225,9 @@ impl Dispatcher {
             .await
     }
 
-    /// A request whose answer is wrong when a part of the workspace is not known yet: an edit of every place.
-    /// It waits until all files are listed, which the client is shown as progress. When the answer takes
-    /// long, so is that, by its title, and the user may stop it.
+    /// A request whose answer is wrong if a part of the workspace is unknown: an edit of every place. It
+    /// waits until all files are listed, with progress. If the answer then takes long, its progress is shown
+    /// too, and the user can cancel it.
     pub(crate) async fn everywhere<P, R>(
         &self,
         title: &str,
@@ -252,7 +252,7 @@ impl Dispatcher {
         self.shown(title, &seen, answer).await
     }
 
-    /// Waits for an answer, and shows how far it is when that takes long.
+    /// Waits for an answer, and shows progress if the answer takes long.
     async fn shown<R>(
         &self,
         title: &str,
@@ -267,7 +267,7 @@ impl Dispatcher {
                 _ = ticks.tick() => {}
             }
         }
-        // As long as it is not admitted, something else is shown.
+        // Until the request is admitted, the progress of the listing is shown.
         while !seen.wanted.load(Ordering::Acquire) {
             tokio::select! {
                 answer = &mut answer => return answer,
@@ -302,7 +302,7 @@ impl Dispatcher {
         answer
     }
 
-    /// A request that says itself what it is about: something to be resolved.
+    /// A request whose parameters do not name a document: the resolve of an item.
     pub(crate) async fn anywhere<P, R>(
         &self,
         params: P,
@@ -318,8 +318,8 @@ impl Dispatcher {
             .await
     }
 
-    /// A request about the whole workspace. Few at a time, so that they never keep the others from
-    /// being answered.
+    /// A request about the whole workspace. The number of such requests at a time is limited, so that other
+    /// requests are answered.
     pub(crate) async fn workspace<P, R>(
         &self,
         params: P,
@@ -366,7 +366,7 @@ impl Dispatcher {
                 expected,
                 control: control.clone(),
                 work: Box::new(move |admission| {
-                    // The client may have gone meanwhile.
+                    // The client may have disconnected.
                     let _ = reply.send(attempt(admission, &*params, &seen, work));
                 }),
             });
@@ -394,7 +394,7 @@ impl Dispatcher {
     }
 }
 
-/// One try, on the blocking pool. The snapshot is gone when this returns.
+/// One attempt, on the blocking pool. The snapshot is dropped before this function returns.
 fn attempt<P, R>(
     admission: Admission,
     params: &P,
@@ -420,8 +420,8 @@ fn attempt<P, R>(
     tracing::debug!(elapsed = ?start.elapsed(), ok = matches!(result, Ok(Ok(_))), "answered");
     match result {
         Ok(Ok(value)) => Outcome::Done(value),
-        // Salsa says `PropagatedPanic` for any unwinding of the thread this one waited for, and that
-        // is nearly always a pending write. After a true panic the next try meets it itself.
+        // Salsa reports `PropagatedPanic` for any unwinding of the thread that this one waited for. The cause
+        // is nearly always a pending write. After a true panic the next attempt panics itself.
         Ok(Err(Cancelled::PendingWrite | Cancelled::Local | Cancelled::PropagatedPanic)) => {
             Outcome::Cancelled(version)
         }

@@ -1,11 +1,11 @@
-//! Messages to the writer from what it has started.
+//! Messages to the writer from the work that it has started.
 
 use std::sync::Arc;
 
 use tokio::sync::mpsc::WeakUnboundedSender;
 
-/// A way to send messages of one kind to a queue of many. It does not keep the queue alive: what is sent
-/// after its end is lost.
+/// A sender of messages of one kind, into a queue of events. It does not keep the queue alive: messages after
+/// the end of the queue are lost.
 pub(crate) struct Post<T>(Arc<dyn Fn(T) + Send + Sync>);
 
 impl<T> Clone for Post<T> {
@@ -15,7 +15,7 @@ impl<T> Clone for Post<T> {
 }
 
 impl<T> Post<T> {
-    /// For messages that are one kind of those of `queue`.
+    /// A sender of messages that convert to the events of `queue`.
     pub(crate) fn new<E: From<T> + Send + 'static>(queue: &WeakUnboundedSender<E>) -> Post<T> {
         let queue = queue.clone();
         Post(Arc::new(move |it| {

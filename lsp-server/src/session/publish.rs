@@ -1,9 +1,8 @@
-//! Diagnostics and inactive regions, pushed: computed after a pause in typing, sent with the
-//! version they hold for, and only when they differ from what the client has.
+//! Diagnostics and inactive regions that the server pushes. They are computed after a pause in typing, and
+//! sent with the document's version if they differ from those of the client.
 //!
-//! Clients that pull diagnostics get those of specifications that way (see `features::diagnostics`),
-//! and only those of sources of codels and files of templates pushed: editors ask other servers for
-//! these.
+//! Clients that pull diagnostics get those of specifications by pull (see `features::diagnostics`). Only
+//! diagnostics of sources of codels and template files are then pushed: editors ask other servers for these.
 
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
@@ -26,30 +25,30 @@ use crate::protocol::types::{
 use crate::session::post::Post;
 use crate::workspace::snapshot::{OpenFile, Snapshot};
 
-/// The pause in typing that is waited for.
+/// The pause in typing before a computation.
 const DEBOUNCE: Duration = Duration::from_millis(60);
-/// Whoever types without a pause sees diagnostics at least this often.
+/// Maximum delay of diagnostics while the user types without a pause.
 const PATIENCE: Duration = Duration::from_millis(1000);
 
-/// What is told to the writer.
+/// Messages to the writer.
 pub(crate) enum News {
-    /// It is time to compute diagnostics for this revision.
+    /// The pause for this revision is over.
     Due(u64),
     /// Diagnostics and regions of a file were computed.
     Computed(Computed),
-    /// A part of a computation of diagnostics is done.
+    /// A part of the computation is done.
     Step(Box<Run>),
 }
 
-/// What a run of the computation found.
+/// Results of a computation.
 pub(crate) enum Computed {
     /// About one file.
     File(Box<FileResult>),
-    /// About all of them.
+    /// The end of the computation.
     Finished {
-        /// These files have something to say, the others nothing.
+        /// The files with diagnostics; all other files have none.
         files: BTreeSet<Utf8PathBuf>,
-        /// Stands for what specifications and sources say of each other.
+        /// Hash of the findings about specifications and sources.
         codels: u64,
     },
 }
@@ -63,7 +62,7 @@ pub(crate) struct FileResult {
     regions: Option<Vec<Range>>,
 }
 
-/// What the client was told, and what it is yet to be told.
+/// The diagnostics of the client, and the state of the computation.
 #[derive(Default)]
 pub(crate) struct Publisher {
     push: bool,
@@ -71,9 +70,9 @@ pub(crate) struct Publisher {
     dirty_since: Option<Instant>,
     sent: FxHashMap<Utf8PathBuf, Sent>,
     codels: Option<u64>,
-    /// The revision that is being computed, or was last.
+    /// The revision of the present or last computation.
     started: Option<u64>,
-    /// Something else than an open document changed since the client was last asked to refresh.
+    /// True if anything but an open document changed since the last refresh request to the client.
     pub(crate) refresh_wanted: bool,
 }
 
@@ -84,7 +83,7 @@ struct Sent {
 }
 
 impl Publisher {
-    /// Learns what the client wants to be told.
+    /// Reads the capabilities of the client.
     pub(crate) fn initialize(&mut self, client: &ClientCaps) {
         self.push = !client.pull_diagnostics;
         self.regions = client.inactive_regions;
@@ -100,7 +99,7 @@ impl Publisher {
         });
     }
 
-    /// Whether the pause has come: nothing changed since, or it has been put off for too long.
+    /// True if the pause is over: nothing changed since, or the maximum delay has passed.
     pub(crate) fn is_due(&mut self, revision: u64, current: u64) -> bool {
         let since = self.dirty_since;
         let due = revision == current || since.is_some_and(|it| it.elapsed() > PATIENCE);
@@ -110,7 +109,7 @@ impl Publisher {
         due
     }
 
-    /// Begins to compute for a revision. `None`: that was begun already.
+    /// Begins a computation for a revision. `None` if that computation was begun before.
     pub(crate) fn start(&mut self, revision: u64) -> Option<Run> {
         let started = self.started.replace(revision) == Some(revision);
         (!started).then(|| Run {
@@ -124,8 +123,8 @@ impl Publisher {
         })
     }
 
-    /// Sends what is new of a result. Whether what one file says of another has changed, so that a
-    /// client that asks should ask again.
+    /// Sends the changed part of a result. Returns true if findings about specifications and sources together
+    /// have changed, so that a client that pulls has to ask again.
     pub(crate) fn publish(
         &mut self,
         computed: Computed,
@@ -184,7 +183,7 @@ impl Publisher {
         }
     }
 
-    /// Takes back what was said about a file.
+    /// Clears the diagnostics of a file.
     pub(crate) fn clear(&mut self, path: &Utf8Path, outbox: &Outbox) {
         let Some(sent) = self.sent.get_mut(path) else {
             return;
@@ -194,12 +193,13 @@ impl Publisher {
         }
     }
 
-    /// A document was opened: what is known of it is sent again, under the URI that its client uses now.
+    /// Handles the opening of a document: its diagnostics are sent again, under the URI that the client uses
+    /// now.
     pub(crate) fn reopen(&mut self, path: &Utf8Path) {
         self.sent.remove(path);
     }
 
-    /// A document was closed: its client forgets the regions.
+    /// Handles the closing of a document: the client drops its regions.
     pub(crate) fn forget(&mut self, path: &Utf8Path) {
         if let Some(sent) = self.sent.get_mut(path) {
             sent.regions.clear();
@@ -207,35 +207,35 @@ impl Publisher {
     }
 }
 
-/// Files whose diagnostics are computed in one go. In between changes and requests have their turn, and what
-/// analysis remembers of the files is forgotten.
+/// Number of files whose diagnostics are computed together. In between, changes and requests are served, and
+/// analysis evicts what it stored about the files.
 const BATCH: usize = 32;
 
-/// The computation of everything that is to be said about a revision, in parts: open documents first.
+/// The computation of all diagnostics of a revision, in parts: open documents first.
 pub(crate) struct Run {
     revision: u64,
     push: bool,
     regions: bool,
-    /// Files still to be looked at, the next one last. `None`: open documents are next.
+    /// Remaining files, the next one last. `None`: open documents are next.
     left: Option<Vec<Utf8PathBuf>>,
     seen: FxHashSet<Utf8PathBuf>,
-    /// These have something to say.
+    /// The files with diagnostics.
     files: BTreeSet<Utf8PathBuf>,
     done: bool,
 }
 
 impl Run {
-    /// The revision it holds for.
+    /// The revision of the computation.
     pub(crate) fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// Whether everything was said.
+    /// True if every part is done.
     pub(crate) fn is_done(&self) -> bool {
         self.done
     }
 
-    /// Computes the next part on the blocking pool and comes back to the writer.
+    /// Computes the next part on the blocking pool and sends it to the writer.
     pub(crate) fn step(mut self, snapshot: Snapshot, events: Post<News>, runtime: &Handle) {
         runtime.spawn_blocking(move || {
             let step = panic::isolate(|| self.compute(&snapshot, &events));
@@ -244,8 +244,8 @@ impl Run {
                 Ok(Ok(())) => {
                     events.send(News::Step(Box::new(self)));
                 }
-                // A change came in between: it has scheduled the next run.
-                // `PropagatedPanic` too: see `dispatch`.
+                // A change came in between and has scheduled the next run. The same holds for
+                // `PropagatedPanic`, see `dispatch`.
                 Ok(Err(
                     Cancelled::PendingWrite | Cancelled::Local | Cancelled::PropagatedPanic,
                 )) => {}
@@ -284,7 +284,7 @@ impl Run {
         Ok(())
     }
 
-    /// Computes what is to be said about some files, each on its own.
+    /// Computes the diagnostics of some files, each separately.
     fn look_at(
         &mut self,
         mut paths: Vec<Utf8PathBuf>,
@@ -311,7 +311,7 @@ impl Run {
     }
 }
 
-/// What is to be said about a file; `None` for one that has no text or is of no concern.
+/// The diagnostics of a file; `None` for a file without text or without diagnostics to push.
 fn file(
     snapshot: &Snapshot,
     path: &Utf8Path,

@@ -1,8 +1,8 @@
-//! The table of requests: which method has which parameters and answer, and who answers it.
+//! The table of requests: method, parameters, answer and handler.
 //!
 //! Rows of the protocol name a feature of [`Language`](crate::features::language::Language): the language of
-//! the document answers. Rows beyond the protocol name a handler, or a method of [`Backend`] for those that
-//! talk to the client meanwhile.
+//! the document answers. Rows beyond the protocol name a handler, or a method of [`Backend`] if it talks to
+//! the client during the request.
 
 use std::sync::atomic::Ordering;
 
@@ -18,7 +18,7 @@ use crate::protocol::messages::{
 };
 use crate::protocol::types::*;
 
-/// Where parameters name their document.
+/// The URI of the document in parameters.
 macro_rules! uri_of {
     ($params:ident, document) => {
         $params.text_document.uri
@@ -26,14 +26,14 @@ macro_rules! uri_of {
     ($params:ident, position) => {
         $params.text_document_position.text_document.uri
     };
-    // The protocol library has two names for the same.
+    // The protocol library has two names for one field.
     ($params:ident, position_params) => {
         $params.text_document_position_params.text_document.uri
     };
 }
 
-/// Methods of the protocol that the language of a document answers: parameters, answer, feature, and where
-/// the parameters name the document.
+/// Methods of the protocol that the language of a document answers: parameters, answer, feature, and the
+/// field with the document.
 macro_rules! answered_by_language {
     ($($method:ident($params:ty) -> $answer:ty = $feature:ident of $place:ident;)*) => {
         $(
@@ -63,7 +63,7 @@ macro_rules! beyond_the_protocol {
             )*
         }
 
-        /// Announces the methods beyond the protocol.
+        /// Registers the methods beyond the protocol.
         pub(super) fn custom_methods(builder: Builder) -> Builder {
             builder
                 $(.custom_method($name, Backend::$method))*
@@ -72,7 +72,7 @@ macro_rules! beyond_the_protocol {
     };
 }
 
-/// Makes the service.
+/// The builder of the service.
 pub(super) type Builder = tower_lsp::LspServiceBuilder<Backend>;
 
 beyond_the_protocol! {

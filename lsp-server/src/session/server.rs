@@ -1,4 +1,4 @@
-//! The server around the backend: custom methods, and when it ends.
+//! The server around the backend: custom methods, and the end of the session.
 
 use std::pin::Pin;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,7 +12,7 @@ use crate::protocol::types::LspService;
 use crate::session::backend::Backend;
 use crate::session::{requests, transport};
 
-/// Serves one client until it sends `exit` or closes its end. Whether it said `shutdown` before.
+/// Serves one client until it sends `exit` or closes its end. Returns true if it sent `shutdown` before.
 pub async fn serve(input: impl AsyncRead + Unpin, output: impl AsyncWrite) -> bool {
     let initialize = Arc::new(OnceLock::new());
     let shut_down = Arc::new(AtomicBool::new(false));
@@ -31,7 +31,7 @@ pub async fn serve(input: impl AsyncRead + Unpin, output: impl AsyncWrite) -> bo
     shut_down.load(Ordering::Acquire)
 }
 
-/// Tells when the client has closed its end: nobody waits for news then.
+/// The input, which reports that the client has closed its end: requests that wait for a change then end.
 struct Input<I> {
     input: I,
     close: watch::Sender<bool>,

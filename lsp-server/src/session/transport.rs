@@ -1,9 +1,8 @@
-//! Between the standard channels and the service: messages in and out, in order, and an answer to every
-//! request whatever it looks like.
+//! The transport between the standard channels and the service: messages in order in both directions, and an
+//! answer to every request, even a malformed one.
 //!
-//! The protocol library has a transport of its own. It ends the session at the first message that is no
-//! JSON, takes wrong lengths at their word, and answers `shutdown` with an error when `initialize` is
-//! still being worked at.
+//! The protocol library has a transport of its own. It ends the session at the first message that is not
+//! JSON, trusts wrong lengths, and answers `shutdown` with an error while `initialize` is in progress.
 
 mod client_process;
 mod frame;
@@ -30,18 +29,18 @@ use frame::{Frame, Frames};
 use message::{Incoming, code, failure};
 use spelling::Spelling;
 
-/// Requests that may be in work at once; beyond that nothing is read.
+/// Maximum number of requests in progress; the input is not read beyond that.
 const CONCURRENCY: usize = 256;
-/// How long the last answers may take to be read after `exit`.
+/// Timeout for writing the last answers after `exit`.
 const PARTING: Duration = Duration::from_secs(5);
 
-/// How far the session is, by the rules of the protocol.
+/// The phase of the session, as the protocol defines it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Phase {
-    /// Nothing but `initialize` and `exit` is served.
+    /// Only `initialize` and `exit` are served.
     Before,
     Serving,
-    /// Nothing but `exit` is served.
+    /// Only `exit` is served.
     ShutDown,
     /// `exit` was sent.
     Exited,
@@ -70,28 +69,28 @@ pub(crate) async fn serve(
     let writing = write(output, outgoing, requests, spelling);
     tokio::pin!(writing);
     tokio::select! {
-        // Nobody reads any more: there is nobody to serve.
+        // The client has closed its end.
         _ = &mut writing => return,
         () = session.run(input, responses) => {}
         Ok(()) = gone => return,
     }
-    // A client that does not read its last answers is not waited for.
+    // A client may not read its last answers.
     let _ = tokio::time::timeout(PARTING, writing).await;
 }
 
 struct Session {
     service: LspService<Backend>,
-    /// The parameters of `initialize` as they came: the typed ones lose capabilities that are not of the
-    /// protocol, such as clangd's inactive regions.
+    /// The parameters of `initialize` as JSON. The typed parameters lose capabilities beyond the protocol,
+    /// such as clangd's inactive regions.
     initialize: Arc<OnceLock<Value>>,
     answers: UnboundedSender<Value>,
     spelling: Arc<Mutex<Spelling>>,
-    /// To be told when the client's process is gone, once it is known.
+    /// Receives the end of the client's process, if its id is known.
     client_gone: Option<oneshot::Sender<()>>,
     phase: Phase,
 }
 
-/// A request in work: the answer, if there is to be one.
+/// A request in progress, with its answer if it needs one.
 type Call = futures_util::future::BoxFuture<'static, Option<Value>>;
 
 impl Session {
@@ -142,7 +141,7 @@ impl Session {
                 }
             }
         }
-        // `exit` has cancelled what was in work; the answers say so.
+        // `exit` has cancelled the requests in progress; their answers report that.
         while let Some(Some(answer)) = calls.next().now_or_never() {
             self.answer(answer);
         }
@@ -150,7 +149,7 @@ impl Session {
 
     fn answer(&self, answer: Option<Value>) {
         if let Some(answer) = answer {
-            // Fails only when nobody reads.
+            // Fails only if the client has closed its end.
             let _ = self.answers.send(answer);
         }
     }
@@ -177,7 +176,7 @@ impl Session {
         None
     }
 
-    /// Begins to serve a request; what is left to do of it.
+    /// Begins to serve a request. Returns the rest of its work.
     async fn serve(&mut self, request: Request, mended: bool) -> Option<Call> {
         let method = request.method().to_owned();
         let id = request.id().map(|it| json!(it));
@@ -205,9 +204,9 @@ impl Session {
             return None;
         }
         let mut call = answered(self.service.call(request), id, method.clone());
-        // A message takes its place in the queue before it first waits. So messages keep their order.
+        // A message enters the queue of the writer before its first `await`, so messages keep their order.
         let first = match method.as_str() {
-            // What follows these depends on what comes of them.
+            // Later messages depend on the result of these two.
             "initialize" | "shutdown" => Poll::Ready((&mut call).await),
             _ => futures_util::poll!(&mut call),
         };
@@ -243,7 +242,7 @@ impl Session {
         }
     }
 
-    /// Why a method is not served now, or never.
+    /// The error for a method that is not served in this phase, or never.
     fn refusal(&self, method: &str) -> Option<(i64, &'static str)> {
         if method == "exit" {
             return None;
@@ -265,7 +264,7 @@ impl Session {
     }
 }
 
-/// Parameters are kept where something is learnt from them.
+/// Clones parameters that the transport needs itself.
 trait ClonedIf {
     fn cloned_if(self, method: &str) -> Option<Value>;
 }
@@ -294,7 +293,7 @@ fn document_of(request: &Request) -> Option<Uri> {
     serde_json::from_value(uri.clone()).ok()
 }
 
-/// Sees to it that what has an `id` gets an answer.
+/// Ensures that a message with an `id` gets an answer.
 fn answered<E: Send + 'static>(
     call: impl Future<Output = Result<Option<Response>, E>> + Send + 'static,
     id: Option<Value>,
@@ -306,7 +305,7 @@ fn answered<E: Send + 'static>(
         match (answer, id) {
             (Some(answer), _) => Some(answer),
             (None, None) => None,
-            // The library is silent to unknown methods of the protocol itself, and to notifications.
+            // The library does not answer unknown methods of the protocol, nor notifications.
             (None, Some(id)) if method.starts_with("$/") && method != "$/cancelRequest" => {
                 let message = format!("there is no method `{method}`");
                 Some(failure(&id, code::METHOD_NOT_FOUND, &message))
@@ -321,7 +320,7 @@ fn answered<E: Send + 'static>(
     })
 }
 
-/// Sends answers and the server's own messages, until there can be no more.
+/// Sends answers and the server's own messages until both sources are closed.
 async fn write(
     output: impl AsyncWrite,
     mut answers: UnboundedReceiver<Value>,
@@ -334,9 +333,9 @@ async fn write(
         tokio::select! {
             answer = answers.recv() => {
                 let Some(answer) = answer else { break };
-                // Parts of an answer (`$/progress`) are handed over before the answer is, but come another
-                // way. The client drops parts that arrive after their answer, so what has been handed over
-                // goes first.
+                // Parts of an answer (`$/progress`) are sent before the answer, but through another channel.
+                // The client drops parts that arrive after their answer, so all messages sent so far are
+                // written first.
                 let mut earlier = Vec::new();
                 while let Some(Some(request)) = requests.next().now_or_never() {
                     earlier.push(json!(request));
@@ -380,7 +379,7 @@ fn lock(spelling: &Mutex<Spelling>) -> std::sync::MutexGuard<'_, Spelling> {
 mod tests {
     use super::*;
 
-    /// A client drops a part of an answer that comes after the answer.
+    /// A client drops a part of an answer that arrives after the answer.
     #[tokio::test]
     async fn what_was_handed_over_before_an_answer_is_sent_before_it() {
         let parts = (0..32).map(|part| Request::build("$/progress").params(json!(part)).finish());

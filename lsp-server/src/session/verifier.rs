@@ -1,9 +1,9 @@
-//! Verification on edit: after a pause in typing every scenario that concerns an open document, and
-//! every open specification with timing that no scenario uses, is verified beside everything else.
+//! Verification on edit, in the background, after a pause in typing. It verifies every scenario that concerns
+//! an open document, and every open specification with timing that no scenario uses.
 //!
-//! The writer owns a [`Verifier`]; requests see its [`Results`] in their snapshot. An edit of a file
-//! that a verification read cancels it at once and makes its answer *stale*; the answer is taken
-//! back into use when what it was computed from turns out the same, now or later.
+//! The writer owns a [`Verifier`]; requests see its [`Results`] in their snapshot. An edit of a file that a
+//! verification read cancels the verification at once and makes its answer *stale*. The answer is used again
+//! if its inputs turn out to be unchanged, now or later.
 
 mod job;
 
@@ -23,13 +23,13 @@ use crate::verification::run::Interim;
 
 pub(crate) use job::Verified;
 
-/// The pause in typing that is waited for.
+/// The pause in typing before a verification.
 pub(crate) const DEBOUNCE: Duration = Duration::from_millis(200);
 
-/// Answers that are kept for the case that an edit is taken back.
+/// Maximum number of old answers that are kept, in case an edit is undone.
 const REMEMBERED: usize = 24;
 
-/// See the module.
+/// The verifications of the open documents.
 #[derive(Default)]
 pub(crate) struct Verifier {
     results: Arc<Results>,
@@ -38,32 +38,32 @@ pub(crate) struct Verifier {
     told: Told,
 }
 
-/// What is told to the writer.
+/// Messages to the writer.
 pub(crate) enum News {
-    /// It is time to verify this revision.
+    /// The pause for this revision is over.
     Due(u64),
-    /// What is to be verified was worked out.
+    /// The problems to verify.
     Wanted(Vec<Wanted>),
-    /// A verification has found something.
+    /// A verification has a result.
     Verified(Box<Verified>),
 }
 
-/// What the client was told last, by document; `None` if it does not want to be told.
+/// The last status sent to the client, by document; `None` if the client does not support it.
 type Told = Option<BTreeMap<Utf8PathBuf, VerificationStatusParams>>;
 
 impl Verifier {
-    /// Learns whether the client wants to be told where verifications stand.
+    /// Sets if the client wants the status of verifications.
     pub(crate) fn initialize(&mut self, tell: bool) {
         self.told = tell.then(BTreeMap::new);
     }
 
-    /// For snapshots.
+    /// The results, for snapshots.
     pub(crate) fn results(&self) -> &Arc<Results> {
         &self.results
     }
 
-    /// Files have changed: what was computed from them is stale, and work on it ends. Whether
-    /// anything shown was concerned.
+    /// Handles changes of files: results computed from them become stale, and work on them is cancelled.
+    /// Returns true if a shown result was affected.
     pub(crate) fn touched(&mut self, files: &[Utf8PathBuf], outbox: &Outbox) -> bool {
         let read = |entry: &Entry| files.iter().any(|it| entry.problem.reads(it));
         if !self.results.values().any(read) {
@@ -82,7 +82,7 @@ impl Verifier {
         changed
     }
 
-    /// Starts what is new, cancels what nobody wants any more, and takes back into use what is known.
+    /// Starts new verifications, cancels those no longer wanted, and uses known answers again.
     pub(crate) fn start(
         &mut self,
         wanted: Vec<Wanted>,
@@ -114,7 +114,7 @@ impl Verifier {
                 && !entry.cancel.is_abandoned()
             {
                 entry.version = version;
-                // The same, but perhaps in other places.
+                // The problem is equal, but its places may differ.
                 entry.problem = Arc::new(problem);
                 notify(&mut self.told, &path, &entry, outbox);
                 results.insert(path, entry);
@@ -137,7 +137,7 @@ impl Verifier {
             let entry = Entry {
                 status,
                 version,
-                // Where places in the text are taken from must be the present text.
+                // Places must refer to the present text.
                 problem: Arc::new(problem),
                 answer: match status {
                     Status::Blocked => None,
@@ -164,7 +164,7 @@ impl Verifier {
         }
     }
 
-    /// Ends everything.
+    /// Cancels all work.
     pub(crate) fn stop(&mut self) -> bool {
         let any = !self.results.is_empty();
         for entry in std::mem::take(&mut self.results).values() {
@@ -174,7 +174,7 @@ impl Verifier {
         any
     }
 
-    /// Takes over what was found; whether it is what was waited for.
+    /// Stores a result. Returns true if the result was awaited.
     pub(crate) fn finish(&mut self, it: Verified, outbox: &Outbox) -> bool {
         let Some(entry) = self.results.get(&it.path) else {
             return false;
@@ -188,7 +188,7 @@ impl Verifier {
         };
         match it.found {
             Interim::Bounds(bounds) => entry.bounds = bounds,
-            // On its way when the whole answer came.
+            // An interim result that arrives after the full answer.
             Interim::SoFar(_) if entry.status != Status::Running => return false,
             Interim::SoFar(answer) => (entry.answer, entry.holds) = (Some(answer), true),
             Interim::Answer(answer) => {
@@ -207,7 +207,7 @@ impl Verifier {
 }
 
 impl Drop for Verifier {
-    /// The work ends with the server.
+    /// Cancels the work when the server ends.
     fn drop(&mut self) {
         self.stop();
     }

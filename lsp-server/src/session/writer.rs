@@ -1,8 +1,8 @@
 //! The writer: one thread that owns the database, the open documents and the configuration.
 //!
-//! Events arrive in the order of the client's messages. Changes are applied to the documents at
-//! once and to the database when the next reader needs it or the queue is empty, so that a burst of
-//! typing costs one update. Readers get a snapshot in their turn and work elsewhere.
+//! Events arrive in the order of the client's messages. Changes are applied to the documents at once. They
+//! are applied to the database when the next reader needs it or the queue is empty, so that a burst of typing
+//! costs one update. Each reader gets a snapshot in its turn and works on another thread.
 
 mod changes;
 mod flush;
@@ -42,9 +42,9 @@ use session::Stale;
 
 pub(crate) use changes::Mutation;
 
-/// Everything that reaches the writer.
+/// The input of the writer.
 pub(crate) enum Event {
-    /// `initialize`, typed and as it came.
+    /// `initialize`, as typed parameters and as JSON.
     Initialize(
         Box<InitializeParams>,
         Value,
@@ -52,13 +52,13 @@ pub(crate) enum Event {
     ),
     /// `initialized`
     Initialized,
-    /// Something changed.
+    /// A change.
     Mutation(Mutation),
-    /// Something is asked.
+    /// A request.
     Read(Read),
-    /// Of the computation of diagnostics.
+    /// A message of the computation of diagnostics.
     Diagnostics(publish::News),
-    /// Of the verification of open documents.
+    /// A message of the verification of open documents.
     Verification(verifier::News),
 }
 
@@ -80,7 +80,7 @@ impl From<verifier::News> for Event {
     }
 }
 
-/// See the module.
+/// The state of the session, which only the writer changes.
 pub(crate) struct State {
     host: AnalysisHost,
     vfs: Arc<Vfs>,
@@ -89,18 +89,18 @@ pub(crate) struct State {
     client: Arc<ClientCaps>,
     config: Arc<Config>,
     roots: Arc<Vec<Utf8PathBuf>>,
-    /// Open documents whose text had to be mended.
+    /// Open documents in which half of a surrogate pair was replaced.
     mended: FxHashSet<Utf8PathBuf>,
-    /// The document edited last.
+    /// The last edited document.
     active: Option<Utf8PathBuf>,
-    /// Files and the roots they are to be shown as included by.
+    /// Files, and the including roots that the user chose to show them in.
     chosen: Vec<(Utf8PathBuf, Utf8PathBuf)>,
     pending: Pending,
-    /// Messages may be sent to the client.
+    /// True once messages may be sent to the client.
     initialized: bool,
-    /// Configuration files that something was said about.
+    /// Configuration files with diagnostics.
     reported: FxHashSet<Utf8PathBuf>,
-    /// What is wrong with the editor's settings.
+    /// The errors in the editor's settings.
     settings_problems: BTreeSet<String>,
     revision: u64,
     revisions: watch::Sender<u64>,
@@ -109,24 +109,25 @@ pub(crate) struct State {
     outbox: Outbox,
     events: WeakUnboundedSender<Event>,
     codels: Arc<codels::Cache>,
-    /// Every snapshot has one more of it.
+    /// Every snapshot has a clone of it: the count shows the number of readers.
     readers: Arc<()>,
-    /// Much was asked since memory was last given back.
+    /// True if many requests were served since memory was last released.
     worked: bool,
-    /// The documents in other languages that the client was asked to send.
+    /// The registered documents in other languages.
     foreign: ForeignDocuments,
-    /// How many times the files of the workspace are being listed.
+    /// Number of listings of the workspace in progress.
     listings: usize,
-    /// They were listed once.
+    /// True after the first listing.
     listed: bool,
-    /// The number of the listing that was asked for last.
+    /// The number of the last requested listing.
     last_listing: u64,
-    /// Requests that wait until they are listed.
+    /// Requests that wait for the listing.
     waiting: Vec<Read>,
 }
 
 impl State {
-    /// `events` must not keep the queue alive: the writer ends when the server has gone.
+    /// Creates the state. It must not hold a strong sender of `events`: the writer ends when the server has
+    /// dropped its sender.
     pub(crate) fn new(
         outbox: Outbox,
         events: WeakUnboundedSender<Event>,
@@ -165,7 +166,7 @@ impl State {
         }
     }
 
-    /// Serves events until the server has gone.
+    /// Serves events until the server has ended.
     pub(crate) fn run(mut self, mut events: UnboundedReceiver<Event>) {
         while let Some(event) = events.blocking_recv() {
             self.serve(event);
@@ -179,7 +180,7 @@ impl State {
     fn serve(&mut self, event: Event) {
         self.guarded(|state| match event {
             Event::Initialize(params, raw, reply) => {
-                // The client may have gone meanwhile.
+                // The client may have disconnected.
                 let _ = reply.send(state.initialize(&params, &raw));
             }
             Event::Initialized => state.initialized(),
@@ -211,7 +212,7 @@ impl State {
         });
     }
 
-    /// The writer survives whatever one event does to it.
+    /// Serves one event. A panic in it does not end the writer.
     fn guarded(&mut self, work: impl FnOnce(&mut State)) {
         if let Err(message) = panic::isolate(|| work(self)) {
             tracing::error!("the writer panicked: {message}");

@@ -9,7 +9,7 @@ use tokio::io::{
 };
 use tokio::task::JoinHandle;
 
-/// A test that takes longer has lost a message.
+/// Timeout of a test: a test that takes longer has lost a message.
 const PATIENCE: Duration = Duration::from_secs(30);
 
 pub(super) struct Client {
@@ -17,7 +17,7 @@ pub(super) struct Client {
     from: BufReader<ReadHalf<DuplexStream>>,
     server: JoinHandle<bool>,
     next_id: i64,
-    /// Notifications and responses nobody has asked for yet.
+    /// Notifications and responses that were not read yet.
     waiting: VecDeque<Value>,
     /// Answers to requests of the server, by method.
     answers: Vec<(&'static str, Value)>,
@@ -26,7 +26,7 @@ pub(super) struct Client {
 }
 
 impl Client {
-    /// A server that nothing was said to yet.
+    /// A server before `initialize`.
     pub(super) fn raw() -> Client {
         let (ours, theirs) = tokio::io::duplex(1 << 16);
         let (from, to) = tokio::io::split(ours);
@@ -47,7 +47,7 @@ impl Client {
         Client::start_answering(params, Vec::new()).await
     }
 
-    /// As [`Client::start`], for a server that will ask.
+    /// As [`Client::start`], for a server that sends requests itself.
     pub(super) async fn start_answering(
         mut params: Value,
         answers: Vec<(&'static str, Value)>,
@@ -117,7 +117,7 @@ impl Client {
         answer.unwrap_or_else(|error| panic!("{method} failed: {error}"))
     }
 
-    /// Codes of the diagnostics pulled for a document. Asks again when told to.
+    /// Codes of the diagnostics pulled for a document. Repeats the request if the server requires it.
     pub(super) async fn pulled(&mut self, uri: &str) -> Vec<String> {
         loop {
             match self.request("textDocument/diagnostic", document(uri)).await {
@@ -150,7 +150,7 @@ impl Client {
         }
     }
 
-    /// Answers requests, keeps the rest.
+    /// Answers a request, and stores other messages.
     async fn take(&mut self, message: Value) {
         if let (Some(method), Some(id)) = (message["method"].as_str(), message.get("id")) {
             let answer = self.answers.iter().find(|it| it.0 == method);
@@ -205,12 +205,12 @@ impl Client {
         self.notify("textDocument/didChange", params).await;
     }
 
-    /// As [`Client::finish`], whatever notifications of a method are left.
+    /// As [`Client::finish`], but ignores remaining notifications of a method.
     pub(super) async fn finish_ignoring(mut self, method: &str) {
         self.ok("shutdown", Value::Null).await;
         self.notify("exit", Value::Null).await;
         while let Some(message) = self.receive().await {
-            // Nobody hears an answer to a question that was on its way.
+            // The server may have sent a request that will not be answered.
             let question = message.get("id").is_some() && message.get("method").is_some();
             let expected = question || message["method"] == method;
             assert!(expected, "nobody asked for {message}");
@@ -224,12 +224,12 @@ impl Client {
         assert!(self.ended().await, "shutdown was said");
     }
 
-    /// Says goodbye as the protocol wants; messages nobody asked for fail the test.
+    /// Ends the session by the protocol; unread messages fail the test.
     pub(super) async fn finish(mut self) {
         self.ok("shutdown", Value::Null).await;
         self.notify("exit", Value::Null).await;
         while let Some(message) = self.receive().await {
-            // Nobody hears an answer to a question that was on its way.
+            // The server may have sent a request that will not be answered.
             if message.get("id").is_none() || message.get("method").is_none() {
                 self.waiting.push_back(message);
             }
@@ -239,7 +239,7 @@ impl Client {
         assert!(self.ended().await, "shutdown was said");
     }
 
-    /// Waits for the server to end, the pipe still open; whether it heard `shutdown`.
+    /// Waits for the server to end while the pipe is open. Returns true if it received `shutdown`.
     pub(super) async fn ended(&mut self) -> bool {
         tokio::time::timeout(PATIENCE, &mut self.server)
             .await
@@ -254,12 +254,12 @@ impl Client {
         }
     }
 
-    /// Messages nobody has asked for yet.
+    /// Messages that were not read yet.
     pub(super) fn all(&self) -> impl Iterator<Item = &Value> {
         self.waiting.iter()
     }
 
-    /// Forgets messages that do not matter to a test.
+    /// Drops messages that do not matter to a test.
     pub(super) fn ignore(&mut self, method: &str) {
         self.waiting.retain(|it| it["method"] != method);
     }
@@ -270,7 +270,7 @@ pub(super) fn document(uri: &str) -> Value {
     json!({ "textDocument": { "uri": uri } })
 }
 
-/// Capabilities of a client that asks for diagnostics, so that none are pushed.
+/// Capabilities of a client that pulls diagnostics, so that none are pushed.
 pub(super) fn pulling() -> Value {
     json!({ "textDocument": { "diagnostic": {} } })
 }

@@ -1,4 +1,4 @@
-//! Specifications and the sources of their codels, as an editor sees them.
+//! Specifications and the sources of their codels in an editor.
 
 mod findings;
 mod fixes;
@@ -47,7 +47,7 @@ fn tank() -> Folder {
     Folder::new(&files)
 }
 
-/// A client that can do everything that edits need.
+/// A client with all capabilities that edits need.
 fn capable() -> Value {
     json!({
         "textDocument": {
@@ -101,7 +101,7 @@ impl Client {
             .await;
     }
 
-    /// Waits for the diagnostics pushed for a document to be such.
+    /// Waits until the diagnostics pushed for a document satisfy `wanted`.
     async fn pushed_until(&mut self, uri: &str, wanted: impl Fn(&[String]) -> bool) -> Value {
         loop {
             let pushed = self.pushed(uri).await;
@@ -134,7 +134,7 @@ fn title(action: &Value) -> &str {
     action["title"].as_str().unwrap_or_default()
 }
 
-/// Texts by URI with a workspace edit applied, as a client does it.
+/// Texts by URI after a workspace edit, applied as by a client.
 fn applied(edit: &Value, text: impl Fn(&str) -> Option<String>) -> BTreeMap<String, String> {
     let mut out: BTreeMap<String, String> = BTreeMap::new();
     let change = |uri: &str, edits: &Value, created: &BTreeMap<String, String>| {
@@ -187,7 +187,7 @@ fn on_disk(uri: &str) -> Option<String> {
     std::fs::read_to_string(path(uri)).ok()
 }
 
-/// Writes what an edit makes of the files.
+/// Writes the files that an edit changes.
 pub(super) fn write(edit: &Value) {
     for (uri, text) in applied(edit, on_disk) {
         let path = path(&uri);
@@ -196,7 +196,7 @@ pub(super) fn write(edit: &Value) {
     }
 }
 
-/// What `dotgen codels check` finds.
+/// The findings of `dotgen codels check`.
 fn check(specification: &Path) -> Vec<String> {
     let root = Utf8PathBuf::from_path_buf(specification.to_owned()).expect("UTF-8");
     let mut host = AnalysisHost::new(std::sync::Arc::new(Vfs::default()));

@@ -122,14 +122,14 @@ async fn a_file_that_is_not_found_is_searched_where_it_is() {
     drop(client);
 }
 
-/// The quick fix of a title among the [`quick_fixes`].
+/// The quick fix with a title among the [`quick_fixes`].
 async fn quick_fix(folder: &Folder, at: Value, title: &str) -> (Client, String, Value) {
     let (client, uri, all) = quick_fixes(folder, at).await;
     let action = all.iter().find(|it| it["title"] == title).cloned();
     (client, uri, action.unwrap_or_else(|| panic!("{all:#?}")))
 }
 
-/// A client that can create files, with `arm.gen` open; and the quick fixes at a place of it.
+/// A client that can create files, with `arm.gen` open, and the quick fixes at a place in it.
 async fn quick_fixes(folder: &Folder, at: Value) -> (Client, String, Vec<Value>) {
     let mut capable = super::client::pulling();
     capable["textDocument"]["codeAction"] =
@@ -170,7 +170,7 @@ async fn a_package_that_is_not_found_is_searched_where_it_is() {
         let (mut client, uri, action) = quick_fix(&folder, at, title).await;
         super::codels::write(&action["edit"]);
         assert_eq!(folder.read("dotgen.toml"), after);
-        // With it, the package is found.
+        // With the setting, the package is found.
         let event = folder.event("dotgen.toml", if before.is_some() { 2 } else { 1 });
         client
             .notify("workspace/didChangeWatchedFiles", event)

@@ -268,7 +268,7 @@ async fn projects_below_a_folder_are_read_as_they_say() {
         "{without:?}"
     );
 
-    // One that is written later, and one that goes.
+    // A file that is written later, and one that is deleted.
     folder.write("c/idl/types.idl", "typedef long own;\n");
     folder.write("c/dotgen.toml", toml);
     folder.remove("b/dotgen.toml");
@@ -294,7 +294,7 @@ async fn a_folder_that_is_deleted_takes_its_files_with_it() {
     let mut client = Client::start(folder.params(pulling())).await;
     assert_eq!(found(&mut client, &folder).await, [""; 0]);
     folder.remove("idl/pose.idl");
-    // Clients tell of the folder alone.
+    // Clients report only the folder.
     let event = folder.event("idl", 3);
     client
         .notify("workspace/didChangeWatchedFiles", event)

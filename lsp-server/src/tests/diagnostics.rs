@@ -123,7 +123,7 @@ async fn the_workspace_is_pulled_and_waits_for_news() {
     let refresh = ("workspace/diagnostic/refresh", Value::Null);
     let mut client = Client::start_answering(folder.params(capabilities), vec![refresh]).await;
     let mut known: Vec<Value> = Vec::new();
-    // The files are listed in the background: ask until they are there.
+    // The files are listed in the background: repeat the request until they are known.
     let report = loop {
         let params = json!({ "previousResultIds": known });
         let report = client.ok("workspace/diagnostic", params).await;
@@ -217,7 +217,7 @@ async fn a_client_that_wants_parts_gets_the_open_files_first_and_each_file_once(
     let mut client = Client::start(folder.params(pulling())).await;
     let last = folder.uri(&names[69]);
     client.open(&last, "const long a = 1\n").await;
-    // The list of files and the settings arrive some time.
+    // The list of files and the settings arrive later.
     let mut asked = json!({ "previousResultIds": [] });
     let mut listed = 0;
     while listed < 70 {

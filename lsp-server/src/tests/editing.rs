@@ -60,7 +60,7 @@ async fn functions_without_codel_are_proposed_as_names_of_codels() {
     let list = client.ok("textDocument/completion", params).await;
     let items = list["items"].as_array().expect("a list");
     let labels: Vec<&str> = items.iter().filter_map(|it| it["label"].as_str()).collect();
-    // The function first, then a name as the other codel has one; what has a codel already is not there.
+    // The function comes first, then a name formed like the other codel's. A function with a codel is absent.
     assert_eq!(labels, ["c_halt", "c_t_stop"]);
     assert_eq!(
         items[0]["textEdit"]["newText"],
@@ -317,7 +317,7 @@ async fn an_included_file_can_be_shown_in_another_unit() {
     let uri = folder.uri("t.idl");
     client.open(&uri, files[2].1).await;
     let expected = [folder.uri("a.gen"), folder.uri("b.gen")];
-    // The folder is searched beside the first requests.
+    // The folder is searched in the background of the first requests.
     let mut roots = Value::Null;
     for _ in 0..10_000 {
         roots = client.ok("dotgen/includingRoots", document(&uri)).await;
@@ -371,7 +371,7 @@ async fn documents_without_a_file_or_a_folder() {
     client.finish().await;
 }
 
-/// A text with an edit that inserts something.
+/// A text after an edit that inserts text.
 fn with_inserted(text: &str, edit: &Value) -> String {
     let number = |it: &Value| it.as_u64().expect("a number") as usize;
     let start = &edit["range"]["start"];
@@ -454,7 +454,7 @@ async fn what_editors_fix_unasked_is_plain() {
     let mut client = Client::start(folder.params(capabilities)).await;
     let uri = folder.uri("c.gen");
     client.open(&uri, text).await;
-    // Fixes that touch each other are made one after the other, and transitions are left to people.
+    // Fixes that touch each other are made one after the other. Transitions are left to the user.
     for (kind, edits) in [("source.fixAll", [";"]), ("source.fixFindings", ["ether"])] {
         let mut params = document(&uri);
         params["range"] =

@@ -111,7 +111,7 @@ async fn semantic_tokens_come_whole_as_a_change_and_in_part() {
     let data = full["data"].as_array().expect("numbers").clone();
     assert!(data.len() > 50 && data.len() % 5 == 0);
 
-    // One token more at the start: everything after it is kept.
+    // One token more at the start: all others are kept.
     let edit = json!({ "range": { "start": { "line": 0, "character": 0 },
                                   "end": { "line": 0, "character": 0 } },
                        "text": "// new\n" });
@@ -361,7 +361,7 @@ async fn fixes_are_offered_where_they_change_something() {
         offered,
         [
             vec![],
-            // At the state, which is reported. What was meant is a guess.
+            // At the reported state. The intended state is a guess.
             vec![
                 fix("undefined-state: Change to `loop`", false),
                 fix(

@@ -1,4 +1,4 @@
-//! Generating files: what clients see, and that nothing is written before they agreed.
+//! Generating files: the messages to clients, and the rule that files are written only after consent.
 
 use serde_json::{Value, json};
 
@@ -28,7 +28,7 @@ fn able() -> Value {
     })
 }
 
-/// A server on a folder with a component and templates; `more` are files of the folder.
+/// A server on a folder with a component and templates; `more` are additional files of the folder.
 async fn start(capabilities: Value, trusted: bool, more: &[(&str, &str)]) -> (Client, Folder) {
     let mut files = vec![
         ("lamp.gen", LAMP),
@@ -92,7 +92,7 @@ async fn files_are_offered_then_remembered_and_made_again() {
     let (mut client, folder) = start(able(), true, &[]).await;
     let uri = folder.uri("lamp.gen");
     let execute = "workspace/executeCommand";
-    // Nothing was generated yet.
+    // No choice is stored yet.
     let error = client
         .request(execute, command("dotgen.regenerate", json!({ "uri": uri })))
         .await
@@ -109,7 +109,7 @@ async fn files_are_offered_then_remembered_and_made_again() {
     assert_eq!(plan["files"][0]["mode"], 0o755);
     assert_eq!(plan["files"][0]["concern"], "executable");
     assert!(!folder.exists("lamp.txt"), "a plan writes nothing");
-    // One that leaves it to the server, which asks with the names of the files.
+    // A client that relies on the server, which asks with the names of the files.
     let mut params = params;
     params["apply"] = json!(true);
     client.answer("window/showMessageRequest", json!({ "title": "Write" }));
@@ -128,7 +128,7 @@ async fn files_are_offered_then_remembered_and_made_again() {
         "template-paths = [\"templates\"] # ours\n\n[[generate]]\nfile = \"lamp.gen\"\n\
          template = \"names\"\narguments = [\"-t\"]\n"
     );
-    // The client made the file; the user changed it.
+    // The client created the file; the user changed it.
     folder.write("lamp.txt", "lamp\nmine\n");
     client
         .notify(
@@ -146,7 +146,7 @@ async fn files_are_offered_then_remembered_and_made_again() {
         messages.contains("exists and would be overwritten"),
         "{messages}"
     );
-    // Merging works without a terminal: what both changed becomes a conflict.
+    // Merging works without a terminal: a change on both sides becomes a conflict.
     let merging = json!({ "uri": uri, "template": "names", "arguments": ["-i"], "apply": false });
     let merged = client
         .ok(execute, command("dotgen.generate", merging))
@@ -196,7 +196,7 @@ async fn plain_clients_are_asked_before_anything_is_written() {
         question["params"]["message"],
         "names would create lamp.txt (executable)."
     );
-    // Without a template they choose from a list; nobody has to.
+    // Without a template, the user may choose one from a list.
     client.answer("window/showMessageRequest", Value::Null);
     let done = client
         .ok(execute, command("dotgen.generate", json!({ "uri": uri })))
@@ -260,7 +260,7 @@ async fn a_failing_template_is_marked_where_it_fails() {
     let diagnostic = &pushed["diagnostics"][0];
     assert_eq!(diagnostic["code"], "template-failed");
     assert_eq!(diagnostic["range"]["start"]["line"], 1);
-    // Once it works the mark is gone.
+    // After a successful run the diagnostic is gone.
     folder.write("templates/names/names.jinja", "a\n");
     client.ok(execute, command("dotgen.generate", params)).await;
     assert_eq!(client.pushed(&source).await["diagnostics"], json!([]));
@@ -314,7 +314,7 @@ async fn a_run_can_be_cancelled() {
     let (mut client, folder) = start(capabilities, true, &[loops]).await;
     let execute = "workspace/executeCommand";
     let uri = folder.uri("lamp.gen");
-    // The list of files is made first.
+    // The list of files is complete first.
     while client.notification("$/progress").await["value"]["kind"] != "end" {}
     let params = json!({ "uri": uri, "template": "loops", "apply": false });
     let id = client

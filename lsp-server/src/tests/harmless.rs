@@ -1,5 +1,5 @@
-//! Edits that would do harm: of a part of the places, or of a file that the client cannot write back as it
-//! is.
+//! Edits that must be refused or delayed: edits of only a part of the places, and of files that the client
+//! cannot write back unchanged.
 
 use serde_json::{Value, json};
 
@@ -34,7 +34,7 @@ async fn a_rename_waits_until_all_files_are_known() {
     let mut client = Client::start_answering(folder.params(capabilities), asked).await;
     let uri = folder.uri("pose.idl");
     client.open(&uri, POSE).await;
-    // The server lists the files when its question for a progress has an answer, which comes after these
+    // The server lists the files after the answer to its request for a progress, which comes after these
     // requests.
     let rename = client.begin("textDocument/rename", at_pose(&uri)).await;
     let files = json!({ "files": [{ "oldUri": uri, "newUri": folder.uri("types.idl") }] });
@@ -73,7 +73,7 @@ async fn a_file_in_another_encoding_is_changed_only_when_it_is_open() {
     let files = json!({ "files": [{ "oldUri": uri, "newUri": folder.uri("types.idl") }] });
     let error = client.request("workspace/willRenameFiles", files).await;
     error.expect_err("it would do harm");
-    // What is open the client has read in the encoding that it has.
+    // The client has read an open file in the file's own encoding.
     client.open(&folder.uri("base.gen"), BASE).await;
     let edit = client.ok("textDocument/rename", at_pose(&uri)).await;
     assert!(

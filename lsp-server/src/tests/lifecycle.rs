@@ -87,7 +87,7 @@ async fn unknown_documents_have_nothing_to_show() {
         let report = client.ok("textDocument/diagnostic", document(uri)).await;
         assert_eq!(report["items"], json!([]));
     }
-    // Not open: nothing happens.
+    // Not open: the change is ignored.
     client.change(URI, 7, json!([{ "text": "x" }])).await;
     client
         .notify(

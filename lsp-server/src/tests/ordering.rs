@@ -42,7 +42,7 @@ async fn a_request_sees_the_text_of_its_turn() {
     for (version, id) in ids {
         match client.end(id).await {
             Ok(text) => assert_eq!(text, version.to_string()),
-            // A later edit came while it worked: the client has asked again already.
+            // A later edit came during the work: the client repeats the request.
             Err(error) => assert_eq!(error["code"], -32801),
         }
     }
@@ -65,7 +65,8 @@ async fn the_client_can_cancel_and_the_writer_is_free_again() {
 async fn an_edit_cancels_what_works_on_the_old_text() {
     let mut client = start().await;
     client.open(URI, "a").await;
-    // More than the library serves at once by default, so that nothing gets through if that is so.
+    // More requests than the library serves at once by default. With the default, no later request would be
+    // served.
     let mut ids = Vec::new();
     for _ in 0..12 {
         ids.push(client.begin("test/forever", document(URI)).await);
@@ -94,7 +95,7 @@ async fn an_edit_elsewhere_makes_a_request_try_again() {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn positions_count_in_the_unit_that_was_agreed() {
-    // "é😀x": where x is, in each unit.
+    // "é😀x": the position of x, in each unit.
     for (offered, agreed, character) in [
         (json!(["utf-16", "utf-8", "utf-32"]), "utf-8", 6),
         (json!(["utf-16", "utf-32"]), "utf-32", 2),
@@ -160,7 +161,7 @@ async fn what_takes_long_is_shown_and_can_be_stopped() {
         (&end["token"], &end["value"]["kind"]),
         (&token, &json!("end"))
     );
-    // The work has ended too: a change need not wait for it.
+    // The work has ended too: a change does not wait for it.
     client.change(URI, 2, json!([{ "text": "b" }])).await;
     assert_eq!(client.ok("test/text", document(URI)).await, "b");
     client.finish().await;

@@ -1,4 +1,4 @@
-//! `dotgen/diagram`, pictures as text, and the lenses that lead to them.
+//! `dotgen/diagram`, pictures as text, and the lenses that link to them.
 
 use std::path::Path;
 
@@ -30,7 +30,7 @@ async fn start(options: Value) -> (Client, Folder, String) {
     start_beside(options, &[]).await
 }
 
-/// Starts with further files in the folder.
+/// Starts with additional files in the folder.
 async fn start_beside(options: Value, files: &[(&str, &str)]) -> (Client, Folder, String) {
     let text = text();
     let mut all = vec![("lift.gen", text.as_str())];
@@ -52,7 +52,7 @@ async fn draw(client: &mut Client, uri: &str, more: Value) -> Value {
     client.ok("dotgen/diagram", params).await
 }
 
-/// Where a text begins.
+/// The start of a text.
 fn position(of: &str) -> Value {
     let text = text();
     let offset = text.find(of).expect("it occurs");
@@ -133,7 +133,7 @@ async fn a_broken_text_keeps_the_last_picture() {
     assert_eq!(stale["picture"], good["picture"]);
     let reason = stale["stale"].as_str().expect("a reason");
     assert!(reason.starts_with("line 8: "), "{reason}");
-    // What was never drawn before is drawn as far as it goes.
+    // A picture without an earlier version is drawn as far as possible.
     let wish_for_paths = json!({ "component": "lift", "owner": "move", "paths": true });
     let incomplete = draw(&mut client, &uri, wish_for_paths).await;
     assert!(incomplete["incomplete"].is_string(), "{incomplete}");
@@ -163,7 +163,7 @@ async fn systems_and_locks() {
     assert!(unconnected(&alone), "{alone}");
     client.finish().await;
 
-    // Of two writers, dotgen.toml says which.
+    // dotgen.toml selects one of two writers.
     let writer = |name: &str| {
         format!(
             "struct height_s {{ double h; }};\n\
@@ -212,7 +212,8 @@ async fn the_editor_shows_the_bytes_of_the_command_line() {
     let mut client = Client::start(folder.params(pulling())).await;
     let uri = folder.uri("maneuver.gen");
     client.open(&uri, &texts[0].1).await;
-    // What `dotgen diagram` writes is what is committed: `lsp-server/tests/pictures.rs`.
+    // The output of `dotgen diagram` is compared with the committed pictures in
+    // `lsp-server/tests/pictures.rs`.
     for (file, wish) in [
         ("goto.svg", json!({ "owner": "goto" })),
         ("exec.svg", json!({ "owner": "exec", "paths": true })),
@@ -302,7 +303,7 @@ async fn a_system_is_opened_and_moved() {
     let task = lines.iter().position(|it| it == "task move · 10 ms");
     let place = &lift["parts"][task.expect("the task is listed")];
     assert_eq!(place["selectionRange"]["start"], position("move {"));
-    // The port went along: it stands where it stood beside its component.
+    // The port moved with its component: their distance is unchanged.
     let height = |it: &Value| it["height"].as_f64().expect("a number");
     assert!(height(&after) < height(&before) + 200.0, "{after}");
     let wish = json!({ "kind": "system", "moved": { "lift.wanted": [0, 300] } });

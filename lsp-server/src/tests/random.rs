@@ -1,4 +1,4 @@
-//! A client out of its mind: edits and questions at random, right and wrong ones.
+//! Random edits and requests, valid and invalid.
 
 use serde_json::{Value, json};
 
@@ -54,7 +54,7 @@ impl Dice {
         usize::try_from(self.0 >> 33).unwrap_or(0) % sides.max(1)
     }
 
-    /// A position, mostly of the text.
+    /// A position, in most cases inside the text.
     fn position(&mut self, text: &str) -> Value {
         let lines = text.matches(['\n', '\r']).count() + 1;
         json!({ "line": self.roll(lines + 1), "character": self.roll(30) })
@@ -78,7 +78,7 @@ async fn rage(seed: u64, steps: i32) {
     let mut text = String::new();
     for version in 2..steps {
         if dice.roll(20) == 0 {
-            // The whole text: the document is known again whatever happened to it.
+            // The whole text: the document is known again after any earlier edits.
             text = (0..dice.roll(12))
                 .map(|_| PIECES[dice.roll(PIECES.len())])
                 .collect();

@@ -7,7 +7,7 @@ use super::client::{Client, Folder, document, pulling};
 const LAMP: &str = "module colours { enum hue { RED }; };\n\ncomponent lamp {\n  version \"1\"; lang \"c\"; email \"a@b\";\n};\ncomponent bell {\n  version \"1\"; lang \"c\"; email \"a@b\";\n};\n";
 const SCENARIO: &str = "scenario both {\n  use \"lamp.gen\";\n};\n";
 
-/// `LINE TITLE COMMAND` of the lenses that run something.
+/// `LINE TITLE COMMAND` of the lenses with run commands.
 async fn lenses(client: &mut Client, uri: &str) -> Vec<String> {
     let lenses = client.ok("textDocument/codeLens", document(uri)).await;
     let runs = |it: &Value| {
@@ -30,7 +30,7 @@ async fn lenses(client: &mut Client, uri: &str) -> Vec<String> {
         .collect()
 }
 
-/// What is offered over a specification and over a scenario.
+/// The lenses over a specification and over a scenario.
 async fn offered(options: Value, config: &str) -> [Vec<String>; 2] {
     let folder = Folder::new(&[
         ("lamp.gen", LAMP),

@@ -1,4 +1,4 @@
-//! Scenario documents, as a client sees them.
+//! Scenario documents over the protocol.
 
 use serde_json::{Value, json};
 
@@ -31,7 +31,7 @@ const SCENARIO: &str = "scenario tank {
 }
 ";
 
-/// A client with the scenario open; `$0` in it, if any, is left out. The place of it.
+/// A client with the scenario open, and the position of `$0` in it, if any. `$0` is removed.
 async fn start(scenario: &str) -> (Client, Folder, String, Value) {
     let folder = Folder::new(&[("pump.gen", PUMP), ("other.gen", "const long a = 1;\n")]);
     let mut params = folder.params(pulling());
@@ -321,7 +321,7 @@ async fn diagnostics_say_what_is_wrong_and_where() {
     }
 }
 
-/// Every prefix, and every text with one byte left out: nothing panics, and answers come.
+/// Every prefix of a text, and every text without one byte: no panic, and every request is answered.
 #[tokio::test(flavor = "multi_thread")]
 async fn half_typed_text_is_survived() {
     let (mut client, _folder, uri, _) = start("").await;

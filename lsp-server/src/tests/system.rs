@@ -1,4 +1,4 @@
-//! What one component means for the others of a workspace.
+//! The effects of one component on the others of a workspace.
 
 use serde_json::json;
 
@@ -6,7 +6,7 @@ use super::client::{Client, Folder, document, pulling};
 
 const POM: &str = "struct s { long x; };\ncomponent pom {\n  version \"1\"; lang \"c\"; email \"a@b\";\n  port out s pose;\n  task t { period 5 ms; codel<start> pom_t(out pose) yield pause::start; };\n};\n";
 
-/// A reader with so many codels that use the port.
+/// A reader with `codels` codels that use the port.
 fn reader(name: &str, port: &str, codels: usize) -> String {
     let functions: String = (0..codels)
         .map(|it| format!("  function f{it}() {{ codel {name}_f{it}(in {port}, out x); }};\n"))
@@ -69,7 +69,7 @@ async fn a_codel_says_what_it_excludes_through_ports() {
          log.log_f1 through pom.pose, log.log_f2 through pom.pose and 5 more"
     );
 
-    // What another component becomes while it is edited counts at once.
+    // An edit of another component has an effect at once.
     let other = folder.uri("log.gen");
     client.open(&other, &reader("log", "position", 0)).await;
     let nav = "`nav_f0` of function `f0` of `nav` (port `pom.pose`)";
@@ -78,7 +78,7 @@ async fn a_codel_says_what_it_excludes_through_ports() {
         [format!("* excludes in other components {nav}")]
     );
 
-    // Connections of the configuration do, too.
+    // So do connections in the configuration.
     folder.write("dotgen.toml", "[connections]\nnav.pose = \"gps.pose\"\n");
     folder.write("gps.gen", &POM.replace("pom", "gps"));
     for name in ["dotgen.toml", "gps.gen"] {

@@ -1,4 +1,4 @@
-//! Files of templates that are open.
+//! Open template files.
 
 use serde_json::{Value, json};
 
@@ -29,7 +29,7 @@ impl Client {
     }
 }
 
-/// A client in whose workspace everything has been found.
+/// A client whose workspace is completely listed.
 async fn found(folder: &Folder) -> Client {
     let capabilities =
         json!({ "textDocument": { "diagnostic": {} }, "window": { "workDoneProgress": true } });
@@ -60,7 +60,7 @@ async fn errors_of_markers_are_shown_where_they_are_and_go_when_they_are_mended(
     let end = json!({ "line": 0, "character": 36 });
     let close = json!({ "range": { "start": end, "end": end }, "text": "'>" });
     client.change(&uri, 2, json!([close])).await;
-    // Now the brace is open.
+    // Now a brace is missing.
     let pushed = client.pushed(&uri).await;
     assert_eq!(codes(&pushed["diagnostics"]), ["template/tcl"]);
     let last = json!({ "line": 2, "character": 0 });
@@ -96,7 +96,7 @@ async fn other_documents_are_left_alone_unless_their_language_says_so() {
     let plain = folder.uri("t/server/plain.c");
     client.open_as(&plain, "c", PLAIN).await;
     assert_eq!(client.pushed(&plain).await["diagnostics"], json!([]));
-    // Nothing else of the server is for them.
+    // No other feature of the server is available in these files.
     let params = json!({ "textDocument": { "uri": plain } });
     let symbols = client.ok("textDocument/documentSymbol", params).await;
     assert_eq!(symbols, Value::Null);
@@ -142,7 +142,7 @@ async fn the_client_is_asked_for_the_files_of_templates() {
         {
             break sent.clone();
         }
-        // Whatever is asked moves the pipe on.
+        // Any request makes the pipe move on.
         client.ok("workspace/symbol", json!({ "query": "" })).await;
     };
     let selector = sent["registerOptions"]["documentSelector"]

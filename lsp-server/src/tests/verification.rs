@@ -1,4 +1,4 @@
-//! Verification on edit, as a client sees it.
+//! Verification on edit over the protocol.
 
 use serde_json::{Value, json};
 
@@ -6,7 +6,7 @@ use super::client::{Client, Folder, document, pulling};
 
 const STATUS: &str = "dotgen/verificationStatus";
 
-/// Two tasks that share data: `slow` can keep `fast` waiting.
+/// Two tasks that share data: `slow` can block `fast`.
 fn pump(slow: &str) -> String {
     format!(
         "component pump {{\n  ids {{ double level; }};\n  task fast {{ period 10 ms;\n    codel<start> watch(in level) yield pause::main;\n    codel<main> more(in level) yield pause::main;\n  }};\n  task t {{ period 10 ms;\n    codel<start> init(out level) yield pause::main wcet 1 ms;\n    codel<main> control(inout level) yield pause::main wcet {slow};\n  }};\n}};\n"
@@ -74,7 +74,7 @@ async fn a_longer_codel_misses_the_deadline_until_it_is_shorter_again() {
     let report = client.ok("textDocument/diagnostic", document(&uri)).await;
     let miss = report["items"].as_array().expect("a list").iter();
     let miss = miss.filter(|it| it["code"] == "timing/deadline-miss");
-    // `fast` waits for `t` for too long, and misses its deadline as well.
+    // `fast` is blocked by `t` for too long, and also misses its deadline.
     let miss: Vec<&Value> = miss
         .filter(|it| it["range"]["start"]["line"] == 6)
         .collect();
@@ -141,9 +141,9 @@ async fn an_edit_of_what_a_scenario_uses_makes_its_answer_stale_at_once() {
             break;
         }
     }
-    // It may be told on the way how much is answered.
+    // The number of answered checks may be reported in between.
     seen.dedup();
-    // What was known of the first version is not repeated for the second.
+    // Results of the first version are not repeated for the second.
     assert_eq!(seen, ["stale", "running", "refuted"]);
     assert_eq!(
         timing(&mut client, &scn).await,
@@ -154,7 +154,7 @@ async fn an_edit_of_what_a_scenario_uses_makes_its_answer_stale_at_once() {
         ["timing/response-exceeded"]
     );
 
-    // A comment changes nothing, so nothing is computed again.
+    // A comment changes no result, so nothing is computed again.
     let commented = format!("// é\n{}", pump("9 ms"));
     client
         .change(&gen_uri, 3, json!([{ "text": commented }]))
@@ -176,8 +176,8 @@ async fn an_edit_of_what_a_scenario_uses_makes_its_answer_stale_at_once() {
     client.finish_ignoring(STATUS).await;
 }
 
-/// Any client of three components that share nothing to tell them apart by: more states than can be
-/// visited in the time of a test.
+/// A scenario of any client with three different components, which symmetry reduction cannot merge: more
+/// states than a test can explore.
 fn endless() -> String {
     let service = |i: usize| {
         format!(
@@ -208,7 +208,7 @@ async fn a_verification_is_cancelled_by_an_edit_and_limited_by_the_settings() {
         .await;
     client.open(&uri, &endless()).await;
     while client.notification(STATUS).await["status"] != "running" {}
-    // The search for limits has no end either, unless nobody waits for it.
+    // The search for limits does not end either, unless the request is cancelled.
     let mut question = document(&uri);
     question["workDoneToken"] = json!("limits");
     let search = client.begin("dotgen/sensitivity", question).await;
@@ -217,26 +217,26 @@ async fn a_verification_is_cancelled_by_an_edit_and_limited_by_the_settings() {
         .notify("$/cancelRequest", json!({ "id": search }))
         .await;
     assert!(client.end(search).await.is_err());
-    // The next does not wait for the end of the first, which is far away. It holds, but only exploration can
-    // tell: of tasks without a period the tiers before it say nothing.
+    // The next request does not wait for the end of the first, which is far away. Its check holds, but only
+    // exploration proves it: the earlier tiers do not cover tasks without a period.
     let third = "  task rest { codel<start> r() yield pause::start wcet 1 ms; };\n  task w { period 10 ms;\n    codel<start> a(inout level) yield b, pause::start wcet 2 ms;\n    codel<b> b(inout level) yield pause::start wcet 1 ms;\n  };\n  task t {";
     let text = pump("6 ms").replace("  task t {", third);
     client.change(&uri, 2, json!([{ "text": text }])).await;
     until(&mut client, &uri, 2, "proved").await;
 
-    // The text is the same, the answer is not: it is not taken from memory.
+    // The text is unchanged, but its answer is not: the stored answer must not be used.
     let limits = json!({ "settings": { "dotgen": { "verification": { "max-states": 3 } } } });
     client
         .notify("workspace/didChangeConfiguration", limits)
         .await;
-    // The number of cores may still be told before.
+    // The number of cores may still arrive before.
     while client.notification(STATUS).await["status"] != "gave-up" {}
     let titles = lenses(&mut client, &uri).await;
     assert!(
         titles.iter().any(|it| it.starts_with("? not settled")),
         "{titles:?}"
     );
-    // The problem says what would help, and its fix does it.
+    // The diagnostic names a remedy, and its fix applies that.
     let report = client.ok("textDocument/diagnostic", document(&uri)).await;
     let items = report["items"].as_array().expect("a list").iter();
     let told: Vec<&Value> = items.filter(|it| it["code"] == "timing/gave-up").collect();
@@ -260,7 +260,7 @@ async fn a_verification_is_cancelled_by_an_edit_and_limited_by_the_settings() {
     client.finish_ignoring(STATUS).await;
 }
 
-/// A lamp beside a pump of which not everything can be found out in the time of a test.
+/// A lamp and a pump, of which not every check can be settled in the time of a test.
 fn lamp(wcet: &str) -> String {
     let lamp = "component lamp {\n  ids { long light; };\n  task blink { period 8 ms;\n    codel<start> toggle(inout light) yield pause::start wcet 1 ms;\n  };\n};\n";
     format!("{}{}", lamp.replace("1 ms", wcet), endless())
@@ -274,7 +274,7 @@ fn lamp_and_pump() -> String {
     )
 }
 
-/// Waits until so many checks of a specification's version are answered.
+/// Waits until `number` checks of a specification's version are answered.
 async fn answered(client: &mut Client, number: u64) -> Value {
     loop {
         let it = client.notification(STATUS).await;
@@ -302,7 +302,7 @@ async fn answers_are_shown_as_they_are_found() {
     let words = (&said["status"], &said["checks"], &said["states"]);
     assert_eq!(words, (&json!("running"), &json!(4), &Value::Null));
 
-    // Each check for itself; what is refuted is a problem at once.
+    // Each check separately; a refuted one is a diagnostic at once.
     assert_eq!(
         lenses(&mut client, &scn).await,
         [
@@ -318,7 +318,7 @@ async fn answers_are_shown_as_they_are_found() {
     let of_lamp = "✓ 1 of 8 ms".to_owned();
     assert!(titles.contains(&of_lamp), "{titles:?}");
 
-    // So for a panel, which learns that it is about the present text.
+    // The same for a panel, which receives the version of the text.
     let answer = client.ok("dotgen/verification", document(&scn)).await;
     assert_eq!(
         (&answer["status"], &answer["earlier"]),
@@ -331,7 +331,7 @@ async fn answers_are_shown_as_they_are_found() {
     let mut odd = codels.filter(|it| it["path"] == "pump.a1.start");
     assert_eq!(odd.next().expect("it has one")["wcet"], 1007.0);
 
-    // An edit makes all of it stale at once, and nothing of it is told of the new text.
+    // An edit makes all answers stale at once, and none is reported for the new text.
     client
         .change(&gen_uri, 2, json!([{ "text": lamp("9 ms") }]))
         .await;
@@ -386,7 +386,7 @@ async fn one_answer_has_everything_a_panel_needs() {
     let links = timeline["links"].as_array().expect("a list");
     assert!(links.iter().any(|it| it["uri"] == folder.uri("pump.gen")));
 
-    // A longer codel, for the question only.
+    // A longer codel, only for this request.
     let mut question = document(&scn);
     question["whatIf"] = json!({ "cores": 1, "wcet": { "pump.t.main": 12000.0 } });
     question["check"] = json!(1);
@@ -492,7 +492,7 @@ async fn verification_can_be_switched_off() {
     let off = json!({ "settings": { "dotgen": { "verification": { "enable": false } } } });
     client.notify("workspace/didChangeConfiguration", off).await;
     assert_eq!(timing(&mut client, &uri).await, [""; 0]);
-    // On request it is verified all the same.
+    // On request the document is verified all the same.
     let answer = client.ok("dotgen/verification", document(&uri)).await;
     assert_eq!(answer["status"], "refuted");
     client.finish_ignoring(STATUS).await;
@@ -527,7 +527,7 @@ async fn an_answer_refreshes_what_shows_it_and_no_colours() {
         all.filter(|it| it["method"] == what).count()
     };
     let [diagnostics, lens, colours] = refreshes;
-    // Every answer, and every edit that made one stale.
+    // Every answer, and every edit that made an answer stale.
     while asked(&client, diagnostics) < 5 || asked(&client, lens) < 5 {
         lenses(&mut client, &uri).await;
     }
@@ -563,7 +563,7 @@ async fn what_is_assumed_stands_at_the_use_of_the_specification() {
         it["location"]["range"]["start"]["line"].as_u64()
     });
     assert_eq!(lines.collect::<Vec<_>>(), [Some(3), Some(4)]);
-    // In the specification itself analysis says so, and nobody else.
+    // In the specification itself, only analysis reports it.
     client.open(&uri, &pump("4 ms")).await;
     until(&mut client, &scn, 1, "proved").await;
     let said = client.pulled(&uri).await;
@@ -592,7 +592,7 @@ async fn what_prevents_a_verification_stands_in_the_specification() {
         (&range["line"], &range["character"]),
         (&json!(2), &json!(14))
     );
-    // Where no scenario is written, what analysis says is enough.
+    // Without a scenario file, the diagnostics of analysis are sufficient.
     client
         .change(&uri, 2, json!([{ "text": pump("4 ms") }]))
         .await;
@@ -632,7 +632,7 @@ async fn what_was_given_up_names_the_setting_to_raise() {
         advice.starts_with("raise `verification.max-states` in the settings, or "),
         "{advice}"
     );
-    // What was assumed is no error, and leads to the codels.
+    // An assumption is not an error, and links to the codels.
     assert_eq!(answer["errors"], json!([]));
     let warning = &answer["warnings"][0];
     let text = warning["message"].as_str().expect("text");

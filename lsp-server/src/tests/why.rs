@@ -1,4 +1,4 @@
-//! Why a deadline is missed, what would help, and the run step by step, as a client sees them.
+//! The causes of missed deadlines, their remedies, and the run step by step, over the protocol.
 
 use serde_json::{Value, json};
 
@@ -24,7 +24,7 @@ const SCENARIO: &str = "scenario ride {
 }
 ";
 
-/// The server with both open, once it has found what helps.
+/// The server with both files open, after it has found the remedy.
 async fn start() -> (Client, Folder, String) {
     let folder = Folder::new(&[("lift.gen", LIFT), ("ride.scn", SCENARIO)]);
     let mut params = folder.params(pulling());
@@ -43,8 +43,8 @@ async fn start() -> (Client, Folder, String) {
     (client, folder, uri)
 }
 
-/// The problem of `control`, once it says what helps: that is found after the answer. It is asked for until
-/// it is there, as what announces it may come before the answer to the question before.
+/// The diagnostic of `control` with its remedy, which is found after the answer. The request is repeated,
+/// because the notification of the remedy may arrive before the answer to the previous request.
 async fn problem(client: &mut Client, uri: &str) -> Value {
     for _ in 0..100_000 {
         let report = client.ok("textDocument/diagnostic", document(uri)).await;
@@ -101,7 +101,7 @@ async fn a_missed_deadline_says_why_and_what_would_help_and_the_fix_makes_it_hol
     client.finish_ignoring(STATUS).await;
 }
 
-/// What else repairs it comes after the remedy, as fixes of the same problem.
+/// Other repairs come after the remedy, as fixes of the same diagnostic.
 #[tokio::test(flavor = "multi_thread")]
 async fn other_changes_that_make_it_hold_are_fixes_too() {
     let (mut client, _folder, uri) = start().await;
@@ -181,7 +181,7 @@ async fn the_run_comes_as_data_with_its_places() {
     let place = &trace["places"][step["place"].as_u64().expect("a place") as usize];
     assert_eq!(place["uri"], uri.as_str());
     assert_eq!(place["range"]["start"]["line"], 3);
-    // What is too late is at the end, in the lane of the task.
+    // The missed deadline is at the end, in the lane of the task.
     assert_eq!(trace["focus"]["at"], trace["end"]);
     assert_eq!(
         trace["lanes"][trace["focus"]["lane"].as_u64().expect("a lane") as usize]["name"],

@@ -1,4 +1,4 @@
-//! What to do about checks that were given up.
+//! Advice on checks that gave up.
 
 use dotgen_timing::explore::Stop;
 use dotgen_timing::report::{GaveUp, Report, Verdict};
@@ -6,7 +6,7 @@ use dotgen_timing::scn::ast::{Item, Scenario};
 
 use super::Problem;
 
-/// What the limits of a verification are called where it was started.
+/// The names of the limits of a verification, by the way in which it was started.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Names {
     /// Options of the command line.
@@ -29,7 +29,7 @@ impl Names {
     }
 }
 
-/// What helps with all checks of a report that were given up; none if none was.
+/// Advice on all checks of a report that gave up; none if there are no such checks.
 pub(crate) fn of_report(report: &Report, problem: &Problem, names: Names) -> Option<String> {
     let open = report.checks.iter();
     let open = open.filter(|it| it.verdict == Verdict::Unknown);
@@ -37,7 +37,7 @@ pub(crate) fn of_report(report: &Report, problem: &Problem, names: Names) -> Opt
     of(reasons, problem, names)
 }
 
-/// What helps with explorations that ended for these reasons.
+/// Advice on explorations that ended for these reasons.
 pub(crate) fn of(
     reasons: impl IntoIterator<Item = Stop>,
     problem: &Problem,
@@ -60,14 +60,14 @@ pub(crate) fn of(
         Names::Settings => " in the settings",
     };
     let smaller = smaller(&problem.scenario, problem.is_written());
-    // Where there is no scenario, more time rarely helps.
+    // Without a scenario, a longer time limit rarely helps.
     Some(match problem.is_written() {
         true => format!("raise {limits}{place}, or {smaller}"),
         false => format!("{smaller}, or raise {limits}{place}"),
     })
 }
 
-/// What the time or room was in which an exploration did not end: `in 10 s`.
+/// The limit that an exploration exceeded: `in 10 s`.
 pub(crate) fn within(it: &GaveUp) -> String {
     match (it.reason, it.seconds) {
         (Stop::Time, Some(seconds)) => format!("in {seconds} s"),
@@ -77,13 +77,13 @@ pub(crate) fn within(it: &GaveUp) -> String {
     }
 }
 
-/// Whether anybody sends requests.
+/// True if the scenario has clients that send requests.
 pub(crate) fn has_clients(scenario: &Scenario) -> bool {
     let mut items = scenario.items.iter();
     items.any(|it| matches!(it, Item::Client(_)))
 }
 
-/// How there may be less to explore.
+/// A way to explore less.
 fn smaller(scenario: &Scenario, written: bool) -> &'static str {
     match (written, has_clients(scenario)) {
         (false, true) => "write a scenario whose client sends only the requests that matter",

@@ -1,4 +1,4 @@
-//! Which codel can keep which waiting, for how long, and through what.
+//! The codels that can block each codel, for how long, and the data they share.
 
 use dotgen_analysis::model::Src;
 use dotgen_timing::scn::names::Names;
@@ -10,7 +10,7 @@ use num_rational::Ratio;
 use super::Problem;
 use super::summary::Scale;
 
-/// A codel, and what can keep it waiting.
+/// A codel and the codels that can block it.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Row {
     /// The codel.
@@ -24,7 +24,7 @@ pub(crate) struct Row {
 pub(crate) struct Blocker {
     /// The codel.
     pub(crate) codel: CodelAt,
-    /// What both use, in words.
+    /// The shared data, as text.
     pub(crate) through: Vec<String>,
 }
 
@@ -33,17 +33,17 @@ pub(crate) struct Blocker {
 pub(crate) struct CodelAt {
     /// `component.owner.state`
     pub(crate) path: String,
-    /// The function that it is; of an attribute, the path.
+    /// Its function; for an attribute, the path.
     pub(crate) function: String,
-    /// Longest time it executes, in the unit of the report; `None`: without end.
+    /// Longest execution time, in the unit of the report; `None`: unbounded.
     pub(crate) upper: Option<f64>,
-    /// The same in microseconds, for what-if fields.
+    /// Longest execution time in microseconds, for what-if fields.
     pub(crate) micros: Option<f64>,
     /// Number of the specification, and place.
     pub(crate) src: Option<(usize, Src)>,
 }
 
-/// All codels of the system in order, each with what excludes it.
+/// All codels of the system in order, each with the codels that exclude it.
 pub(crate) fn table(problem: &Problem, options: &Options) -> Vec<Row> {
     let specs = problem.specs();
     let names = Names::new(&specs);

@@ -1,4 +1,4 @@
-//! What to change, in words and as edits: one sentence and one edit for editor and command line.
+//! Changes as text and as edits, for the editor and the command line.
 
 use std::ops::Range;
 use std::time::Duration;
@@ -18,10 +18,10 @@ use super::Problem;
 use super::blocking;
 use super::summary::Scale;
 
-/// A change with which everything holds.
+/// A change with which every deadline and limit is met.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Repair {
-    /// What changes.
+    /// The change.
     pub(crate) change: Change,
     /// `` it holds if `tell` takes at most 4 ms ``
     pub(crate) words: String,
@@ -30,14 +30,14 @@ pub(crate) struct Repair {
 /// All changes that were found.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Repairs {
-    /// The smallest first.
+    /// The changes, the smallest first.
     pub(crate) all: Vec<Repair>,
-    /// Not everything was tried.
+    /// True if not every change was tried.
     pub(crate) incomplete: bool,
 }
 
-/// The changes with which all that a report says to be missed is kept, each told when it is found. With a
-/// `patience` nothing more is tried after it.
+/// The changes that meet every missed deadline and limit of a report. Each is reported when it is found.
+/// `patience` is a time limit for the search.
 pub(crate) fn repairs(
     problem: &Problem,
     options: &Options,
@@ -67,7 +67,7 @@ pub(crate) fn repairs(
     }
 }
 
-/// `` it holds if `report_start` takes at most 4 ms ``, with the names that people gave to codels.
+/// `` it holds if `report_start` takes at most 4 ms ``, with the functions of codels as names.
 pub(crate) fn in_words(change: &Change, scale: Scale, function: &dyn Fn(&str) -> String) -> String {
     match change {
         Change::Wcet {
@@ -109,7 +109,8 @@ pub(crate) fn in_words(change: &Change, scale: Scale, function: &dyn Fn(&str) ->
     }
 }
 
-/// What an edit does, in the imperative. None for a change that is no edit: another design of codels.
+/// The description of an edit, in the imperative. None for a change that cannot be an edit: another design of
+/// codels.
 pub(crate) fn title(change: &Change) -> Option<String> {
     Some(match change {
         Change::Wcet { codel, seconds, .. } => format!(
@@ -128,8 +129,8 @@ pub(crate) fn title(change: &Change) -> Option<String> {
     })
 }
 
-/// The edit of a specification or of the scenario that makes a change. None where nothing plain can be
-/// changed: two codels that are to be separated, a time that a macro writes, a scenario that is in no file.
+/// The edit of a specification or of the scenario for a change. None if there is no simple edit: two codels
+/// that have to be separated, a time from a macro, a scenario without a file.
 pub(crate) fn edit(
     analysis: &Analysis,
     problem: &Problem,
@@ -162,7 +163,7 @@ pub(crate) fn edit(
             src,
             ..
         } => {
-            // What the scenario says wins over the specification.
+            // A duration in the scenario takes precedence over the specification.
             if let Some(it) = of_scenario(edit::longest(&problem.text, codel, *seconds)) {
                 return Ok(Some(it));
             }
@@ -181,7 +182,7 @@ pub(crate) fn edit(
     analysis.with_task_time(&path, range, which, &written(*seconds))
 }
 
-/// A time as specifications write it: whole, in the largest unit in which it is.
+/// A time in the syntax of specifications: a whole number, in the largest unit that allows one.
 fn written(time: Seconds) -> String {
     let whole = |per_second: i128| {
         let count = time * Ratio::from_integer(per_second);
@@ -191,7 +192,7 @@ fn written(time: Seconds) -> String {
         (Some(it), _) => format!("{it} ms"),
         (_, Some(it)) => format!("{it} us"),
         _ => {
-            // Down: a little less was verified as well, a little more was not.
+            // Rounded down: a slightly smaller value was verified as well, a larger one was not.
             let nanos = time * Ratio::from_integer(1_000_000_000);
             format!("{:.3} us", nanos.floor().to_integer() as f64 / 1e3)
         }

@@ -1,6 +1,6 @@
 //! The first answers for a specification without a scenario: about its permanent activities, then about each
-//! activity alone. They are exact and soon there, and each says what it assumes; any client at any time comes
-//! after them.
+//! activity alone. They are exact and quick, and each names its assumption. The answer for any client at any
+//! time comes later.
 
 use dotgen_analysis::model::ServiceKind;
 use dotgen_timing::report::Report;
@@ -14,18 +14,18 @@ use serde::Serialize;
 use super::Problem;
 use super::view::{Outcome, View};
 
-/// More states than this are not looked at for one of them.
+/// Maximum number of states explored for one of them.
 const STATES: usize = 30_000;
 
-/// What holds under an assumption about requests.
+/// A result under an assumption about requests.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct FirstAnswer {
-    /// Which requests are assumed.
+    /// The assumed requests.
     pub(crate) assuming: String,
-    /// What it amounts to.
+    /// The outcome.
     #[serde(serialize_with = "counted")]
     pub(crate) outcome: Outcome,
-    /// What does not hold, or is not known.
+    /// The checks that fail or are not settled.
     pub(crate) open: Vec<String>,
 }
 
@@ -33,8 +33,7 @@ fn counted<S: serde::Serializer>(outcome: &Outcome, to: S) -> Result<S::Ok, S::E
     to.serialize_str(outcome.counted())
 }
 
-/// The first answers, in the order in which they are asked; none where a scenario is written or nothing can
-/// be requested.
+/// The first answers, in order of exploration; none if there is a scenario, or if no request is possible.
 pub(crate) fn answers(problem: &Problem, options: &Options, cancel: &Cancel) -> Vec<FirstAnswer> {
     if problem.is_written() {
         return Vec::new();
@@ -84,7 +83,7 @@ fn answer(assuming: String, problem: &Problem, options: &Options, report: &Repor
     }
 }
 
-/// `component.activity`, of activities that can be executed.
+/// The activities that can be executed, as `component.activity`.
 fn activities(problem: &Problem) -> Vec<String> {
     let specs = problem.specs();
     let names = Names::new(&specs);
@@ -98,15 +97,15 @@ fn activities(problem: &Problem) -> Vec<String> {
     all.collect()
 }
 
-/// The problem with a client that requests one activity again and again, each time when the one before has
-/// ended, or with none. (Any number of instances at the same time is what any client may ask for: it is
-/// seldom answered soon.)
+/// The problem with a client that requests one activity repeatedly, each time after the end of the instance
+/// before, or with no client. Several instances at once are left to the check with any client, which seldom
+/// is quick.
 fn requesting(problem: &Problem, activity: Option<&str>) -> Problem {
     let mut out = problem.clone();
     let items = &mut out.scenario.items;
     items.retain(|it| !matches!(it, Item::Client(_)));
     if let Some(activity) = activity {
-        // What has to come before it came, or it would be refused.
+        // The services in `after` are requested first; otherwise the request would be rejected.
         items.push(Item::Order(false));
         let step = |kind| Step {
             label: None,

@@ -1,4 +1,4 @@
-//! Runs with what repeats itself said once, so that people can read them.
+//! Runs in which repeated steps are shown once.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -11,24 +11,24 @@ use dotgen_timing::report::Event;
 pub(crate) enum Part {
     /// These steps, one by one.
     Steps(Range<usize>),
-    /// The last so many steps happen again.
+    /// Repetitions of the last `steps` steps.
     Again {
-        /// Number of the steps that repeat.
+        /// Number of steps that repeat.
         steps: usize,
-        /// How often they do.
+        /// Number of repetitions.
         times: usize,
-        /// The last of the steps that are left out.
+        /// The last omitted step.
         last: usize,
     },
 }
 
-/// Longer series of steps are not looked for.
+/// Maximum length of a series of steps that is searched for repetition.
 const LONGEST: usize = 32;
-/// Shorter repetitions are as soon read.
+/// Minimum number of steps that are omitted; shorter repetitions are shown in full.
 const LEAST: usize = 8;
 
-/// A run in parts. Only the order of steps counts for what repeats itself, not the times. What goes on for
-/// ever begins with a part of its own.
+/// A run in parts. Repetition is decided by the order of steps, not by their times. The part that repeats for
+/// ever begins a new part.
 pub(crate) fn folded(events: &[Event], cycle: Option<usize>) -> Vec<Part> {
     let mut ids = HashMap::new();
     let steps: Vec<usize> = events
@@ -36,7 +36,7 @@ pub(crate) fn folded(events: &[Event], cycle: Option<usize>) -> Vec<Part> {
         .map(|it| {
             let next = ids.len();
             let about = (&it.component, &it.task, &it.codel);
-            // A codel begins in the same way whatever made it begin; how one ends is a choice.
+            // A codel begins in the same way whatever caused it, but its end is a choice.
             let is_choice = matches!(it.kind, MomentKind::End | MomentKind::Request);
             let choice = it.action.filter(|_| is_choice);
             *ids.entry((about, it.kind, choice)).or_insert(next)
@@ -55,7 +55,7 @@ fn fold(steps: &[usize], range: Range<usize>, out: &mut Vec<Part>) {
     while at < range.end {
         let rest = &steps[at..range.end];
         let repeats = (1..=LONGEST.min(rest.len() / 2)).map(|length| (length, again(rest, length)));
-        // What leaves most out; of equals the shortest series.
+        // The repetition that omits most steps, and of equals the shortest series.
         let best = repeats.rev().max_by_key(|(length, times)| length * times);
         match best.filter(|(length, times)| length * times >= LEAST) {
             Some((length, times)) => {
@@ -76,7 +76,7 @@ fn fold(steps: &[usize], range: Range<usize>, out: &mut Vec<Part>) {
     }
 }
 
-/// How often the first `length` steps happen again at once.
+/// The number of times that the first `length` steps repeat immediately.
 fn again(steps: &[usize], length: usize) -> usize {
     let same = steps.iter().zip(&steps[length..]);
     same.take_while(|(a, b)| a == b).count() / length
@@ -106,7 +106,7 @@ mod tests {
         };
         let events: Vec<Event> = text.chars().enumerate().map(event).collect();
         let parts = folded(&events, cycle);
-        // Nothing is lost, and nothing is told twice.
+        // Every step is in exactly one part.
         let mut at = 0;
         for part in &parts {
             at = match part {
@@ -137,7 +137,7 @@ mod tests {
             parts("aaaaaaaaaaaa", None),
             [Part::Steps(0..1), again(1, 11, 11)]
         );
-        // For ever: where that begins is not hidden.
+        // The start of the infinite repetition is always shown.
         assert_eq!(
             parts("ababababababababababab", Some(12)),
             [

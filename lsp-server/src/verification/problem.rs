@@ -1,4 +1,4 @@
-//! What is verified.
+//! The input of a verification.
 
 use std::ops::Range;
 
@@ -18,13 +18,13 @@ use crate::files::vfs;
 /// Extension of scenario files.
 pub const EXTENSION: &str = "scn";
 
-/// Code of `#pragma requires` with a package that is not installed.
+/// Code of the finding about `#pragma requires` with a package that is not installed.
 const UNRESOLVED_PACKAGE: &str = "pp-requires-unresolved";
 
 /// A scenario and the specifications it uses.
 #[derive(Clone)]
 pub struct Problem {
-    /// The file of the scenario; for the default scenario, that of the specification.
+    /// The file of the scenario; for the default scenario, the file of the specification.
     pub path: Utf8PathBuf,
     /// Text of the scenario.
     pub text: String,
@@ -32,13 +32,13 @@ pub struct Problem {
     pub scenario: Scenario,
     /// Its specifications, in the order of `use`.
     pub units: Vec<UnitResult>,
-    /// What prevents a verification: errors of syntax, files that cannot be read, errors in the
-    /// specifications. Warnings are left to the specifications' own reports.
+    /// Errors that prevent a verification: syntax errors, unreadable files, errors in specifications.
+    /// Warnings are reported in the specifications themselves.
     pub errors: Vec<Diagnostic>,
 }
 
 impl Problem {
-    /// Every file that it was made from.
+    /// Every file that the problem was read from.
     pub fn files(&self) -> impl Iterator<Item = &Utf8Path> {
         let used = self.units.iter().flat_map(|it| &it.files);
         std::iter::once(&self.path)
@@ -56,7 +56,7 @@ pub struct Used {
     pub range: Range<usize>,
 }
 
-/// The files that a scenario uses; relative paths start at its directory.
+/// The files that a scenario uses. Relative paths start at its directory.
 pub fn used(scenario: &Scenario, path: &Utf8Path) -> Vec<Used> {
     let directory = path.parent().unwrap_or(path);
     let file = |it: &Spanned<String>| Used {
@@ -70,7 +70,7 @@ pub fn used(scenario: &Scenario, path: &Utf8Path) -> Vec<Used> {
     files.collect()
 }
 
-/// A diagnostic of the scenario language as all front ends show it.
+/// A diagnostic of the scenario language, in the form of all front ends.
 pub fn diagnostic(it: &dotgen_timing::diagnostic::Diagnostic, path: &Utf8Path) -> Diagnostic {
     let severity = match it.severity {
         dotgen_timing::diagnostic::Severity::Error => Severity::Error,
@@ -112,7 +112,7 @@ pub fn components(spec: &Spec) -> impl Iterator<Item = &Component> {
 }
 
 impl Problem {
-    /// Reads a scenario and what it uses.
+    /// Reads a scenario and the specifications it uses.
     pub fn from_scenario(
         path: &Utf8Path,
         text: String,
@@ -160,12 +160,12 @@ impl Problem {
         })
     }
 
-    /// The scenario that stands for none, over some specifications.
+    /// The default scenario over some specifications.
     pub fn by_default(path: &Utf8Path, files: &[String], units: Vec<UnitResult>) -> Problem {
         Problem::by_default_on(Platform::default(), path, files, units)
     }
 
-    /// Likewise, on a platform.
+    /// The default scenario over some specifications, on a platform.
     pub fn by_default_on(
         platform: Platform,
         path: &Utf8Path,
@@ -190,22 +190,22 @@ impl Problem {
         }
     }
 
-    /// Whether a file is one of those it was read from.
+    /// True if the problem was read from a file.
     pub fn reads(&self, file: &Utf8Path) -> bool {
         self.path == file
             || (self.units.iter()).any(|it| it.files.iter().any(|it| it == file))
             || self.uses(file)
     }
 
-    /// Whether the scenario names a file.
+    /// True if the scenario names a file.
     pub fn uses(&self, file: &Utf8Path) -> bool {
         used(&self.scenario, &self.path)
             .iter()
             .any(|it| it.path == file)
     }
 
-    /// Whether the answer is the same: the same scenario over the same models. Comments and layout
-    /// of specifications do not count as long as nothing moves.
+    /// True if both problems have the same answer: the same scenario over the same models. Comments and
+    /// layout of specifications may differ as long as no place moves.
     pub fn is_same(&self, other: &Problem) -> bool {
         self.path == other.path
             && self.text == other.text
@@ -214,13 +214,13 @@ impl Problem {
             && (self.units.iter().zip(&other.units)).all(|(a, b)| a.spec == b.spec)
     }
 
-    /// The specifications, as the verifier takes them.
+    /// The specifications, as the input of the verifier.
     pub fn specs(&self) -> Vec<&Spec> {
         self.units.iter().map(|it| &*it.spec).collect()
     }
 
-    /// What the verifier says: at its place in the scenario if it has one there, else in the specification it
-    /// is about, else at the name of the scenario.
+    /// A diagnostic of the verifier: at its place in the scenario if there is one, else in its specification,
+    /// else at the name of the scenario.
     pub fn diagnostic(&self, it: &dotgen_timing::diagnostic::Diagnostic) -> Diagnostic {
         let mut out = diagnostic(it, &self.path);
         let places = it.places.iter();
@@ -244,22 +244,22 @@ impl Problem {
         out
     }
 
-    /// The place of something in one of the specifications.
+    /// The file and range of a place in one of the specifications.
     pub fn place(&self, spec: usize, src: Src) -> Option<(Utf8PathBuf, Range<usize>)> {
         let at = self.units.get(spec)?.locations.locate(src)?;
         Some((at.path, at.range))
     }
 
-    /// Whether the scenario stands in a file; the default scenario does not.
+    /// True if the scenario is in a file; the default scenario is not.
     pub fn is_written(&self) -> bool {
         self.path.extension() == Some(EXTENSION)
     }
 
-    /// How far the system is from missing deadlines, or from meeting them. Only sensible without
-    /// [`Problem::errors`].
+    /// The distance of the system from missing its deadlines, or from meeting them. Requires that
+    /// [`Problem::errors`] is empty.
     ///
     /// # Errors
-    /// What is wrong with the scenario.
+    /// The errors of the scenario.
     pub fn sensitivity(
         &self,
         options: &Options,
@@ -272,7 +272,7 @@ impl Problem {
         sensitivity(&input, &self.scenario, options, cancel, tell)
     }
 
-    /// Verifies, and tells what is known as soon as there is more. Only sensible without [`Problem::errors`].
+    /// Verifies, and reports each new result at once. Requires that [`Problem::errors`] is empty.
     pub fn verify(
         &self,
         options: &Options,
@@ -286,8 +286,8 @@ impl Problem {
     }
 }
 
-/// Errors of a specification that leave nothing to verify. A package that is not installed is none:
-/// if something in it is missed, that is an error of its own.
+/// Errors that prevent the verification of a specification. A missing package is not one of them: a missing
+/// declaration of the package has an error of its own.
 fn prevents(unit: &UnitResult) -> impl Iterator<Item = &Diagnostic> {
     let errors = unit
         .diagnostics

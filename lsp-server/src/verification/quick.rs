@@ -1,4 +1,4 @@
-//! Quick bounds on response times, there before the exact answer.
+//! Quick upper bounds on response times, available before the exact answer.
 
 use dotgen_analysis::model::Seconds;
 use dotgen_timing::analytic::response_bounds;
@@ -11,18 +11,18 @@ use num_rational::Ratio;
 use super::Problem;
 use super::summary::Scale;
 
-/// A bound on the response time of a task: never below the exact value.
+/// An upper bound on the response time of a task.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct TaskBound {
-    /// Which task.
+    /// The task.
     pub(crate) id: TaskId,
     /// `component.task`
     pub(crate) task: String,
-    /// In the unit of the report.
+    /// The bound, in the unit of the report.
     pub(crate) bound: f64,
 }
 
-/// Response-time analysis with blocking, for the tasks it finds a bound for.
+/// Response-time analysis with blocking. Tasks for which it finds no bound are absent.
 pub(crate) fn quick_bounds(problem: &Problem, options: &Options) -> Vec<TaskBound> {
     let specs = problem.specs();
     let names = Names::new(&specs);

@@ -1,4 +1,4 @@
-//! Where verifications stand, and what they found.
+//! The status and results of verifications.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -14,26 +14,26 @@ use super::view::View;
 use super::why::Why;
 use super::{Problem, TaskBound};
 
-/// Answers by the document they are about.
+/// Verifications by their document.
 pub(crate) type Results = BTreeMap<Utf8PathBuf, Entry>;
 
-/// Where a verification stands.
+/// The status of a verification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
-    /// What is shown is of an earlier text; a verification follows.
+    /// The results are of an earlier text; a verification follows.
     Stale,
-    /// At work on the present text.
+    /// The present text is being verified.
     Running,
-    /// Everything holds.
+    /// Every check holds.
     Proved,
-    /// Something does not hold.
+    /// A check fails.
     Refuted,
-    /// Nothing was refuted, but not everything answered.
+    /// No check failed, but some are not settled.
     GaveUp,
-    /// Nothing was refuted and everything answered, but somewhere execution times are missing.
+    /// No check failed and all are settled, but execution times are missing.
     Nothing,
-    /// There are errors first.
+    /// Errors prevent the verification.
     Blocked,
 }
 
@@ -41,24 +41,24 @@ pub enum Status {
 #[derive(Clone)]
 pub(crate) struct Entry {
     pub(crate) status: Status,
-    /// Version of the document it holds for, if that is open.
+    /// Version of the verified document, if it is open.
     pub(crate) version: Option<i32>,
-    /// What is verified.
+    /// The verified problem.
     pub(crate) problem: Arc<Problem>,
     /// The last answer.
     pub(crate) answer: Option<Arc<Answer>>,
-    /// Whether that is about `problem`; while the status is running, checks are open.
+    /// True if the answer is for `problem`. While the status is running, some of its checks are open.
     pub(crate) holds: bool,
-    /// Quick bounds of `problem`, once there.
+    /// Quick bounds of `problem`, as soon as they are known.
     pub(crate) bounds: Arc<Vec<TaskBound>>,
-    /// What the answer is to be found with.
+    /// The options of the verification.
     pub(crate) options: Options,
     pub(crate) job: u64,
     pub(crate) cancel: Arc<Cancel>,
 }
 
 impl Entry {
-    /// Where the places of the answer are.
+    /// The problem with the places of the answer.
     pub(crate) fn places(&self) -> &Arc<Problem> {
         match (self.known(), &self.answer) {
             (None, Some(answer)) => &answer.problem,
@@ -66,38 +66,38 @@ impl Entry {
         }
     }
 
-    /// What is known of the present text: the answer, or what there is of it.
+    /// The results for the present text, complete or partial.
     pub(crate) fn known(&self) -> Option<&Arc<Answer>> {
         self.answer.as_ref().filter(|_| self.holds)
     }
 
-    /// The answer, if it is complete and about the present text.
+    /// The answer, if it is complete and for the present text.
     pub(crate) fn settled(&self) -> Option<&Arc<Answer>> {
         self.known().filter(|_| self.status != Status::Running)
     }
 }
 
-/// A problem and what was found; as long as the work goes on, what has been found so far.
+/// A problem and its results. While the verification runs, the results are partial.
 pub(crate) struct Answer {
     pub(crate) problem: Arc<Problem>,
     pub(crate) options: Options,
     pub(crate) report: Report,
     pub(crate) bounds: Arc<Vec<TaskBound>>,
-    /// By check: why it fails, and later what helps.
+    /// By check: the cause of its failure, and later the remedy.
     pub(crate) why: Vec<Option<Why>>,
-    /// What repairs all that is missed; found after what helps.
+    /// The repairs of all missed deadlines and limits, found after the remedies.
     pub(crate) repairs: Repairs,
-    /// Found last, if at all.
+    /// The minimum number of cores, found last, if at all.
     pub(crate) cores: Option<MinimumCores>,
 }
 
 impl Answer {
-    /// What people look at.
+    /// The results in the common form of all front ends.
     pub(crate) fn view(&self) -> View<'_> {
         View::new(&self.problem, &self.options, &self.report, &self.why)
     }
 
-    /// What it amounts to.
+    /// The status of the results.
     pub(crate) fn status(&self) -> Status {
         let mut checks = self.report.checks.iter();
         if self.report.has_errors() {

@@ -1,4 +1,4 @@
-//! One verification: quick bounds, the exact answer, then the number of cores.
+//! A verification: quick bounds, the exact answer, then the number of cores.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -13,27 +13,27 @@ use super::changes::{self, Repair, Repairs};
 use super::results::Answer;
 use super::{Problem, TaskBound, quick_bounds, why};
 
-/// The number of cores is only asked for when the verification itself took at most so long: every
-/// number is a verification of its own.
+/// Maximum duration of a verification, in seconds, after which the number of cores is computed: each number
+/// of cores needs a verification of its own.
 const QUICK_SECONDS: f64 = 1.0;
 
-/// Changes that repair what is missed are looked for so long.
+/// Time limit of the search for repairs.
 const REPAIRS: Duration = Duration::from_secs(2);
 
-/// One verification at a time: they are after the same memory, and the editor wants the other cores.
+/// One verification at a time: verifications compete for memory, and the editor needs the other cores.
 static TURN: Mutex<()> = Mutex::new(());
 
-/// What was found on the way.
+/// An interim result.
 pub(crate) enum Interim {
     /// Quick bounds.
     Bounds(Arc<Vec<TaskBound>>),
-    /// What is known of the exact answer.
+    /// The known part of the exact answer.
     SoFar(Arc<Answer>),
-    /// The exact answer; again when the number of cores has come, or what helps.
+    /// The exact answer. Sent again with the number of cores, and with the remedies.
     Answer(Arc<Answer>),
 }
 
-/// Verifies within a time limit and tells what it finds. Tells nothing more once cancelled.
+/// Verifies within a time limit and reports results. Reports nothing after a cancellation.
 pub(crate) fn run(
     problem: Arc<Problem>,
     options: Options,

@@ -1,12 +1,12 @@
-//! Which run of a report is shown, under which title, and how it ends: for the picture and for the trace.
+//! The run of a report that is shown, its title and its end: for the picture and for the trace.
 
 use dotgen_timing::explore::MomentKind;
 use dotgen_timing::report::{CheckReport, Report, Verdict};
 
 use super::timeline::Ending;
 
-/// The check whose run is shown: the one that is wanted, else the first that is refuted, else the first that
-/// has a run.
+/// The check whose run is shown: the requested one, else the first refuted one, else the first one with a
+/// run.
 pub(crate) fn chosen(report: &Report, wanted: Option<usize>) -> Option<usize> {
     let has_run = |it: &CheckReport| !it.run().is_empty();
     let refuted = |it: &CheckReport| it.verdict == Verdict::Refuted && has_run(it);
@@ -17,7 +17,7 @@ pub(crate) fn chosen(report: &Report, wanted: Option<usize>) -> Option<usize> {
         .or_else(|| position(&has_run))
 }
 
-/// What the run of a check shows.
+/// The title of the run of a check.
 pub(crate) fn title(check: &CheckReport) -> String {
     let what = match (check.verdict == Verdict::Refuted, check.kind.is_time()) {
         _ if !check.possible_run.is_empty() => {
@@ -30,7 +30,7 @@ pub(crate) fn title(check: &CheckReport) -> String {
     format!("{} {}: {what}", check.kind, check.of)
 }
 
-/// How the run of a check ends.
+/// The end of the run of a check.
 pub(crate) fn ending(check: &CheckReport) -> Ending<'_> {
     let last = check.run().last();
     let says_so = last.is_some_and(|it| it.kind == MomentKind::Excess);

@@ -1,4 +1,4 @@
-//! Answers in the words of users: times with units, deadlines, slack.
+//! Results as text: times with units, deadlines, slack.
 
 use dotgen_analysis::model::Seconds;
 use dotgen_analysis::quantity;
@@ -16,18 +16,18 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// That of the reports of these settings.
+    /// The unit of the reports with these settings.
     pub fn of(settings: &Settings) -> Scale {
         let (count, unit) = settings.unit.unwrap_or((1, Unit::Milliseconds));
         Scale { count, unit }
     }
 
-    /// A time of the report, with a unit that suits it.
+    /// A time of the report, in a suitable unit.
     pub fn show(self, time: f64) -> String {
         quantity::time_of(time * self.count as f64 * to_f64(self.unit.seconds()))
     }
 
-    /// Likewise, for a value.
+    /// A value of the report, in a suitable unit.
     pub fn show_value(self, value: Value) -> String {
         match value {
             Value::Time(it) => self.show(it),
@@ -63,7 +63,7 @@ pub fn platform(settings: &Settings) -> String {
     format!("{cores}, durations {durations}, semantics {semantics}")
 }
 
-/// On which side of an extreme that holds, where the value now does not, the others are.
+/// The comparison with an extreme value for a system that does not hold at its present value.
 fn side(it: &Extreme) -> &'static str {
     match (it.extreme, it.now) {
         (Some(Value::Time(extreme)), Value::Time(now)) if extreme > now => "from",
@@ -71,7 +71,7 @@ fn side(it: &Extreme) -> &'static str {
     }
 }
 
-/// How far a value can go, in words, and what that is worth if it is not exact.
+/// The extreme of a value as text, and its restriction if it is not exact.
 pub(crate) fn extreme(it: &Extreme, scale: Scale) -> (String, &'static str) {
     let extreme = match it.extreme {
         Some(extreme) if it.fails_now => {

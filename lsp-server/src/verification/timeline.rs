@@ -1,5 +1,5 @@
-//! Runs as timelines: a lane per core when cores are granted, then one per task, with bars for what
-//! executes and what waits.
+//! Runs as timelines: if cores are granted, a lane per core; then one per task. Bars show execution and
+//! waiting.
 
 use std::collections::BTreeMap;
 
@@ -7,12 +7,12 @@ use dotgen_diagram::timeline::{Bar, BarKind, Lane, Mark, MarkKind, Timeline};
 use dotgen_timing::explore::MomentKind;
 use dotgen_timing::report::Event;
 
-/// How a run ends.
+/// The end of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Ending<'t> {
-    /// With this task (`component.task`) too late, where the run does not say so itself.
+    /// This task (`component.task`) is late, and the events do not show it.
     Miss(&'t str),
-    /// As it may.
+    /// A valid end.
     Fine,
 }
 
@@ -97,10 +97,10 @@ pub(crate) fn of_run(title: String, unit: &str, events: &[Event], ending: Ending
     }
 }
 
-/// Longer runs are shown from a moment on: nobody looks at thousands of bars, and drawing them takes its
-/// time.
+/// Maximum number of events in a complete picture. Longer runs are shown from a moment on: thousands of bars
+/// are slow to draw and not readable.
 const LONGEST: usize = 800;
-/// So many events are shown of them, and whatever else happens at the first moment.
+/// Number of events shown of a longer run, in addition to all events at the first moment.
 const LAST: usize = 500;
 
 /// The first event of a run that is shown.
@@ -112,7 +112,7 @@ pub(crate) fn first_shown(events: &[Event]) -> usize {
     events.partition_point(|it| it.time < from)
 }
 
-/// A run as [`of_run`] has it, from an event on.
+/// The picture of [`of_run`], from an event on.
 pub(crate) fn of_end(
     title: String,
     unit: &str,
@@ -131,12 +131,12 @@ pub(crate) fn of_end(
     out
 }
 
-/// Instead of the first events of a run.
+/// The note in place of the omitted events.
 pub(crate) fn left_out(events: usize) -> String {
     format!("{events} steps before are not shown")
 }
 
-/// A moment of a picture as people say it.
+/// A moment of a picture as text.
 fn instant(now: u64, unit: &str) -> String {
     match unit {
         "us" if now >= 1000 => format!("{} ms", now as f64 / 1000.0),
@@ -144,8 +144,8 @@ fn instant(now: u64, unit: &str) -> String {
     }
 }
 
-/// The unit of a picture of times in the unit of a report (`ms`, `10 us`), in which they are whole, and how
-/// many of it there are in that.
+/// The unit of a picture in which all times are whole, for the unit of a report (`ms`, `10 us`), and the
+/// factor between both.
 fn drawn_in<'u>(unit: &'u str, events: &[Event]) -> (&'u str, f64) {
     let (count, unit) = match unit.split_once(' ') {
         Some((count, unit)) => (count.parse().unwrap_or(1.0), unit),
@@ -179,9 +179,9 @@ type Open = (u64, BarKind, String, usize);
 #[derive(Default)]
 struct Lanes {
     lanes: Vec<Lane>,
-    /// What goes on in each lane.
+    /// The open bar of each lane.
     open: BTreeMap<usize, Open>,
-    /// For cores: who has which.
+    /// The core of each task that has one.
     holders: BTreeMap<String, usize>,
 }
 
@@ -197,7 +197,7 @@ impl Lanes {
         })
     }
 
-    /// The first core nobody has. Which core it is makes no difference to the system.
+    /// The first free core. The choice of a core does not affect the system.
     fn free(&mut self) -> usize {
         let core = (0..).find(|it| !self.holders.values().any(|held| held == it));
         self.lane(&format!("core {}", core.unwrap_or(0) + 1))
@@ -218,7 +218,7 @@ impl Lanes {
 
 fn bar((from, kind, label, event): Open, to: u64, events: &[Event]) -> Option<Bar> {
     let it = &events[event];
-    // What executes without taking time is drawn, waiting without time is not worth it.
+    // Execution without duration is drawn, waiting without duration is not.
     (to > from || kind == BarKind::Run).then(|| Bar {
         from,
         to,

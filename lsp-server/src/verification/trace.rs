@@ -1,5 +1,5 @@
-//! A run as data for whoever draws it: lanes, what goes on in them, who waits for whom, and the steps. A
-//! counterexample and a recorded run have this one form. `docs/trace.md` describes it,
+//! A run as data for viewers: lanes, the bars in them, the waits with their causes, and the steps. A
+//! counterexample and a recorded run have the same form. `docs/trace.md` describes it, and
 //! `docs/trace.schema.json` is its schema.
 
 mod lanes;
@@ -12,61 +12,61 @@ use serde::{Deserialize, Serialize};
 
 pub(crate) use make::{Told, of_run};
 
-/// Version of the form: raised when a field changes its meaning or goes.
+/// Version of the form. It increases when a field is removed or changes its meaning.
 pub(crate) const FORMAT: u32 = 1;
 
-/// A run. `P` is a place in a text. Times are in `unit`; lanes, steps and places are named by their index.
+/// A run. `P` is a place in a text. Times are in `unit`. Lanes, steps and places are referred to by index.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(crate) struct Trace<P> {
     /// [`FORMAT`].
     pub(crate) format: u32,
-    /// What is shown.
+    /// The title.
     pub(crate) title: String,
-    /// Of all times: `us` or `ms`.
+    /// The unit of all times: `us` or `ms`.
     pub(crate) unit: String,
-    /// When it begins.
+    /// Time of the beginning.
     pub(crate) start: f64,
-    /// When it ends.
+    /// Time of the end.
     pub(crate) end: f64,
-    /// What to look at first.
+    /// The moment and lane to show first.
     pub(crate) focus: Focus,
-    /// From here to the end it goes on for ever.
+    /// Time from which the rest repeats for ever.
     pub(crate) repeats: Option<f64>,
-    /// In the order in which they are shown.
+    /// The lanes, from top to bottom.
     pub(crate) lanes: Vec<Lane>,
-    /// What lasts, by lane and then in order of time.
+    /// The spans, by lane and then by time.
     pub(crate) spans: Vec<Span>,
-    /// What happens at a moment.
+    /// The events at a moment.
     pub(crate) marks: Vec<Mark>,
-    /// Who asks whom.
+    /// Requests from one lane to another.
     pub(crate) arrows: Vec<Arrow>,
-    /// What happened, in order.
+    /// The steps, in order.
     pub(crate) steps: Vec<Step>,
-    /// What the rules that acted do, a sentence for each.
+    /// The rules in the steps, each with a sentence that describes it.
     pub(crate) rules: BTreeMap<String, String>,
-    /// Where codels and tasks are written.
+    /// The places of codels and tasks.
     pub(crate) places: Vec<P>,
-    /// What should be known about it.
+    /// Notes for the reader.
     pub(crate) notes: Vec<String>,
 }
 
-/// Where something is, in time and among the lanes.
+/// A moment and a lane.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Focus {
-    /// When.
+    /// The time.
     pub(crate) at: f64,
-    /// The lane, if it is about one.
+    /// The lane, if there is one.
     pub(crate) lane: Option<usize>,
     /// The step that is shown first.
     pub(crate) step: Option<usize>,
 }
 
-/// What a lane is of.
+/// The subject of a lane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum LaneKind {
-    /// A core: who has it.
+    /// A core: the jobs on it.
     Core,
     /// A client: its requests.
     Client,
@@ -74,79 +74,79 @@ pub(crate) enum LaneKind {
     Control,
     /// A task.
     Task,
-    /// The locks of a component: who has some, and below it who waits for some.
+    /// The locks of a component: the codels that hold locks, and in the rows below the codels that wait.
     Locks,
 }
 
-/// One line of the picture.
+/// A line of the picture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Lane {
     /// Its name.
     pub(crate) name: String,
-    /// What it is of.
+    /// Its subject.
     pub(crate) kind: LaneKind,
-    /// How many spans lie above each other in it, at least 1.
+    /// Number of rows for spans at the same time, at least 1.
     pub(crate) rows: usize,
 }
 
-/// What a span says.
+/// The kind of a span.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum SpanKind {
     /// A codel executes; in a lane of cores, a job has the core.
     Run,
-    /// A codel waits for what others use.
+    /// A codel waits for a lock.
     WaitLock,
     /// A job waits for a core.
     WaitCore,
-    /// A codel has its locks.
+    /// A codel holds its locks.
     Hold,
 }
 
-/// Something that lasts.
+/// An interval of time in a lane.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Span {
-    /// In which lane.
+    /// Index of the lane.
     pub(crate) lane: usize,
-    /// In which row of the lane, from 0.
+    /// The row in the lane, from 0.
     pub(crate) row: usize,
-    /// Since when.
+    /// Time of the beginning.
     pub(crate) from: f64,
-    /// Until when.
+    /// Time of the end.
     pub(crate) to: f64,
-    /// What it is.
+    /// Its kind.
     pub(crate) kind: SpanKind,
     /// A short name.
     pub(crate) label: String,
-    /// The codel it is about: `component.owner.state`.
+    /// Its codel: `component.owner.state`.
     pub(crate) codel: Option<String>,
-    /// Whom it waits for.
+    /// The codels or jobs that it waits for.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) by: Vec<Holder>,
     /// The step with which it begins.
     pub(crate) step: usize,
 }
 
-/// Who keeps somebody waiting.
+/// A cause of a wait.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Holder {
-    /// A codel, or who has the core.
+    /// A codel, or the task on the core.
     pub(crate) name: String,
     /// The lane in which it executes.
     pub(crate) lane: Option<usize>,
-    /// Since when it has what is waited for.
+    /// Time from which it holds the awaited lock or core.
     pub(crate) from: f64,
-    /// Until when.
+    /// Time at which it releases the lock or core.
     pub(crate) to: f64,
-    /// What both use, in words.
+    /// The shared data, as text.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) through: Vec<String>,
-    /// It waited as well, ahead in the queue.
+    /// True if it waited as well, ahead in the queue.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub(crate) ahead: bool,
 }
 
-/// Something that happens at a moment.
+/// The kind of a mark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum MarkKind {
@@ -156,64 +156,64 @@ pub(crate) enum MarkKind {
     Complete,
     /// A request or a report.
     Request,
-    /// Something is too late.
+    /// A deadline or limit is missed.
     Miss,
 }
 
 /// See [`MarkKind`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Mark {
-    /// In which lane.
+    /// Index of the lane.
     pub(crate) lane: usize,
-    /// When.
+    /// The time.
     pub(crate) at: f64,
-    /// What.
+    /// Its kind.
     pub(crate) kind: MarkKind,
-    /// The step that says it; none for the end of a run.
+    /// Its step; none for the end of a run.
     pub(crate) step: Option<usize>,
 }
 
-/// Somebody asks somebody else for something.
+/// A request from one lane to another.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Arrow {
-    /// Lane of who asks.
+    /// Lane of the sender.
     pub(crate) from: usize,
-    /// Lane of who is asked.
+    /// Lane of the receiver.
     pub(crate) to: usize,
-    /// When it was taken.
+    /// Time at which the request was accepted.
     pub(crate) at: f64,
-    /// The step that says it.
+    /// Its step.
     pub(crate) step: usize,
 }
 
-/// One thing that happened.
+/// A step of the run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Step {
-    /// When.
+    /// The time.
     pub(crate) at: f64,
-    /// To whom.
+    /// Its lane.
     pub(crate) lane: usize,
-    /// The rule that acted: a key of [`Trace::rules`].
+    /// Its rule: a key of [`Trace::rules`].
     pub(crate) rule: String,
-    /// What happened, in words.
+    /// A description.
     pub(crate) what: String,
-    /// The codel it is about: `component.owner.state`.
+    /// Its codel: `component.owner.state`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) codel: Option<String>,
-    /// What the codel shares with others, in words; of a wait, with those it waits for.
+    /// The data that the codel shares with other codels, as text; for a wait, with the awaited codels.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) locks: Vec<String>,
-    /// Index among [`Trace::places`].
+    /// Index in [`Trace::places`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) place: Option<usize>,
 }
 
 impl<P> Trace<P> {
-    /// The same with other places, made of each.
+    /// The trace with its places converted.
     ///
     /// # Errors
     ///
-    /// Those of `place`.
+    /// The errors of `place`.
     pub(crate) fn placed<Q, E>(self, place: impl FnMut(P) -> Result<Q, E>) -> Result<Trace<Q>, E> {
         Ok(Trace {
             places: self

@@ -1,4 +1,4 @@
-//! A verification as people look at it, made once: command line, lenses, panel and diagnostics show this.
+//! The results of a verification in a common form, for command line, lenses, panel and diagnostics.
 
 use std::ops::Range;
 
@@ -13,22 +13,22 @@ use super::Problem;
 use super::summary::{Scale, percent};
 use super::why::Why;
 
-/// What an answer amounts to.
+/// The outcome of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Outcome {
     /// It holds.
     Proved,
-    /// It holds because what it is about never happens.
+    /// It holds because its subject never occurs in a run.
     Vacuous,
-    /// It has a bound that is greater than the period of the task, and may be less in fact.
+    /// Its upper bound is greater than the period of the task; the exact value may be less.
     Bounded,
-    /// It has a bound beyond the period of the task, and the scenario states no limit.
+    /// Its bound is greater than the period of the task, and the scenario states no limit.
     Exceeds,
     /// It does not hold.
     Refuted,
-    /// It may not hold: the run that shows it is one with rounded durations.
+    /// It may fail: the run that refutes it has rounded durations.
     PossiblyRefuted,
-    /// Nobody knows.
+    /// It is not settled.
     GaveUp,
     /// Execution times are missing.
     Nothing,
@@ -37,7 +37,7 @@ pub(crate) enum Outcome {
 }
 
 impl Outcome {
-    /// In the table of the command line, and the panel.
+    /// The word in the table of the command line, and in the panel.
     pub(crate) fn word(self) -> &'static str {
         match self {
             Outcome::Proved => "proved",
@@ -52,7 +52,7 @@ impl Outcome {
         }
     }
 
-    /// Where several are counted: `2 nothing to verify`.
+    /// The word after a count: `2 nothing to verify`.
     pub(crate) fn counted(self) -> &'static str {
         match self {
             Outcome::Exceeds => "beyond the period",
@@ -62,7 +62,7 @@ impl Outcome {
         }
     }
 
-    /// In the order in which they are counted.
+    /// All outcomes, in the order of counts.
     pub(crate) const ALL: [Outcome; 9] = [
         Outcome::Proved,
         Outcome::Vacuous,
@@ -79,10 +79,10 @@ impl Outcome {
         match report.verdict {
             Verdict::Proved if report.vacuous => Outcome::Vacuous,
             Verdict::Proved if report.exceeds() => Outcome::Exceeds,
-            // An upper bound beyond the period says neither that it is kept nor that it is not.
+            // An upper bound greater than the period proves nothing about the deadline.
             Verdict::Proved if report.slack().is_some_and(|it| it < 0.0) => Outcome::Bounded,
             Verdict::Proved => Outcome::Proved,
-            // That something is reachable is what rounding makes uncertain, not that it is not.
+            // Rounding makes reachability uncertain, but not unreachability.
             Verdict::Refuted if report.rounded && report.kind != PropertyKind::Reachable => {
                 Outcome::PossiblyRefuted
             }
@@ -94,43 +94,43 @@ impl Outcome {
     }
 }
 
-/// An answer.
+/// A check with its result.
 #[derive(Debug, Clone)]
 pub(crate) struct CheckView<'r> {
-    /// What was found.
+    /// The report.
     pub(crate) report: &'r CheckReport,
-    /// What it amounts to.
+    /// The outcome.
     pub(crate) outcome: Outcome,
-    /// `≤ 5 ms`; the sign says whether it is a bound.
+    /// `≤ 5 ms`; the sign shows a bound.
     pub(crate) value: Option<String>,
-    /// `10 ms`: stated, or the period.
+    /// `10 ms`: the stated limit, or the period.
     pub(crate) limit: Option<String>,
     /// `≥ 30 %`
     pub(crate) slack: Option<String>,
-    /// What the verdict is worth, if it is not exact.
+    /// A restriction of the verdict, if it is not exact.
     pub(crate) worth: Option<&'static str>,
-    /// Why a job is late, a sentence for each wait.
+    /// The causes of a late job, a sentence for each wait.
     pub(crate) reason: Vec<String>,
-    /// Why it fails in one sentence, for a task.
+    /// The cause of a task's failure, in one sentence.
     pub(crate) cause: Option<String>,
-    /// What would make it hold, if that is known.
+    /// A change with which the check holds, if one is known.
     pub(crate) remedy: Option<String>,
-    /// Both as data.
+    /// The cause and the remedy, as data.
     pub(crate) why: Option<&'r Why>,
-    /// Where the check is written, in the scenario.
+    /// The range of the check in the scenario.
     pub(crate) written: Option<Range<usize>>,
-    /// It is one of several answers to a check of all tasks.
+    /// True if it is one of several answers to a check of all tasks.
     pub(crate) is_one_of_all: bool,
 }
 
-/// See the module.
+/// The results of a verification.
 pub(crate) struct View<'r> {
-    /// In the order of the report.
+    /// The checks, in the order of the report.
     pub(crate) checks: Vec<CheckView<'r>>,
 }
 
 impl<'r> View<'r> {
-    /// Of the report of a problem.
+    /// The view of the report of a problem.
     pub(crate) fn new(
         problem: &Problem,
         options: &Options,
@@ -138,7 +138,7 @@ impl<'r> View<'r> {
         why: &'r [Option<Why>],
     ) -> View<'r> {
         let scale = Scale::of(&settings(&problem.scenario, options));
-        // Checks of the command line stand in no scenario.
+        // Checks of the command line are not in the scenario.
         let written = options.checks.is_empty() && problem.is_written();
         let scenario = written.then_some(&problem.scenario);
         let checks = report.checks.iter().enumerate();
@@ -150,7 +150,7 @@ impl<'r> View<'r> {
         }
     }
 
-    /// The answers about a task.
+    /// The results of a task.
     pub(crate) fn of_task(&self, task: TaskId) -> impl Iterator<Item = (usize, &CheckView<'r>)> {
         let all = self.checks.iter().enumerate();
         all.filter(move |it| it.1.report.id.task == Some(task))
@@ -175,7 +175,7 @@ impl<'r> CheckView<'r> {
         CheckView {
             report,
             outcome,
-            // A bound that says nothing is none.
+            // An infinite bound is not shown.
             value: report.value.map(|it| match it {
                 Value::Unbounded => scale.show_value(it),
                 Value::Time(_) => format!("{sign}{}", scale.show_value(it)),
@@ -184,7 +184,7 @@ impl<'r> CheckView<'r> {
             slack: report.slack().map(|it| format!("{least}{}", percent(it))),
             worth: match report.soundness {
                 _ if report.rounded => Some("durations are rounded"),
-                // The sign before the value says it, and the note why.
+                // The sign before the value, and the note, show it.
                 Soundness::Exact | Soundness::UpperBound => None,
                 Soundness::Safe => Some("safe: a failure may be a false alarm"),
                 Soundness::Under => Some("for worst-case durations only"),

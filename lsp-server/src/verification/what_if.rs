@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Problem;
 
-/// What is different. Nothing by default.
+/// The changes of a variation; the default has none.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
 pub(crate) struct WhatIf {
@@ -22,23 +22,23 @@ pub(crate) struct WhatIf {
     pub wcet: BTreeMap<String, f64>,
 }
 
-/// Number of cores.
+/// The number of cores.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub(crate) enum CoreCount {
-    /// So many.
+    /// A number.
     Number(u32),
-    /// `"free"`: as many as there are tasks.
+    /// `"free"`: as many cores as tasks.
     Word(String),
 }
 
 impl WhatIf {
-    /// Whether nothing is different.
+    /// True if there are no changes.
     pub(crate) fn is_nothing(&self) -> bool {
         *self == WhatIf::default()
     }
 
-    /// What the verifier is told; an error says what cannot be.
+    /// The options for the verifier. The error names an impossible change.
     pub(crate) fn options(&self, options: Options) -> Result<Options, String> {
         let cores = match &self.cores {
             None => options.cores,
@@ -61,7 +61,7 @@ impl WhatIf {
         })
     }
 
-    /// The problem with other durations: what a scenario says with `duration`.
+    /// The problem with other durations, as if the scenario had `duration` items.
     pub(crate) fn apply(&self, problem: &Problem) -> Result<Problem, String> {
         let mut out = problem.clone();
         for (codel, &micros) in &self.wcet {
@@ -69,7 +69,7 @@ impl WhatIf {
                 return Err(format!("`{codel}` cannot take {micros} us"));
             }
             let upper = micros.ceil() as u64;
-            // A lower bound that the scenario states stays, as far as it fits.
+            // A lower bound in the scenario remains, but at most the new upper bound.
             let mut lower = 0;
             out.scenario.items.retain(|item| match item {
                 Item::Duration(path, interval, unit) if path.text() == *codel => {

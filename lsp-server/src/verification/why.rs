@@ -1,4 +1,4 @@
-//! Why a deadline is missed, and what would help: data of a report, and a sentence for each.
+//! The causes of missed deadlines and their remedies, as data of a report and as text.
 
 use dotgen_timing::advice::{Change, remedy};
 use dotgen_timing::report::{Awaited, CheckReport, Delay, Holder, Report, Verdict};
@@ -10,18 +10,19 @@ use super::blocking::{self, Row};
 use super::changes;
 use super::summary::Scale;
 
-/// Hints are looked for when the verification itself took at most so long: each is some verifications.
+/// Maximum duration of a verification, in seconds, after which remedies are searched: each needs several
+/// verifications.
 const QUICK_SECONDS: f64 = 1.0;
 
-/// Why a check of a task fails, and what would help.
+/// The cause of a task's failure, and the remedy.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct Why {
-    /// What the job at the end of the run waited for longest.
+    /// The longest wait of the job at the end of the run.
     pub(crate) cause: Cause,
-    /// What makes the check hold, if something plain does. Verified.
+    /// A simple change with which the check holds, if there is one. It was verified.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) remedy: Option<Change>,
-    /// The function of the codel that the remedy is about.
+    /// The function of the codel that the remedy changes.
     #[serde(skip)]
     function: Option<String>,
 }
@@ -29,25 +30,25 @@ pub(crate) struct Why {
 /// See [`Why::cause`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct Cause {
-    /// The task that is late: `component.task`.
+    /// The late task: `component.task`.
     pub(crate) task: String,
-    /// What it waited for; nothing, if it only took its own time.
+    /// The awaited lock or core; none if the job was never blocked.
     #[serde(rename = "waits-for", skip_serializing_if = "Option::is_none")]
     pub(crate) awaited: Option<Awaited>,
-    /// For how long, in the unit of the report.
+    /// Duration of the wait, in the unit of the report.
     pub(crate) time: f64,
-    /// What is shared, in words.
+    /// The shared data, as text.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) through: Vec<String>,
-    /// Who had it: a codel, or a task.
+    /// The holder: a codel, or a task.
     #[serde(rename = "held-by", skip_serializing_if = "Option::is_none")]
     pub(crate) held_by: Option<String>,
-    /// Likewise, by the name that people gave it: the function of a codel.
+    /// The holder's name for users: the function of a codel.
     #[serde(skip)]
     holder: Option<String>,
 }
 
-/// The causes of all checks of a report that fail for a task, and with `remedies` what helps.
+/// The causes of all checks of a report that fail for a task; if `remedies` is set, also the remedies.
 pub(crate) fn of_report(
     problem: &Problem,
     options: &Options,
@@ -121,7 +122,7 @@ fn cause(check: &CheckReport, table: &[Row]) -> Cause {
     out
 }
 
-/// Of `component.task` the task.
+/// The task in `component.task`.
 fn own_name(path: &str) -> &str {
     path.rsplit('.').next().unwrap_or(path)
 }
@@ -153,7 +154,7 @@ impl Why {
         Some(changes::in_words(self.remedy.as_ref()?, scale, &name))
     }
 
-    /// Both.
+    /// The cause and the remedy.
     pub(crate) fn in_words(&self, scale: Scale) -> String {
         let cause = self.cause_in_words(scale);
         match self.remedy_in_words(scale) {

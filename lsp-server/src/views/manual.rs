@@ -1,4 +1,4 @@
-//! Where the pages of the manual are: beside the program, so that links work without a network.
+//! The pages of the manual. They are installed with the program, so that links work without a network.
 
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -7,8 +7,8 @@ use rustc_hash::FxHashMap;
 
 use crate::protocol::types::Uri;
 
-/// The pages by code, `async/shared-attribute` in a directory. In a package `docs` is beside the program or
-/// one above, in a build tree two above `target/debug`.
+/// The pages by code; `async/shared-attribute` is in a directory. In a package, `docs` is next to the program
+/// or one directory above; in a build tree, two above `target/debug`.
 static PAGES: LazyLock<FxHashMap<String, Uri>> = LazyLock::new(|| {
     let directory = || -> Option<PathBuf> {
         let program = std::env::current_exe().ok()?.canonicalize().ok()?;
@@ -24,7 +24,7 @@ static PAGES: LazyLock<FxHashMap<String, Uri>> = LazyLock::new(|| {
     let Some(directory) = directory() else {
         return FxHashMap::default();
     };
-    // Codes of rules are `group/name`, and so are the pages.
+    // Codes of rules are `group/name`, and their pages have the same path.
     let files = walkdir::WalkDir::new(&directory).max_depth(2);
     let page = |entry: walkdir::Result<walkdir::DirEntry>| {
         let path = entry.ok()?.into_path();

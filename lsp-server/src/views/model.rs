@@ -1,4 +1,4 @@
-//! The model of a unit as a document: what `dotgen model` prints and `dotgen/model` answers.
+//! The model of a unit as a document: the output of `dotgen model` and the answer of `dotgen/model`.
 
 use dotgen_analysis::host::UnitResult;
 use dotgen_analysis::model_json;

@@ -1,4 +1,4 @@
-//! From units to pictures: the one way that the editor and the command line share.
+//! Pictures of units, for the editor and the command line.
 
 use std::collections::BTreeMap;
 
@@ -47,13 +47,13 @@ pub enum Form {
     Mermaid,
 }
 
-/// What a picture is to show.
+/// The subject and contents of a picture.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
 pub struct Wish {
     /// Kind of picture.
     pub kind: Kind,
-    /// The component; the first one that fits if not given.
+    /// The component; by default the first one with such a picture.
     pub component: Option<String>,
     /// The task or activity.
     pub owner: Option<String>,
@@ -63,29 +63,30 @@ pub struct Wish {
     pub load: bool,
     /// State machines: sums of execution times up to the next pause.
     pub paths: bool,
-    /// State machines: how many codels each codel excludes. Systems: which codels take turns at a port.
+    /// State machines: the number of codels that each codel excludes. Systems: the codels that exclude each
+    /// other at a port.
     pub locks: bool,
-    /// State machines: states that the reader goes through; the longest way through them is marked and told.
+    /// State machines: states of a path. The longest path through them is marked and described.
     pub way: Vec<String>,
-    /// Systems: services listed in a component, at most.
+    /// Systems: maximum number of services listed in a component.
     pub services: usize,
-    /// Systems: which service interrupts which.
+    /// Systems: interruptions between services.
     pub interrupts: bool,
-    /// Systems: the chains of data that scenarios ask for.
+    /// Systems: the cause-effect chains in scenarios.
     pub chains: bool,
-    /// Systems: components that were opened or closed.
+    /// Systems: components that the user expanded or collapsed.
     pub opened: BTreeMap<String, bool>,
-    /// Systems: how far nodes were moved from where they are laid out, to the right and down, in pixels. A
-    /// port goes with its component.
+    /// Systems: offsets of moved nodes from their layout, to the right and down, in pixels. A port moves with
+    /// its component.
     pub moved: BTreeMap<String, (i32, i32)>,
 }
 
-/// What is known of a system beside its specifications.
+/// Facts about a system that are not in its specifications.
 #[derive(Debug, Clone, Default)]
 pub struct Around {
-    /// Which output port feeds which input port.
+    /// Connections from output ports to input ports.
     pub connections: Vec<Connection>,
-    /// Chains of data that are of interest.
+    /// Cause-effect chains to draw.
     pub chains: Vec<Chain>,
 }
 
@@ -109,11 +110,11 @@ impl Default for Wish {
     }
 }
 
-/// A picture with places.
+/// A picture with its layout.
 pub struct Picture {
-    /// What it shows.
+    /// Nodes and edges.
     pub graph: Graph,
-    /// Where.
+    /// Their places.
     pub layout: Layout,
     /// The component, for pictures of one.
     pub component: Option<String>,
@@ -122,7 +123,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// As text.
+    /// The picture as text.
     pub fn text(&self, form: Form, theme: Theme) -> String {
         match form {
             Form::Svg => svg(&self.graph, &self.layout, theme),
@@ -132,8 +133,8 @@ impl Picture {
     }
 }
 
-/// Draws every picture that fits a wish: all machines when no owner is named, one picture of all
-/// units for a system, one of each component for locks.
+/// Draws every picture that matches a wish: all machines if no owner is named, one picture of all units for a
+/// system, one of each component for locks.
 pub fn draw(units: &[UnitResult], around: &Around, wish: &Wish) -> Vec<Picture> {
     if wish.kind == Kind::System {
         return system_picture(units, around, wish).into_iter().collect();
@@ -243,7 +244,7 @@ fn find_owner(component: &Component, name: &str) -> Option<Owner> {
     }
 }
 
-/// Nodes and edges as plain data. `place` says where something is written.
+/// Nodes and edges as plain data. `place` returns the place of a declaration.
 pub fn data(
     units: &[UnitResult],
     picture: &Picture,
@@ -297,7 +298,7 @@ pub fn data(
     (nodes.into(), edges.into())
 }
 
-/// What is known of the codel written at a place.
+/// The facts about the codel at a place.
 fn codel_details(spec: &Spec, component: Option<&str>, src: Src) -> Option<Value> {
     let component = spec
         .components
@@ -338,7 +339,7 @@ fn codel_details(spec: &Spec, component: Option<&str>, src: Src) -> Option<Value
     }))
 }
 
-/// Names of what a codel excludes, with the reason.
+/// The names of the excluded codels and tasks, with the reason.
 fn excluded(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<String> {
     let exclusions = mutex::exclusions(spec, component, codel).into_iter();
     exclusions
@@ -359,8 +360,7 @@ fn excluded(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<String> 
         .collect()
 }
 
-/// The state machine of a task or activity as a template asks for it; see
-/// [`dotgen_codegen::command::Pictures`].
+/// The state machine of a task or activity, for a template; see [`dotgen_codegen::command::Pictures`].
 pub(crate) fn machine(
     spec: &Spec,
     component: &str,

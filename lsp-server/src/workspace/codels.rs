@@ -1,5 +1,5 @@
-//! What is known of the C and C++ sources of codels, from snapshot to snapshot, and which files are such
-//! sources by their name and place.
+//! Stored results about the C and C++ sources of codels, shared from snapshot to snapshot, and the rules that
+//! recognize such sources by name and place.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -11,17 +11,17 @@ use dotgen_codegen::codels::files::{FilesConfig, Indexes};
 use dotgen_codegen::codels::folder::Folder;
 use rustc_hash::FxHashMap;
 
-/// What is known of sources, shared by all snapshots.
+/// The results of comparisons, shared by all snapshots.
 #[derive(Default)]
 pub(crate) struct Cache {
     pub(crate) indexes: Mutex<Indexes>,
-    /// By root of the unit.
+    /// The comparisons, by root of the unit.
     pub(crate) compared: Mutex<FxHashMap<Utf8PathBuf, Arc<Compared>>>,
-    /// By root of the unit: what it was when it last had no syntax error. Serves while somebody types.
+    /// The last state of a unit without syntax errors, by root. Used while the user types.
     pub(crate) good: Mutex<FxHashMap<Utf8PathBuf, Good>>,
 }
 
-/// A unit without syntax errors, and the texts that it was read from.
+/// A unit without syntax errors, and its texts.
 #[derive(Clone)]
 pub(crate) struct Good {
     pub(crate) unit: UnitResult,
@@ -30,9 +30,9 @@ pub(crate) struct Good {
 
 /// The folders of a unit, compared.
 pub(crate) struct Compared {
-    /// Revision of the snapshot that looked last.
+    /// Revision of the last snapshot that compared.
     pub(crate) revision: u64,
-    /// Folders with what differs there, before configuration and comments are looked at.
+    /// Folders with their differences, before configuration and comments are applied.
     pub(crate) folders: Vec<(Folder, Vec<Drift>)>,
 }
 
@@ -40,8 +40,8 @@ pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Whether a document holds C or C++, by what its client calls it and by its name. A header belongs
-/// to a specification unless its client says otherwise.
+/// True if a document is C or C++, by the language id of its client and by its name. A header belongs to a
+/// specification unless the language id is C or C++.
 pub(crate) fn is_code(path: &Utf8Path, language: Option<&str>) -> bool {
     let languages = [
         "c",
@@ -55,18 +55,17 @@ pub(crate) fn is_code(path: &Utf8Path, language: Option<&str>) -> bool {
         || language.is_some_and(|it| languages.contains(&it))
 }
 
-/// Whether a file is a header by its name.
+/// True if a file is a header, by its name.
 pub(crate) fn is_header(path: &Utf8Path) -> bool {
     matches!(path.extension(), Some("h" | "hh" | "hpp" | "hxx"))
 }
 
-/// The folder whose specifications have the codels of a source, if the source is in a folder of
-/// codels.
+/// The folder of the specifications to which a source belongs, if the source is in a folder of codels.
 pub(crate) fn home(config: &FilesConfig, source: &Utf8Path) -> Option<Utf8PathBuf> {
     let mut folders = source.ancestors().skip(1);
     folders.find_map(|inner| {
         let mut outers = inner.ancestors();
-        // A specification is never below its codels, nor far above them.
+        // A specification is never in a folder below its codels, and at most a few folders above them.
         outers
             .by_ref()
             .take(config.folder.components().count() + 1)
@@ -81,7 +80,7 @@ impl Compared {
         self.folders.iter().map(|it| &it.0)
     }
 
-    /// Folders with their findings as configuration and comments want them.
+    /// Folders with their findings, after configuration and comments are applied.
     pub(crate) fn findings<'a>(
         &'a self,
         analysis: &'a Analysis,

@@ -1,4 +1,4 @@
-//! Open documents, kept in step with the client.
+//! Open documents, synchronized with the client.
 
 use std::sync::Arc;
 
@@ -19,29 +19,29 @@ pub(crate) struct Documents {
 /// The text of an open document.
 enum Text {
     Known(Arc<str>),
-    /// The client sent an edit that does not fit; nothing is known until it sends the whole text.
+    /// The client sent an edit that does not fit; the text is unknown until the client sends it whole.
     Lost,
 }
 
-/// What an edit did.
+/// The effect of an edit.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum Edited {
-    /// There is a new text.
+    /// The text has changed.
     Changed,
     /// An edit did not fit: the document is dropped.
     Lost,
-    /// Not open, or dropped before.
+    /// The document is not open, or was dropped before.
     Ignored,
 }
 
 impl Documents {
-    /// Takes over a document from the client.
+    /// Opens a document.
     pub(crate) fn open(&mut self, path: Utf8PathBuf, file: OpenFile, text: String) {
         self.texts.insert(path.clone(), Text::Known(text.into()));
         Arc::make_mut(&mut self.open).insert(path, file);
     }
 
-    /// Gives a document back; whether it was open.
+    /// Closes a document. Returns true if it was open.
     pub(crate) fn close(&mut self, path: &Utf8Path) -> bool {
         Arc::make_mut(&mut self.open).remove(path);
         self.texts.remove(path).is_some()
@@ -97,7 +97,7 @@ impl Documents {
         }
     }
 
-    /// Whether a document was dropped.
+    /// True if a document was dropped.
     pub(crate) fn is_lost(&self, path: &Utf8Path) -> bool {
         matches!(self.texts.get(path), Some(Text::Lost))
     }

@@ -18,11 +18,11 @@ use crate::protocol::types::{
 use crate::verification::problem::EXTENSION;
 use crate::workspace::templates::Templates;
 
-/// See the module.
+/// The folders of the workspace and their contents.
 #[derive(Default)]
 pub(crate) struct Workspace {
     folders: Vec<Folder>,
-    /// Other directories with a `dotgen.toml`, mostly below the folders.
+    /// Other directories with a `dotgen.toml`, most of them below the folders.
     projects: Vec<Folder>,
     /// `.gen` files below the folders.
     pub(crate) files: BTreeSet<Utf8PathBuf>,
@@ -30,13 +30,13 @@ pub(crate) struct Workspace {
     pub(crate) scenarios: Arc<BTreeSet<Utf8PathBuf>>,
     /// Templates below the folders.
     pub(crate) templates: Arc<Templates>,
-    /// Settings of the editor that hold for every folder.
+    /// Settings of the editor for every folder.
     editor: Settings,
     trusted: bool,
 }
 
 struct Folder {
-    /// As the client spells it; `None` for the directory of a file opened without a workspace.
+    /// The URI in the spelling of the client; `None` for the directory of a file opened without a workspace.
     uri: Option<Uri>,
     path: Utf8PathBuf,
     file: ConfigFile,
@@ -85,7 +85,7 @@ impl ConfigFile {
 }
 
 impl Workspace {
-    /// Folders, trust and settings of `initialize`.
+    /// Reads folders, trust and settings from `initialize`. Returns the errors in the settings.
     pub(crate) fn initialize(&mut self, params: &InitializeParams) -> BTreeSet<String> {
         let options = params.initialization_options.as_ref();
         let option = |name: &str| options.and_then(|it| it.get(name));
@@ -131,7 +131,7 @@ impl Workspace {
         }
     }
 
-    /// The files found below the folders. Whether the configuration may differ.
+    /// Sets the files found below the folders. Returns true if the configuration may have changed.
     pub(crate) fn set_files(&mut self, files: Vec<Utf8PathBuf>) -> bool {
         let (mut scripts, mut scenarios) = (Vec::new(), BTreeSet::new());
         let mut configured = false;
@@ -153,7 +153,7 @@ impl Workspace {
         configured
     }
 
-    /// Forgets what was listed at or below a path. Whether there was anything.
+    /// Removes the files at or below a path. Returns true if there were any.
     pub(crate) fn remove(&mut self, path: &Utf8Path) -> bool {
         let kept = |it: &Utf8Path| !it.starts_with(path);
         let before = self.files.len() + self.scenarios.len();
@@ -163,7 +163,7 @@ impl Workspace {
         before != self.files.len() + self.scenarios.len()
     }
 
-    /// A directory with a `dotgen.toml`. Whether it is a new one.
+    /// Adds a directory with a `dotgen.toml`. Returns true if it is new.
     fn add_project(&mut self, directory: Option<&Utf8Path>) -> bool {
         let known = |it: &Utf8Path| {
             let mut all = self.folders.iter().chain(&self.projects);
@@ -177,9 +177,9 @@ impl Workspace {
         true
     }
 
-    /// The nearest directory around an open file that has a `dotgen.toml` configures how it is read. Without
-    /// workspace folders, that of the first one is taken for all; its files are not listed. Whether the
-    /// configuration may differ.
+    /// Uses the configuration of the nearest directory around an open file that has a `dotgen.toml`. Without
+    /// workspace folders, the directory of the first such file becomes the only folder; its files are not
+    /// listed. Returns true if the configuration may have changed.
     pub(crate) fn adopt(&mut self, file: &Utf8Path) -> bool {
         if uri::is_virtual(file) {
             return false;
@@ -194,7 +194,7 @@ impl Workspace {
         }
     }
 
-    /// Settings for every folder, then those of each folder in turn. What is wrong with them.
+    /// Sets the settings for every folder, then those of each folder in turn. Returns the errors in them.
     pub(crate) fn set_editor_settings(&mut self, values: &[Value]) -> BTreeSet<String> {
         let mut problems = BTreeSet::new();
         let mut values = values.iter().map(|value| {
@@ -210,7 +210,7 @@ impl Workspace {
         problems
     }
 
-    /// Reads the configuration files again; `changed` is one of them, perhaps a new one.
+    /// Reads the configuration files again. `changed` is one of them, and may be new.
     pub(crate) fn reload_files(&mut self, changed: &Utf8Path) {
         if self.contains(changed) {
             self.add_project(changed.parent());
@@ -225,7 +225,7 @@ impl Workspace {
     /// The configuration in force.
     pub(crate) fn config(&self) -> Config {
         let of = |folder: &Folder| {
-            // A folder's own settings already contain those for all: that is how clients answer.
+            // A folder's own settings already contain the general settings: clients answer in this way.
             let editor = folder.editor.clone().unwrap_or_else(|| self.editor.clone());
             let settings = editor.over(folder.file.settings.clone());
             Config::new(&settings, &folder.path, self.trusted)
@@ -240,7 +240,7 @@ impl Workspace {
             let editor = around
                 .and_then(|it| it.editor.as_ref())
                 .unwrap_or(&self.editor);
-            // The editor's paths start at the workspace folder.
+            // Paths in the editor's settings are relative to the workspace folder.
             let base = around.map_or(&project.path, |it| &it.path);
             let own = project.file.settings.clone().anchored(&project.path);
             let settings = editor.clone().anchored(base).over(own);
@@ -249,7 +249,7 @@ impl Workspace {
         })
     }
 
-    /// What is wrong with the configuration files, by file; those in order are left out.
+    /// The errors in configuration files, by file. Files without errors are absent.
     pub(crate) fn problems(&self, encoding: Encoding) -> Vec<(Utf8PathBuf, Vec<Diagnostic>)> {
         let of = |folder: &Folder| {
             let lines = Lines::new(folder.file.text.as_str().into(), encoding);
@@ -285,7 +285,7 @@ impl Workspace {
         folders.map(|it| it.path.clone()).collect()
     }
 
-    /// Whether a path is below a folder of the client.
+    /// True if a path is below a folder of the client.
     pub(crate) fn contains(&self, path: &Utf8Path) -> bool {
         let mut folders = self.folders.iter().filter(|it| it.uri.is_some());
         folders.any(|it| path.starts_with(&it.path))

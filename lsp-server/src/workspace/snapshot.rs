@@ -1,8 +1,7 @@
-//! What a request handler sees: analysis, documents, configuration and client as they were when
-//! the request arrived.
+//! The data of a request handler: analysis, documents, configuration and client at the time of the request.
 //!
-//! A snapshot blocks the writer as long as it lives; handlers run on the blocking pool and drop it
-//! before their answer is sent.
+//! A snapshot blocks the writer until it is dropped. Handlers run on the blocking pool and drop it before
+//! their answer is sent.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -27,15 +26,15 @@ use crate::workspace::templates::Templates;
 /// A document the client has open.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct OpenFile {
-    /// As the client spells it.
+    /// The URI in the spelling of the client.
     pub uri: Uri,
     /// Last version seen.
     pub version: i32,
-    /// What it is.
+    /// Its kind.
     pub kind: DocumentKind,
 }
 
-/// What a document is to this server.
+/// The kind of a document, for this server.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DocumentKind {
     /// Part of a specification, or a scenario.
@@ -44,34 +43,34 @@ pub enum DocumentKind {
     Code,
     /// A file of a template.
     Template,
-    /// A source of a template, because its client says so.
+    /// A source of a template, by the language id of its client.
     Source,
 }
 
 impl DocumentKind {
-    /// Whether it is of a template.
+    /// True for documents of a template.
     pub fn is_template(self) -> bool {
         matches!(self, DocumentKind::Template | DocumentKind::Source)
     }
 }
 
-/// See the module.
+/// The state of the server at the time of a request.
 pub struct Snapshot {
-    /// Answers questions.
+    /// The queries of analysis.
     pub analysis: Analysis,
     /// Open documents by path.
     pub open: Arc<FxHashMap<Utf8PathBuf, OpenFile>>,
-    /// `.gen` files of the workspace and open documents: what analysis starts from.
+    /// `.gen` files of the workspace and open documents: the roots of units.
     pub roots: Arc<Vec<Utf8PathBuf>>,
     /// Workspace folders.
     pub folders: Arc<Vec<Utf8PathBuf>>,
-    /// Settings in force.
+    /// The configuration in force.
     pub config: Arc<Config>,
-    /// What the client can do.
+    /// The capabilities of the client.
     pub client: Arc<ClientCaps>,
-    /// Counts the changes applied.
+    /// Number of applied changes.
     pub revision: u64,
-    /// What was verified.
+    /// The results of verifications.
     pub(crate) verification: Arc<crate::verification::results::Results>,
     /// `.scn` files of the workspace.
     pub(crate) scenarios: Arc<BTreeSet<Utf8PathBuf>>,
@@ -79,28 +78,28 @@ pub struct Snapshot {
     pub(crate) templates: Arc<Templates>,
     /// The disk.
     pub(crate) vfs: Arc<Vfs>,
-    /// What is known of sources of codels.
+    /// Stored comparisons of sources of codels.
     pub(crate) codels: Arc<codels::Cache>,
-    /// How far the answer is, for whoever shows it.
+    /// The progress of the answer, for display.
     pub(crate) progress: Arc<Progress>,
-    /// Shared by all snapshots that live.
+    /// Shared by all live snapshots.
     readers: Arc<()>,
     lines: RefCell<FxHashMap<Utf8PathBuf, Option<Arc<Lines>>>>,
 }
 
-/// The document a request is about.
+/// The document of a request.
 #[derive(Debug, Clone)]
 pub struct Subject {
     /// Absolute path.
     pub path: Utf8PathBuf,
-    /// As the client spells it.
+    /// The URI in the spelling of the client.
     pub uri: Uri,
     /// Version, if it is open.
     pub version: Option<i32>,
 }
 
 impl Snapshot {
-    /// A snapshot without conversions done yet.
+    /// A snapshot without stored conversions.
     #[allow(clippy::too_many_arguments, reason = "one for each field")]
     pub(crate) fn new(
         analysis: Analysis,
@@ -133,7 +132,7 @@ impl Snapshot {
         }
     }
 
-    /// The same, for another thread.
+    /// A copy, for another thread.
     pub(crate) fn fork(&self) -> Snapshot {
         Snapshot {
             analysis: self.analysis.clone(),
@@ -174,7 +173,7 @@ impl Snapshot {
                 let lines = Lines::with_index(text, index, self.client.encoding);
                 Some(Arc::new(lines))
             }
-            // What is to be said about it stands at its beginning.
+            // Diagnostics of a file that is too large are at its beginning.
             None if self.analysis.is_too_large(path)? => {
                 Some(Arc::new(Lines::new("".into(), self.client.encoding)))
             }
@@ -186,7 +185,7 @@ impl Snapshot {
         Ok(lines)
     }
 
-    /// The URI of a file, spelled as the client does if it has it open.
+    /// The URI of a file; for an open file, in the spelling of the client.
     pub fn uri(&self, path: &Utf8Path) -> Option<Uri> {
         match self.open.get(path) {
             Some(open) => Some(open.uri.clone()),
@@ -218,7 +217,7 @@ impl Snapshot {
         }))
     }
 
-    /// What a document is.
+    /// The kind of a document.
     pub fn kind_of(&self, path: &Utf8Path) -> DocumentKind {
         let is_code = match self.open.get(path) {
             Some(open) => return open.kind,
@@ -234,13 +233,14 @@ impl Snapshot {
         }
     }
 
-    /// Whether a file is C or C++, not part of a specification.
+    /// True if a file is C or C++, and not part of a specification.
     pub fn is_code(&self, path: &Utf8Path) -> bool {
         self.kind_of(path) == DocumentKind::Code
     }
 
-    /// The units of the system that a file belongs to: what lies in the same workspace folder and, in there,
-    /// below the same `dotgen.toml`; and what is open below that, or likewise below none, in whatever folder.
+    /// The units of the system that a file belongs to: the files of the same workspace folder below the same
+    /// `dotgen.toml`, and the open files below that `dotgen.toml`. Without a `dotgen.toml`, open files
+    /// without one in any folder.
     pub fn system_units(&self, path: &Utf8Path) -> Cancellable<Vec<UnitResult>> {
         let folder = self.folders.iter().find(|it| path.starts_with(it));
         let project = self.config.project(path);
@@ -262,7 +262,7 @@ impl Snapshot {
         units.collect()
     }
 
-    /// Whether a file belongs to the workspace.
+    /// True if a file belongs to the workspace.
     pub fn in_workspace(&self, path: &Utf8Path) -> bool {
         self.folders.iter().any(|folder| path.starts_with(folder))
     }

@@ -1,4 +1,4 @@
-//! Where templates are, and which documents belong to one.
+//! The directories of templates, and the documents that belong to a template.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,7 +8,7 @@ use dotgen_codegen::template::files::{self, SCRIPT};
 
 use crate::files::vfs;
 
-/// What clients call a document that is a source of a template wherever it is.
+/// The language id with which clients mark a source of a template, wherever it is.
 pub(crate) const LANGUAGE: &str = "genom3-template";
 
 /// The templates of the workspace: the directory of each, with the files elsewhere that it names.
@@ -16,7 +16,7 @@ pub(crate) const LANGUAGE: &str = "genom3-template";
 pub(crate) struct Templates(BTreeMap<Utf8PathBuf, BTreeSet<Utf8PathBuf>>);
 
 impl Templates {
-    /// From the scripts of all templates.
+    /// The templates of some scripts.
     pub(crate) fn new(scripts: impl IntoIterator<Item = Utf8PathBuf>) -> Templates {
         let mut templates = Templates::default();
         for script in scripts {
@@ -25,7 +25,7 @@ impl Templates {
         templates
     }
 
-    /// Reads a script again; whether anything is different now.
+    /// Reads a script again. Returns true if the templates have changed.
     pub(crate) fn add(&mut self, script: &Utf8Path) -> bool {
         let (Some(directory), FileContent::Text(text)) = (script.parent(), vfs::read(script))
         else {
@@ -37,19 +37,20 @@ impl Templates {
         before != Some(outside)
     }
 
-    /// A script has gone; whether it was known.
+    /// Removes a script. Returns true if it was known.
     pub(crate) fn remove(&mut self, script: &Utf8Path) -> bool {
         script
             .parent()
             .is_some_and(|it| self.0.remove(it).is_some())
     }
 
-    /// Forgets what is below directories.
+    /// Keeps the templates in the directories for which `keep` is true.
     pub(crate) fn retain(&mut self, keep: impl Fn(&Utf8Path) -> bool) {
         self.0.retain(|it, _| keep(it));
     }
 
-    /// The template that a file belongs to by its place: around it, or naming it.
+    /// The template that a file belongs to: the template in a directory above it, or the one that names the
+    /// file.
     pub(crate) fn home(&self, file: &Utf8Path) -> Option<Utf8PathBuf> {
         let mut around = file.ancestors().skip(1);
         let around = around.find(|it| self.0.contains_key(*it) || it.join(SCRIPT).is_file());
@@ -63,7 +64,7 @@ impl Templates {
 
     /// Globs for all files of the templates.
     pub(crate) fn globs(&self) -> BTreeSet<String> {
-        // What has a meaning in a glob stands for any character.
+        // Characters with a meaning in globs are replaced by `?`, which matches any character.
         let plain = |it: &Utf8Path| it.as_str().replace(['*', '?', '{', '}', '[', ']'], "?");
         let below = self.0.keys().map(|it| format!("{}/**", plain(it)));
         let outside = self.0.values().flatten().map(|it| plain(it));
@@ -71,7 +72,7 @@ impl Templates {
     }
 }
 
-/// Whether a document belongs to a template by its place. Specifications and scenarios do not.
+/// True if a document belongs to a template by its place. False for specifications and scenarios.
 pub(crate) fn is_template(templates: &Templates, file: &Utf8Path) -> bool {
     !matches!(file.extension(), Some("gen" | "scn")) && templates.home(file).is_some()
 }

@@ -1,4 +1,4 @@
-//! The least of an editor: a server as a child, messages with the times of their arrival.
+//! A minimal editor: a server as a child process, and messages with the times of their arrival.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
@@ -9,12 +9,12 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail};
 use serde_json::{Value, json};
 
-/// Longer than anything measured here may take.
+/// Timeout, longer than any measured operation.
 const PATIENCE: Duration = Duration::from_secs(600);
 
 /// A message of the server.
 pub(crate) struct Message {
-    /// When all of it had arrived.
+    /// The time at which it had completely arrived.
     pub(crate) at: Instant,
     pub(crate) content: Value,
 }
@@ -25,7 +25,7 @@ pub(crate) struct Document {
     version: i32,
 }
 
-/// See the module.
+/// The connection to a server.
 pub(crate) struct Editor {
     server: Child,
     /// `None`: closed.
@@ -49,7 +49,7 @@ impl Editor {
         let input = server.stdin.take().context("the server has an input")?;
         let output = server.stdout.take().context("the server has an output")?;
         let (sender, messages) = channel();
-        // Ends with the output of the server.
+        // The thread ends with the output of the server.
         std::thread::spawn(move || receive(BufReader::new(output), &sender));
         let root = format!("file://{}", folder.display());
         let mut editor = Editor {
@@ -102,7 +102,7 @@ impl Editor {
         self.replace(document, columns.map(|it| (line, it)), text)
     }
 
-    /// Replaces what is between two places, each a line and a column.
+    /// Replaces the text between two places, each a line and a column.
     fn replace(
         &mut self,
         document: &mut Document,
@@ -130,7 +130,7 @@ impl Editor {
         Ok(input.flush()?)
     }
 
-    /// Sends a request: its number.
+    /// Sends a request and returns its number.
     pub(crate) fn ask(&mut self, method: &str, params: Value) -> Result<i64> {
         self.next_id += 1;
         let id = self.next_id;
@@ -155,13 +155,13 @@ impl Editor {
         Ok(self.answer(method, params)?.0)
     }
 
-    /// The next message that is no question of the server: those are answered with nothing.
+    /// The next message that is not a request of the server; those are answered with `null`.
     pub(crate) fn next(&mut self) -> Result<Message> {
         self.next_within(PATIENCE)?
             .context("the server says nothing any more")
     }
 
-    /// Like [`Editor::next`]; `None` when it is quiet for so long.
+    /// As [`Editor::next`]; `None` if no message arrives for the duration.
     pub(crate) fn next_within(&mut self, quiet: Duration) -> Result<Option<Message>> {
         loop {
             let message = match self.messages.recv_timeout(quiet) {
@@ -187,7 +187,7 @@ impl Editor {
     }
 }
 
-/// What a request gave.
+/// The result of a request.
 pub(crate) fn result(method: &str, mut answer: Value) -> Result<Value> {
     if !answer["error"].is_null() {
         bail!("{method}: {}", answer["error"]);

@@ -1,4 +1,4 @@
-//! Somebody edits for an hour: does memory stay flat?
+//! Memory of a server during an hour of edits.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -15,7 +15,7 @@ const COMPONENTS: usize = 100;
 /// Edits of one round: typing in a component, in the shared file, a document opened and closed.
 const TYPED: usize = 40;
 
-/// Edits for so many minutes and prints memory as it goes, then its slope over the second half.
+/// Edits for a number of minutes and prints memory at intervals, then its slope over the second half.
 pub(super) fn endurance(dotgen: &Path, minutes: f64) -> Result<()> {
     step(&format!(
         "Editing {COMPONENTS} components for {minutes} minutes"
@@ -69,7 +69,7 @@ pub(super) fn endurance(dotgen: &Path, minutes: f64) -> Result<()> {
     Ok(std::fs::remove_dir_all(&folder)?)
 }
 
-/// Of the line that fits best, by the least squares.
+/// The slope of the line that fits best, by least squares.
 fn slope(samples: &[(f64, f64)]) -> f64 {
     let count = samples.len().max(1) as f64;
     let mean = |f: fn(&(f64, f64)) -> f64| samples.iter().map(f).sum::<f64>() / count;

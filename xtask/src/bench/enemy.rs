@@ -1,7 +1,7 @@
-//! Texts that somebody would write to make dotgen slow: instructions of `dotgen check` as they grow.
+//! Worst-case texts: instructions of `dotgen check` for growing sizes.
 //!
-//! Twice the text may take twice the instructions, with a little more for tables that grow. What is beyond is
-//! told, and the command fails.
+//! Twice the text may take twice the instructions, and slightly more for growing tables. A text that exceeds
+//! this is reported, and the command fails.
 
 use std::path::Path;
 
@@ -10,13 +10,14 @@ use anyhow::{Context, Result};
 use crate::run::{self, step};
 use crate::{target, tools};
 
-/// Twice the text, so many times the instructions at most.
+/// Maximum factor of instructions for twice the text.
 const LINEAR: f64 = 2.5;
 
-/// A text of a size.
+/// A text of a given size.
 type Text = fn(usize) -> String;
 
-/// Measures every kind of text at `size`, twice and four times that. Returns whether all grow as they should.
+/// Measures every kind of text at `size`, at twice and at four times that. Returns true if all grow as
+/// required.
 pub(super) fn enemy(dotgen: &Path, size: usize) -> Result<bool> {
     tools::ensure(tools::VALGRIND)?;
     let folder = target().join("enemy");
@@ -66,7 +67,7 @@ fn count(dotgen: &Path, folder: &Path, text: &str) -> Result<u64> {
         "json",
         &file,
     ];
-    // Its status says whether the text has errors, which does not matter here.
+    // The exit status reports errors in the text, which do not matter here.
     run::command(folder, "valgrind", &arguments).output()?;
     let text = std::fs::read_to_string(&out).context("valgrind wrote no counts")?;
     let mut lines = text.lines();

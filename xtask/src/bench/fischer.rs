@@ -18,14 +18,14 @@
 
 use std::fmt::Write;
 
-/// Lengths of its steps, in ms.
+/// Durations of its steps, in ms.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Times {
-    /// From test to write, at most.
+    /// From test to write, maximum.
     pub(crate) within: u32,
-    /// From write to critical section, exactly.
+    /// From write to critical section, exact.
     pub(crate) wait: u32,
-    /// In the critical section, at most.
+    /// In the critical section, maximum.
     pub(crate) section: u32,
 }
 
@@ -93,7 +93,7 @@ pub(crate) fn dotgen(n: usize, times: Times) -> (String, String) {
 }
 
 /// The same behaviour as a network of one automaton per process, with one clock each. The label `both` is
-/// reached when two are in their critical sections.
+/// reached if two processes are in their critical sections.
 pub(crate) fn tchecker(n: usize, times: Times) -> String {
     let Times {
         within,
@@ -103,7 +103,7 @@ pub(crate) fn tchecker(n: usize, times: Times) -> String {
     let mut out =
         format!("system:fischer\nevent:tau\nint:1:0:{n}:0:holders\nint:1:0:{n}:0:inside\n");
     for i in 1..=n {
-        // 1: has claimed; 2: and was interrupted.
+        // 1: has claimed; 2: was interrupted after that.
         let _ = writeln!(out, "int:1:0:2:0:claim{i}\nclock:1:x{i}");
     }
     let hold = wait + section;

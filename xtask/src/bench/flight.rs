@@ -11,7 +11,7 @@ use super::show;
 use crate::run::step;
 use crate::target;
 
-/// Platforms it is verified on.
+/// The platforms.
 const PLATFORMS: [&str; 3] = [
     "cores 4; policy edf;",
     "cores 3; policy edf;",

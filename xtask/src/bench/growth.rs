@@ -1,4 +1,4 @@
-//! What verification takes: on the published systems, and as a system grows.
+//! The cost of verification: for the published systems, and for growing systems.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -13,10 +13,10 @@ use crate::run::step;
 use crate::shared::shared;
 use crate::{root, target};
 
-/// The published systems on 1 to 5 cores; skipped when they are not there.
+/// The published systems on 1 to 5 cores; skipped if they are not available.
 pub(crate) fn corpus(dotgen: &Path, runs: usize) -> Result<()> {
     announce()?;
-    // Together, and one by one where there are several.
+    // All checks together, and one by one if there are several.
     let robnav: &[&str] = &["schedulable *", "no-overdue *", "response *"];
     for (name, scenario, checks) in [
         ("RobNav", "robnav/robnav.scn", robnav),
@@ -67,7 +67,7 @@ fn command<'a>(dotgen: &'a Path, arguments: &[&str]) -> Job<'a> {
     }
 }
 
-/// Time, memory, states, and how many checks hold.
+/// Time, memory, states, and the number of checks that hold.
 fn cell(taken: &Taken) -> Result<String> {
     let report: Value = serde_json::from_str(&taken.output).context("dotgen wrote no JSON")?;
     let checks = report["checks"].as_array().context("no checks")?;
@@ -86,10 +86,10 @@ fn cell(taken: &Taken) -> Result<String> {
     Ok(out)
 }
 
-/// How components of a growing system are connected.
+/// The connections between the components of a growing system.
 struct Kind {
     name: &'static str,
-    /// Each reads the port of the one before it.
+    /// True if each component reads the port of the previous one.
     chain: bool,
     platform: &'static str,
 }

@@ -1,4 +1,4 @@
-//! What a whole process takes: processor time, which others on the machine disturb least, and peak memory.
+//! The cost of a whole process: processor time, which other processes disturb least, and peak memory.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -8,10 +8,10 @@ use anyhow::{Context, Result};
 
 use crate::{run, target, tools};
 
-/// Runs of one command are ended after this many seconds of processor time.
+/// Limit on the processor time of a run, in seconds.
 pub(crate) const LIMIT: u32 = 60;
 
-/// Makes sure that measuring is possible, and says what is measured.
+/// Checks that measuring is possible, and prints the method.
 pub(crate) fn announce() -> Result<()> {
     tools::ensure(tools::TIME)?;
     run::step(&format!(
@@ -28,10 +28,10 @@ pub(crate) struct Job<'a> {
     pub(crate) directory: &'a Path,
 }
 
-/// What its runs took: medians.
+/// The medians of the runs.
 pub(crate) struct Taken {
     pub(crate) seconds: f64,
-    /// From start to end, by the clock on the wall.
+    /// Wall-clock time from start to end.
     pub(crate) elapsed: f64,
     /// Peak resident memory.
     pub(crate) megabytes: f64,
@@ -39,8 +39,9 @@ pub(crate) struct Taken {
     pub(crate) output: String,
 }
 
-/// Measures some jobs in alternation, so that what disturbs the machine disturbs all alike. `None`: ended by
-/// [`LIMIT`]. Jobs of more than two seconds run three times at most, those of more than twenty once.
+/// Measures some jobs in alternation, so that disturbances affect all of them equally. `None`: the job
+/// exceeded [`LIMIT`]. Jobs of more than two seconds run at most three times, those of more than twenty
+/// seconds once.
 pub(crate) fn alternate(jobs: &[Job], runs: usize) -> Result<Vec<Option<Taken>>> {
     let mut all: Vec<Option<Vec<Taken>>> = jobs.iter().map(|_| Some(Vec::new())).collect();
     for run in 0..runs {
@@ -71,12 +72,12 @@ fn medians(mut runs: Vec<Taken>) -> Taken {
     }
 }
 
-/// Keeps what the shell says about time apart from what the program says, and is the last to be ended.
+/// Separates the shell's report of times from the program's error output. The shell is killed last.
 const SCRIPT: &str = "ulimit -S -t $0; TIMEFORMAT='%3U %3S'; time \"$@\" 2>/dev/null";
 /// Status of a process that has used up its time: 128, and the number of SIGXCPU.
 const USED_UP: i32 = 128 + 24;
 
-/// One run. `None`: it took more than [`LIMIT`].
+/// One run. `None`: it exceeded [`LIMIT`].
 fn once(job: &Job) -> Result<Option<Taken>> {
     static NEXT: AtomicUsize = AtomicUsize::new(0);
     let number = NEXT.fetch_add(1, Ordering::Relaxed);

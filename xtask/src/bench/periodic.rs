@@ -19,7 +19,7 @@
 
 use std::fmt::Write;
 
-/// Units of the schedule-abstraction tool in one of ours.
+/// Units of the schedule-abstraction tool per unit here.
 pub(crate) const SCALE: u64 = 1000;
 
 /// Times in ms.
@@ -34,7 +34,7 @@ pub(crate) struct Task {
 pub(crate) const PERIODS: [u64; 12] = [20, 24, 30, 40, 48, 60, 80, 120, 240, 16, 15, 12];
 const HYPERPERIOD: u64 = 240;
 
-/// Specification and scenario; with the longest responses, or whether deadlines are kept alone.
+/// Specification and scenario, with checks of the longest responses or only of the deadlines.
 pub(crate) fn dotgen(tasks: &[Task], responses: bool) -> (String, String) {
     let mut genom = String::new();
     let mut scenario = String::from(
@@ -65,7 +65,7 @@ pub(crate) fn dotgen(tasks: &[Task], responses: bool) -> (String, String) {
 }
 
 /// A network of two timed automata, the timers and the core, with a clock each. The label `miss` is reached
-/// when a job is late.
+/// if a job is late.
 pub(crate) fn tchecker(tasks: &[Task]) -> String {
     let mut out = format!(
         "system:periodic\nevent:tau\nclock:1:t\nclock:1:e\nint:1:0:{n}:0:due\nint:1:0:{n}:0:waiting\n",
@@ -87,7 +87,7 @@ pub(crate) fn tchecker(tasks: &[Task]) -> String {
 /// Greater than the key of any job: the task does not wait.
 const NEVER: u64 = (2 * HYPERPERIOD + 1) * 1000;
 
-/// Goes from one moment with ticks to the next, through one hyperperiod and again.
+/// Advances from one moment with ticks to the next, through one hyperperiod and again.
 fn timers(out: &mut String, tasks: &[Task]) {
     let ticks = |at: &u64| tasks.iter().any(|it| at.is_multiple_of(it.period));
     let moments: Vec<u64> = (1..=HYPERPERIOD).filter(ticks).collect();

@@ -1,4 +1,5 @@
-//! What each reduction of the exploration brings: every system as it is, and without each of those it uses.
+//! The effect of each reduction of the exploration: every system with all reductions, and without each of
+//! those it uses.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -13,10 +14,10 @@ use crate::run::step;
 use crate::shared::shared;
 use crate::{root, target};
 
-/// States after which a system is given up.
+/// Maximum number of states.
 const MOST: &str = "3000000";
 
-/// A system, and the options it is verified with.
+/// A system and its options.
 struct Subject {
     name: &'static str,
     scenario: PathBuf,
@@ -145,7 +146,7 @@ fn measure(dotgen: &Path, subject: &Subject, without: Option<&str>, runs: usize)
     }
 }
 
-/// Time, memory, states, and how many checks were given up.
+/// Time, memory, states, and the number of checks that gave up.
 fn cell(taken: &Taken) -> Result<String> {
     let report: Value = serde_json::from_str(&taken.output).context("dotgen wrote no JSON")?;
     let checks = report["checks"].as_array().context("no checks")?;

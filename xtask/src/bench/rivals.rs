@@ -1,4 +1,4 @@
-//! Side by side with TChecker and the schedule-abstraction tool, on systems that they can express.
+//! Comparison with TChecker and the schedule-abstraction tool, on systems that they can express.
 
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ use crate::chart::{Chart, Line};
 use crate::run::step;
 use crate::{root, target, tools};
 
-/// The programs; `None`: not there.
+/// The programs; `None`: not available.
 pub(crate) struct Rivals {
     dotgen: String,
     tchecker: Option<String>,
@@ -46,10 +46,11 @@ fn program(variable: &str, name: &str, repository: &str) -> Option<String> {
 
 const NAMES: [&str; 3] = ["dotgen", "TChecker", "schedule abstraction"];
 const DOTGEN: [&str; 4] = ["verify", "--format", "json", "scenario.scn"];
-/// For sets of tasks: with late jobs there can be very many states, and the first failure is enough.
+/// Options for sets of tasks: with late jobs there can be very many states, and the first failure is
+/// sufficient.
 const LIMITED: [&str; 2] = ["--max-states", "1000000"];
 
-/// One question for all of them, as files in a folder.
+/// One question for all programs, as files in a folder.
 struct Question {
     directory: PathBuf,
     label: &'static str,
@@ -142,22 +143,22 @@ impl Question {
     }
 }
 
-/// What a program found, and what it took.
+/// The answer of a program, and its cost.
 struct Answer {
     holds: bool,
     states: u64,
-    /// Longest response of every task, from programs that give it.
+    /// Longest response of every task, if the program returns it.
     responses: Vec<u64>,
     taken: Taken,
 }
 
-/// `None`: it gave up.
+/// The answer of dotgen; `None` if it gave up.
 fn of_dotgen(taken: Taken) -> Result<Option<Answer>> {
     let report: Value = serde_json::from_str(&taken.output).context("dotgen wrote no JSON")?;
     let checks = report["checks"].as_array().context("no checks")?;
     let some = |verdict| checks.iter().any(|it| it["verdict"] == verdict);
     let holds = !some("refuted");
-    // The others stop at the first failure, so what dotgen says about the rest does not matter.
+    // The others stop at the first failure, so dotgen's other answers do not matter.
     if holds && some("unknown") {
         return Ok(None);
     }
@@ -190,7 +191,7 @@ fn of_tchecker(taken: Taken) -> Result<Answer> {
     })
 }
 
-/// Everything. Returns whether all programs agreed.
+/// Runs all comparisons. Returns true if all programs agreed.
 pub(crate) fn rivals(dotgen: &Path, runs: usize, sets: u64) -> Result<bool> {
     announce()?;
     let rivals = Rivals::find(dotgen);
@@ -250,7 +251,7 @@ fn periodic_question(name: &str, tasks: &[Task], responses: bool) -> Result<Ques
     Question::write(name, &files, "miss")
 }
 
-/// Tasks of growing number, with about three quarters of the core used, that keep their deadlines.
+/// Growing numbers of tasks that meet their deadlines, with about three quarters of the core used.
 pub(super) fn spread(n: usize) -> Vec<Task> {
     let tasks = PERIODS[..n].iter().map(|&period| Task {
         period,
@@ -271,7 +272,8 @@ fn fischer_question(n: usize, times: Times) -> Result<Question> {
     Question::write(&format!("fischer{n}-{within}-{wait}"), &files, "both")
 }
 
-/// Two and three processes with small times, and with long ones of about the same proportions: same verdicts.
+/// Two and three processes with short times, and with long ones in about the same proportions: the verdicts
+/// must be equal.
 fn fischer_agreement(rivals: &Rivals) -> Result<bool> {
     step("Mutual exclusion by time alone, all times from 1 to 3 ms, and ten times as long");
     let mut agreed = true;
@@ -282,7 +284,7 @@ fn fischer_agreement(rivals: &Rivals) -> Result<bool> {
         for (wait, section) in few().flat_map(|wait| few().map(move |it| (wait, it))) {
             let times = Times {
                 within: scale * within,
-                // Not all multiples of the scale, which would be the unit otherwise.
+                // Not every time is a multiple of the scale; otherwise the scale would be the unit.
                 wait: scale * wait + u32::from(scale > 1 && wait >= within),
                 section: scale * section,
             };
@@ -302,7 +304,7 @@ fn fischer_agreement(rivals: &Rivals) -> Result<bool> {
     Ok(agreed)
 }
 
-/// Random sets: same verdicts, and same responses where all deadlines are kept.
+/// Random sets: equal verdicts, and equal responses if all deadlines are met.
 fn agreement(rivals: &Rivals, sets: u64) -> Result<bool> {
     let mut agreed = true;
     let mut kept = 0;
@@ -313,7 +315,7 @@ fn agreement(rivals: &Rivals, sets: u64) -> Result<bool> {
         let Some(mut dotgen) = dotgen else {
             bail!("set {seed}: dotgen gave up")
         };
-        // Only then: with late jobs there need not be a bound.
+        // With late jobs there may be no bound.
         if dotgen.holds {
             kept += 1;
             let question = periodic_question("random", &tasks, true)?;
@@ -335,7 +337,7 @@ fn agreement(rivals: &Rivals, sets: u64) -> Result<bool> {
     Ok(agreed)
 }
 
-/// Two to five tasks; the same for the same seed.
+/// Two to five tasks, determined by the seed.
 fn random(seed: u64) -> Vec<Task> {
     let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
     let mut below = move |n: u64| {
@@ -348,7 +350,7 @@ fn random(seed: u64) -> Vec<Task> {
     let tasks = (0..2 + below(4)).map(|_| {
         let period = periods.swap_remove(below(periods.len() as u64) as usize);
         let wcet = 1 + below(period / 3);
-        // No lower bound, or any.
+        // No lower bound, or a random one.
         let bcet = below(2) * below(wcet + 1);
         Task { period, bcet, wcet }
     });

@@ -1,5 +1,5 @@
-//! What differs between the servers and the published models: every answer on 1 to 8 cores under both, and
-//! the point of the semantics that makes the difference.
+//! Differences between the servers and the published models: every answer on 1 to 8 cores under both
+//! semantics, and the point that causes each difference.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -12,10 +12,11 @@ use crate::run::step;
 use crate::shared::shared;
 use crate::{root, target};
 
-/// States after which an answer is given up: what is shown depends on no clock.
+/// Maximum number of states. Results do not depend on a clock.
 const MOST: &str = "400000";
 
-/// Single points of the semantics: a word, what the servers do, what the published models do.
+/// Single points of the semantics: the keyword, the behaviour of the servers, the behaviour of the published
+/// models.
 const POINTS: &[(&str, &str, &str)] = &[
     ("ticks", "component", "task"),
     ("turns", "codel", "pause"),
@@ -26,7 +27,7 @@ const POINTS: &[(&str, &str, &str)] = &[
     ("order", "on", "off"),
 ];
 
-/// Answers by check and what it is about.
+/// Answers by check and its subject.
 type Answers = BTreeMap<String, String>;
 
 /// Prints a table for each system.
@@ -62,7 +63,7 @@ pub(crate) fn semantics(dotgen: &Path) -> Result<()> {
         let system = System::read(dotgen, &scenario, policy)?;
         println!("\n#### {name}\n\n| cores | answer | published | servers | point |");
         println!("| --- | --- | --- | --- | --- |");
-        // What is the same for several numbers of cores stands in one row.
+        // Equal results for several numbers of cores share a row.
         let mut rows: Vec<(String, Vec<u32>)> = Vec::new();
         let mut same = 0;
         for cores in 1..=8 {
@@ -77,7 +78,7 @@ pub(crate) fn semantics(dotgen: &Path) -> Result<()> {
                     same += 1;
                     continue;
                 }
-                // One point, or else as few together as make the difference.
+                // One point, or else as few together as cause the difference.
                 let mut cause = None;
                 let known = ![one, other].contains(&&"given up".to_owned());
                 for (size, variants) in variants.iter_mut().enumerate().filter(|_| known) {
@@ -130,7 +131,7 @@ struct System<'a> {
     policy: &'a str,
     /// Text of the scenario without checks and semantics, up to its last brace.
     text: String,
-    /// Where the specifications are.
+    /// The folder of the specifications.
     folder: PathBuf,
     file: PathBuf,
 }
@@ -157,7 +158,7 @@ impl<'a> System<'a> {
         })
     }
 
-    /// What is answered for each task, with one point chosen apart.
+    /// The answers for each task, with some points set separately.
     fn answers(&self, preset: &str, cores: u32, points: &[(&str, &str)]) -> Result<Answers> {
         let chosen = points
             .iter()
@@ -176,7 +177,7 @@ impl<'a> System<'a> {
             .arg(self.folder.join("idl"))
             .arg(&self.file)
             .output()?;
-        // Some points cannot be had with the others: the published models know no order of services.
+        // Some points cannot be combined with the others: the published models have no order of services.
         if !points.is_empty() && output.status.code() == Some(2) {
             return Ok(Answers::new());
         }
@@ -202,7 +203,7 @@ impl<'a> System<'a> {
         Ok(checks.iter().map(|it| (key(it), answer(it))).collect())
     }
 
-    /// What is answered with so many points as the other semantics has them, for each choice of points.
+    /// The answers with `size` points from the other semantics, for each choice of points.
     fn variants(&self, cores: u32, size: usize) -> Result<Vec<Variant>> {
         let choices = 0u32..1 << POINTS.len();
         let choices = choices.filter(|it| it.count_ones() as usize == size);
@@ -221,15 +222,15 @@ impl<'a> System<'a> {
     }
 }
 
-/// Answers with some points as the other semantics has them.
+/// Answers with some points from the other semantics.
 struct Variant {
     words: String,
     servers: Answers,
     published: Answers,
 }
 
-/// The points by which the servers have another answer than the published models, if some of these variants
-/// show it.
+/// The points that cause the difference between the servers and the published models, if some of these
+/// variants show it.
 fn point(variants: &[Variant], check: &str, (one, other): (&str, &str)) -> Option<String> {
     let is = |answers: &Answers, wanted: &str| answers.get(check).is_some_and(|it| it == wanted);
     let makes = |it: &&Variant| is(&it.servers, one) || is(&it.published, other);

@@ -1,5 +1,5 @@
-//! A recorded editing session, driven over the protocol as an editor does it: open, type 500 characters, and
-//! ask after each what an editor asks.
+//! A recorded editing session over the protocol, in the form of an editor: open, type 500 characters, and
+//! send an editor's requests after each.
 
 #[path = "../../../analysis/benches/components.rs"]
 mod components;
@@ -13,8 +13,8 @@ use serde_json::json;
 use super::client::Editor;
 
 const COMPONENTS: usize = 100;
-/// What is typed, a character at a time, in the middle of a component; half-typed most of the time, and read
-/// without error in the end.
+/// The typed text, a character at a time, in the middle of a component. It is incomplete most of the time,
+/// and valid in the end.
 const TYPED: &str = "
   /** Typed while the clock runs. */
   activity typed(
@@ -36,7 +36,7 @@ const TYPED: &str = "
   };
 ";
 
-/// Plays the session against a server and prints what each request took.
+/// Runs the session against a server and prints the duration of each request.
 pub(super) fn session(dotgen: &Path) -> Result<()> {
     let folder = std::env::temp_dir().join(format!("dotgen-session-{}", std::process::id()));
     std::fs::create_dir_all(&folder)?;
@@ -69,7 +69,7 @@ fn play(mut editor: Editor) -> Result<()> {
         .context("the component has an attribute")?;
     let mut opened = editor.open("c50.gen", &text)?;
     let document = json!({ "uri": opened.uri });
-    // The first answers wait for the workspace to be read.
+    // The first answers wait until the workspace is read.
     editor.request(
         "textDocument/diagnostic",
         json!({ "textDocument": document }),
@@ -105,7 +105,7 @@ fn play(mut editor: Editor) -> Result<()> {
             times.push(editor.request(method, params)?);
         }
     }
-    // Not after each character: a half-typed text refuses it.
+    // Not after each character: the server refuses it for incomplete text.
     for round in 0..50 {
         let position = json!({ "line": line, "character": 25 });
         let params = json!({ "textDocument": document, "position": position, "newName": format!("goal{round}") });

@@ -1,4 +1,4 @@
-//! How large a workspace may be: whole commands, and a server driven as an editor drives it.
+//! Costs for large workspaces: whole commands, and a server driven in the form of an editor.
 
 pub(super) mod workspace;
 
@@ -18,10 +18,10 @@ use crate::{root, target};
 
 /// Characters typed in a component and in the shared file.
 const TYPED: usize = 60;
-/// When the server has said nothing for so long, it has nothing to say.
+/// Time without messages after which the server is taken to be idle.
 const QUIET: Duration = Duration::from_millis(1500);
 
-/// What was measured of a workspace: by name, in the order of the table. Seconds, or megabytes.
+/// Measured values of a workspace by name, in the order of the table, in seconds or megabytes.
 type Figures = Vec<(&'static str, f64)>;
 
 const MEGABYTES: &[(f64, &str)] = &[(10.0, "10 MB"), (100.0, "100 MB"), (1000.0, "1 GB")];
@@ -88,8 +88,8 @@ fn check(dotgen: &Path, folder: &Path, runs: usize) -> Result<Figures> {
     ])
 }
 
-/// An editor in the workspace: the first file, typing, changes that concern all, a rename, and what memory
-/// that takes.
+/// An editor in the workspace: the first file, typing, changes that affect all files, a rename, and the
+/// memory for each.
 fn serve(dotgen: &Path, folder: &Path, count: usize) -> Result<Figures> {
     let mut figures = Figures::new();
     let started = Instant::now();
@@ -120,7 +120,7 @@ fn serve(dotgen: &Path, folder: &Path, count: usize) -> Result<Figures> {
     ));
     session.settle()?;
 
-    // A member more: every component has to be looked at, and none says anything new.
+    // One more member: every component is checked again, and no finding changes.
     let line = line_of(&text, "  struct pose")?;
     let started = Instant::now();
     session
@@ -133,7 +133,7 @@ fn serve(dotgen: &Path, folder: &Path, count: usize) -> Result<Figures> {
     session.editor.edit(&mut shared, line, [16, 33], "")?;
     session.everything()?;
 
-    // Every use is an error, everywhere.
+    // Every use in every file becomes an error.
     let line = line_of(&text, workspace::USED_BY_ALL)?;
     let started = Instant::now();
     session.editor.edit(&mut shared, line, [9, 12], "vek")?;
@@ -177,7 +177,7 @@ fn seconds(time: Duration) -> f64 {
     milliseconds(time) / 1e3
 }
 
-/// An editor that asks for diagnostics as VS Code does: of the document it shows, and of the workspace.
+/// An editor that requests diagnostics as VS Code does: for the open document, and for the workspace.
 pub(super) struct Session {
     pub(super) editor: Editor,
     /// The last result of each file.
@@ -198,21 +198,20 @@ impl Session {
         })
     }
 
-    /// Asks for the diagnostics of a document.
+    /// Requests the diagnostics of a document.
     pub(super) fn pull(&mut self, document: &Document) -> Result<Duration> {
         let params = json!({ "textDocument": { "uri": document.uri } });
         self.editor.request("textDocument/diagnostic", params)
     }
 
-    /// Like [`Session::everything`], of a client that has no results yet: it is answered also when nothing is
-    /// new.
+    /// As [`Session::everything`], for a client without results: it is answered even if nothing has changed.
     pub(super) fn everything_anew(&mut self) -> Result<Duration> {
         self.known.clear();
         self.everything()
     }
 
-    /// Asks for the diagnostics of the workspace until all files have answered: there must be news, for which
-    /// the server waits. Returns how long it took.
+    /// Requests the diagnostics of the workspace until all files are reported. There must be changes, because
+    /// the server waits for them. Returns the duration.
     pub(super) fn everything(&mut self) -> Result<Duration> {
         let method = "workspace/diagnostic";
         self.token += 1;
@@ -247,8 +246,8 @@ impl Session {
         }
     }
 
-    /// Types a comment, a character at a time, and asks for diagnostics after each. The 95th percentile, in
-    /// seconds.
+    /// Types a comment, a character at a time, and requests diagnostics after each. Returns the 95th
+    /// percentile in seconds.
     fn type_in(&mut self, document: &mut Document, line: usize) -> Result<f64> {
         self.editor.edit(document, line, [0, 0], "// \n")?;
         self.pull(document)?;
@@ -265,7 +264,7 @@ impl Session {
         Ok(seconds(times[(times.len() - 1) * 95 / 100]))
     }
 
-    /// Waits until the server has nothing to say.
+    /// Waits until the server is idle.
     fn settle(&mut self) -> Result<()> {
         while self.editor.next_within(QUIET)?.is_some() {}
         Ok(())
@@ -280,13 +279,13 @@ impl Session {
         Ok(kilobytes / 1024.0)
     }
 
-    /// Resident memory, in MB, when nothing is being done.
+    /// Resident memory of the idle server, in MB.
     fn memory(&mut self) -> Result<f64> {
         self.settle()?;
         self.resident()
     }
 
-    /// Resident memory now, in MB.
+    /// Present resident memory, in MB.
     pub(super) fn resident(&self) -> Result<f64> {
         self.status("VmRSS")
     }
@@ -316,7 +315,7 @@ fn table(all: &BTreeMap<usize, Figures>) {
     }
 }
 
-/// Draws what took how long, and memory, against the number of components.
+/// Draws durations and memory over the number of components.
 fn draw(all: &BTreeMap<usize, Figures>) -> Result<()> {
     let line = |name: &'static str, label: &'static str| Line {
         name: label,

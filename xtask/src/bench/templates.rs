@@ -1,7 +1,7 @@
-//! The templates of GenoM3 itself: the run that dotgen puts in place of a known one, next to that of Tcl.
+//! The templates of GenoM3 itself: dotgen's own run of a known template, compared with the run by Tcl.
 //!
-//! A template is known by the contents of its folder. A copy with one more file is not, so that Tcl runs it;
-//! what both print has to be the same.
+//! A template is recognized by the contents of its folder. A copy with one more file is not recognized, so
+//! Tcl runs it. Both outputs must be equal.
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -13,13 +13,13 @@ use super::{median, milliseconds};
 use crate::run::{self, step};
 use crate::{example, root, target};
 
-/// Releases, and what names the templates of each.
+/// Releases, and the environment variable with the templates of each.
 const RELEASES: [(&str, &str); 2] = [
     ("2.99.39", "DOTGEN_TEST_TEMPLATES"),
     ("2.99.41", "DOTGEN_TEST_TEMPLATES_2_99_41"),
 ];
 
-/// Templates that have a run without Tcl, with arguments that it takes.
+/// Templates that run without Tcl, with arguments that are supported.
 const CALLS: [(&str, &[&str]); 4] = [
     ("mappings", &["-l", "c"]),
     ("mappings", &["-l", "c++", "--signature"]),
@@ -27,14 +27,14 @@ const CALLS: [(&str, &[&str]); 4] = [
     ("skeleton", &["-f", "-l", "c++", "-C", OUTPUT]),
 ];
 
-/// Where files go. They are there from the first call on, so that the others write nothing: what is compared
-/// is how they are made.
+/// The output folder. After the first call the files exist and later calls write nothing: only the generation
+/// is compared.
 const OUTPUT: &str = "target/bench-templates/output";
 
-/// How much faster a run without Tcl has to be.
+/// Minimum factor by which a run without Tcl must be faster.
 const FASTER: f64 = 5.0;
 
-/// Measures and prints. Returns whether every run is as much faster as it has to be.
+/// Measures and prints. Returns true if every run is fast enough.
 pub(crate) fn templates(dotgen: &Path, runs: usize) -> Result<bool> {
     step("Templates without Tcl and with it, alternating");
     println!("{:<36} {:>10} {:>10}", "", "without", "Tcl");

@@ -18,7 +18,7 @@ use super::workspace::Workspace;
 /// Findings of a mutated document at which actions are requested.
 const MOST_FINDINGS: usize = 6;
 
-/// What is measured at present.
+/// The present case.
 struct Case<'c> {
     report: &'c mut Report,
     /// Row of the table.
@@ -117,7 +117,7 @@ fn at_finding(
     each(workspace, case, before, path, finding.lines[0], offered)
 }
 
-/// Tries what changes a whole file.
+/// Tries the actions that change a whole file.
 fn everything(
     workspace: &mut Workspace,
     case: &mut Case<'_>,

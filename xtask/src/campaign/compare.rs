@@ -9,12 +9,12 @@ use serde_json::Value;
 #[derive(Clone, Debug)]
 pub(super) struct Finding {
     pub(super) code: String,
-    /// As in the protocol: 1 is an error, 4 a hint.
+    /// Severity of the protocol: 1 is an error, 4 a hint.
     pub(super) severity: u64,
     /// First and last line, from 0.
     pub(super) lines: [usize; 2],
     pub(super) message: String,
-    /// The finding as the protocol has it, for the context of a request.
+    /// The finding in the form of the protocol, for the context of a request.
     pub(super) raw: Value,
 }
 
@@ -65,7 +65,7 @@ impl Findings {
             .count()
     }
 
-    /// Findings of codes of which a document has more afterwards.
+    /// Findings with codes that are more frequent in a document afterwards.
     fn added<'a>(&self, after: &'a Findings) -> Vec<Placed<'a>> {
         let mut out = Vec::new();
         for (path, findings) in &after.0 {
@@ -77,7 +77,7 @@ impl Findings {
                 let more = number(findings, &it.code) > number(old, &it.code);
                 if more && !seen.contains(&it.code.as_str()) {
                     seen.push(&it.code);
-                    // The telling one: a finding whose message was not there before.
+                    // Preferred: a finding whose message is new.
                     let is_new = |it: &&Finding| !old.iter().any(|o| o.message == it.message);
                     let mut same = findings.iter().filter(|f| f.code == it.code);
                     let telling = same.find(is_new).unwrap_or(it);
@@ -88,7 +88,7 @@ impl Findings {
         out
     }
 
-    /// What an edit added: findings that make it worse, and findings that a mended error had hidden.
+    /// The findings that an edit adds: those that make it worse, and those that a fixed error had hidden.
     ///
     /// A new finding was hidden if there are fewer errors than before, and it is away from the changed lines
     /// or no more than an information.

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use super::compare::{Finding, Touched};
 
-/// Words of the comments above codels, which repairs write anew.
+/// Words of the comments above codels, which repairs rewrite.
 const SKELETON: [&str; 3] = ["Yields to", "Triggered by", "Throws"];
 
 /// One replacement: bytes and lines in the old text, and the new text.
@@ -18,7 +18,7 @@ struct Hunk {
     new: String,
 }
 
-/// What an edit does.
+/// The effect of an edit.
 #[derive(Default)]
 pub(super) struct Applied {
     /// New texts by file.
@@ -143,7 +143,7 @@ pub(super) fn path_of(uri: &str) -> PathBuf {
     PathBuf::from(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// A replacement without what is the same on both sides.
+/// A replacement without the common beginning and end of both texts.
 fn hunk(old: &str, edit: &Value) -> Result<Hunk> {
     let start = offset(old, &edit["range"]["start"])?;
     let end = offset(old, &edit["range"]["end"])?;
@@ -154,7 +154,7 @@ fn hunk(old: &str, edit: &Value) -> Result<Hunk> {
     let mut head = std::iter::zip(was.bytes(), new.bytes())
         .take_while(|(a, b)| a == b)
         .count();
-    // Whole words: a part of a word is no word that was removed.
+    // Whole words: a part of a word does not count as a removed word.
     while !is_border(was, head) || !is_border(new, head) {
         head -= 1;
     }
@@ -174,7 +174,7 @@ fn hunk(old: &str, edit: &Value) -> Result<Hunk> {
     })
 }
 
-/// Whether a byte of a text begins a character that continues no word.
+/// True if a word does not continue at a byte of a text.
 fn is_border(text: &str, at: usize) -> bool {
     let is_word = |it: char| it.is_alphanumeric() || it == '_';
     text.is_char_boundary(at) && !(text[..at].ends_with(is_word) && text[at..].starts_with(is_word))
@@ -200,7 +200,7 @@ mod tests {
 
     use super::*;
 
-    /// Words that an edit of the lines from one to another loses, for a finding in line 0.
+    /// Words that an edit of the lines from one to another removes, for a finding in line 0.
     fn lost(lines: [usize; 2], new: &str) -> Vec<String> {
         let position = |line| json!({ "line": line, "character": 0 });
         let range = json!({ "start": position(lines[0]), "end": position(lines[1]) });

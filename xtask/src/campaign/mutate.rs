@@ -1,4 +1,4 @@
-//! Random mutations of a text, as typing makes them.
+//! Random mutations of a text, similar to typing.
 
 use std::ops::Range;
 

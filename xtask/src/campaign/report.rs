@@ -1,4 +1,4 @@
-//! Figures by kind, and offenders.
+//! Counts by kind, and offenders.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,10 +12,10 @@ const BAD: [&str; 6] = [
     "failed",
 ];
 
-/// What a campaign found.
+/// The results of a campaign.
 #[derive(Default)]
 pub(super) struct Report {
-    /// Set that is measured, for the lines of offenders.
+    /// The present set, for the lines of offenders.
     pub(super) set: String,
     /// Numbers of cases, by group and kind.
     figures: BTreeMap<(String, &'static str), usize>,
@@ -56,7 +56,7 @@ impl Report {
         self.offenders.iter().filter(bad).count()
     }
 
-    /// Whether there is no such offender.
+    /// True if there is no such offender.
     pub(super) fn is_clean(&self) -> bool {
         self.bad() == 0
     }

@@ -1,4 +1,4 @@
-//! Workspaces that are measured: copies of examples, of shared test data and of public components.
+//! Measured workspaces: copies of examples, of shared test data and of public components.
 
 use std::path::{Path, PathBuf};
 
@@ -11,14 +11,14 @@ use crate::shared::shared;
 /// Folders of public components, each named `OWNER+NAME`; not part of the repository.
 const CLONES: &str = "DOTGEN_CLONES";
 
-/// A workspace to be copied.
+/// A workspace to copy.
 pub(super) struct Set {
     pub(super) name: String,
-    /// Folder that is copied.
+    /// The folder to copy.
     source: PathBuf,
     /// Folders of the copy whose documents are measured, relative to it.
     pub(super) folders: Vec<PathBuf>,
-    /// The `dotgen.toml` of the copy, where the folder has none.
+    /// The `dotgen.toml` of the copy, if the folder has none.
     settings: Option<String>,
 }
 
@@ -124,7 +124,7 @@ impl Set {
     }
 }
 
-/// Whether a file is a specification with a component, rather than a file of types.
+/// True if a file is a specification with a component, and not a file of types.
 pub(super) fn is_specification(path: &Path) -> bool {
     path.extension().is_some_and(|it| it == "gen")
 }

@@ -10,7 +10,7 @@ use super::compare::{Finding, Findings};
 use super::sets::{Copy, Set};
 use crate::bench::client::Editor;
 
-/// See the module.
+/// A copy with its server.
 pub(super) struct Workspace {
     pub(super) copy: Copy,
     editor: Editor,
@@ -81,7 +81,7 @@ impl Workspace {
         Ok(())
     }
 
-    /// Writes a file that an edit creates or changes without its being open; `None` removes the file.
+    /// Writes a file that an edit creates, or changes while it is not open; `None` removes the file.
     pub(super) fn write(&mut self, path: &Path, text: Option<&str>) -> Result<()> {
         let existed = path.exists();
         let kind = match text {
@@ -120,7 +120,7 @@ impl Workspace {
         Ok(out)
     }
 
-    /// Code actions for a range, as the protocol has them.
+    /// Code actions for a range, in the form of the protocol.
     pub(super) fn actions(
         &mut self,
         path: &Path,

@@ -1,4 +1,4 @@
-//! The tests that read shared test data, run without it: a clone elsewhere does not have it.
+//! The tests that use shared test data, run without the data, because other clones do not have it.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -8,7 +8,7 @@ use anyhow::{Context, Result, bail};
 use crate::run;
 use crate::test::Outcome;
 
-/// The variable that names the log, which `tests/loaders/src/shared.rs` writes.
+/// The variable with the path of the log that `tests/loaders/src/shared.rs` writes.
 pub(crate) const LOG: &str = "DOTGEN_SHARED_LOG";
 
 /// Uses of shared test data by program, its folder, and test; false if some data was not found.
@@ -49,7 +49,7 @@ impl Uses {
         uses
     }
 
-    /// One line: how many tests read shared data, and how many found it.
+    /// One line: the number of tests that read shared data, and of those that found it.
     pub(crate) fn summary(&self) -> String {
         let tests: Vec<bool> = self
             .0
@@ -70,7 +70,7 @@ pub(crate) fn stranger() -> Result<Outcome> {
     let mut outcome = Outcome::default();
     for ((program, folder), tests) in &Uses::read()?.0 {
         let mut arguments = Vec::new();
-        // A test without a thread of its own cannot be named: then all of the program runs.
+        // A test without its own thread has no name. In that case the whole program runs.
         if !tests.contains_key("main") {
             arguments.push("--exact");
             arguments.extend(tests.keys().map(String::as_str));

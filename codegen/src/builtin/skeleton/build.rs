@@ -7,20 +7,20 @@ use crate::codels::expected::Expected;
 use crate::template::object::Object;
 use crate::template::tcl;
 
-/// What is to be generated.
+/// The input of a generation.
 pub(super) struct Job<'a> {
     pub(super) facts: &'a Facts<'a>,
     /// Indexes into the components of the specification.
     pub(super) components: &'a [u32],
-    /// What they expect of their codels, in the same order.
+    /// The codels that the components expect, in the same order.
     pub(super) expected: &'a [Expected<'a>],
     /// The language the codels are compiled as.
     pub(super) language: String,
     pub(super) terse: bool,
-    /// As 2.99.41, which has files for chosen components and for interfaces.
+    /// True for release 2.99.41, which has files for chosen components and for interfaces.
     pub(super) newer: bool,
     pub(super) inputs: &'a [String],
-    /// The general options that find the includes.
+    /// The general options that affect includes.
     pub(super) cmdline: &'a str,
     pub(super) notice: Option<&'a str>,
 }
@@ -40,7 +40,7 @@ impl Job<'_> {
         self.facts.spec().components[component as usize].kind == ComponentKind::Component
     }
 
-    /// Whether not only interfaces are generated.
+    /// True if there is a component, not only interfaces.
     pub(super) fn has_component(&self) -> bool {
         self.components.iter().any(|it| self.is_component(*it))
     }
@@ -49,7 +49,7 @@ impl Job<'_> {
         self.facts.list(&Object::Component(component), &[question])
     }
 
-    /// The file for pkg-config, of what is installed or not.
+    /// The file for pkg-config, for the installed or the uninstalled component.
     pub(super) fn package(&self, mut walk: Walk, component: u32) -> Option<String> {
         let name = self.name(component);
         walk.next()
@@ -143,7 +143,7 @@ impl Job<'_> {
         })?;
         walk.next();
         if self.newer {
-            // The template asks only the last one.
+            // The template uses only the last component.
             let last = self.components.last()?;
             walk.when(1, self.is_component(*last), |walk| {
                 walk.next();
@@ -154,7 +154,7 @@ impl Job<'_> {
         walk.done()
     }
 
-    /// `Makefile.am`, with the files that were read and are below it.
+    /// `Makefile.am`, with the read files that are below it.
     pub(super) fn makefile(&self, mut walk: Walk, idls: &[String]) -> Option<String> {
         walk.notice("#", self.notice);
         walk.next().put(self.name(*self.components.first()?));

@@ -1,4 +1,4 @@
-//! What is filled into a file of the template, and the walk over its texts.
+//! The values that are inserted into a file of the template, and the order of its texts.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use crate::template::model::Model;
 use crate::template::object::{Object, Registry};
 use crate::template::{Failure, tcl};
 
-/// What the specification says, as templates are told.
+/// The queries about a specification, as templates ask them.
 pub(super) struct Facts<'a> {
     compiled: &'a Compiled,
     registry: Registry,
@@ -36,7 +36,7 @@ impl<'a> Facts<'a> {
         &self.compiled.spec
     }
 
-    /// The answer to a question about an object; `None` where there is none.
+    /// The answer to a query about an object; `None` if there is none.
     pub(super) fn text(&self, object: &Object, question: &[&str]) -> Option<String> {
         let model = Model {
             spec: &self.compiled.spec,
@@ -51,7 +51,7 @@ impl<'a> Facts<'a> {
         Some(encoding::latin1(&answer.text).into_owned())
     }
 
-    /// The same of a component.
+    /// The answer to a query about a component.
     pub(super) fn component(&self, component: u32, question: &[&str]) -> Option<String> {
         self.text(&Object::Component(component), question)
     }
@@ -78,10 +78,10 @@ impl<'a> Facts<'a> {
     }
 }
 
-/// A file of the template: its texts, in order, with what is put between them.
+/// A file of the template: its texts, in order, and the values inserted between them.
 ///
-/// A text lies between two markers. Which text comes next is known by counting, since the contents of the
-/// folder are known; so no text of the template needs to be here.
+/// A text lies between two markers. The next text is determined by counting, because the contents of the
+/// folder are known. Therefore no text of the template is stored here.
 pub(super) struct Walk {
     texts: Vec<String>,
     at: usize,
@@ -89,7 +89,7 @@ pub(super) struct Walk {
 }
 
 impl Walk {
-    /// Reads a file; `None` if that cannot be done.
+    /// Reads a file; `None` if that fails.
     pub(super) fn read(disk: &dyn Disk, path: &Path) -> Option<Walk> {
         let source = tcl::decode(&disk.read(path).ok()?);
         let pieces = marker::translate(&source).ok()?.pieces;
@@ -135,7 +135,7 @@ impl Walk {
         }
     }
 
-    /// Writes the next `count` texts, with what is between them, once for each of some things.
+    /// Writes the next `count` texts, with the values between them, once for each item.
     pub(super) fn each<T>(
         &mut self,
         count: usize,
@@ -151,7 +151,7 @@ impl Walk {
         Some(())
     }
 
-    /// Writes the next `count` texts, with what is between them, or leaves them out.
+    /// Writes the next `count` texts, with the values between them, or skips them.
     pub(super) fn when(
         &mut self,
         count: usize,
@@ -161,12 +161,12 @@ impl Walk {
         self.each(count, wanted.then_some(()), |walk, ()| write(walk))
     }
 
-    /// What was written; `None` unless that took all texts.
+    /// The written text; `None` if any text of the file remains.
     pub(super) fn done(self) -> Option<String> {
         (self.at == self.texts.len()).then_some(self.out)
     }
 
-    /// A file in which nothing is filled in.
+    /// A file without inserted values.
     pub(super) fn whole(mut self) -> Option<String> {
         self.next();
         self.done()

@@ -1,4 +1,4 @@
-//! `README.adoc`: what a component offers, from its documentation.
+//! `README.adoc`: the services, ports and types of a component, from its documentation.
 
 use std::collections::BTreeSet;
 
@@ -75,7 +75,7 @@ fn heading(job: &Job<'_>, walk: &mut Walk) -> Option<()> {
     Some(())
 }
 
-/// `count` texts for each thing of each component.
+/// `count` texts for each item of each component.
 fn each_of(
     job: &Job<'_>,
     walk: &mut Walk,
@@ -93,7 +93,7 @@ fn each_of(
     walk.each(count, &things, |walk, it| write(walk, it))
 }
 
-/// Three texts around the documentation of something.
+/// Three texts around the documentation of an object.
 fn documentation(facts: &Facts<'_>, walk: &mut Walk, of: &Object) -> Option<()> {
     let doc = facts.text(of, &["doc"]);
     walk.when(2, doc.is_some(), |walk| {
@@ -185,7 +185,7 @@ fn thrown(job: &Job<'_>, walk: &mut Walk, throws: &[Object]) -> Option<()> {
     })
 }
 
-/// Four texts: two for each port that codels write, two for each that they read.
+/// Four texts: two for each port that codels write, two for each port that they read.
 fn ports(facts: &Facts<'_>, walk: &mut Walk, owner: &Object) -> Option<()> {
     let mut used = BTreeSet::new();
     for codel in facts.objects(owner, &["codels"])? {
@@ -207,7 +207,7 @@ fn ports(facts: &Facts<'_>, walk: &mut Walk, owner: &Object) -> Option<()> {
     })
 }
 
-/// One over the period of a task, as Tcl prints it; the inner `None` without a period.
+/// The inverse of a task's period, as Tcl prints it; the inner `None` without a period.
 #[allow(
     clippy::option_option,
     reason = "no answer is not the same as no period"
@@ -223,12 +223,12 @@ fn frequency(facts: &Facts<'_>, task: &Object) -> Option<Option<String>> {
         ));
     }
     let frequency = 1.0 / period.parse::<f64>().ok()?;
-    // Beyond, exponents are written differently.
+    // Tcl prints exponents in another form outside of this range.
     let plain = (1e-4..1e15).contains(&frequency);
     plain.then(|| Some(format!("{frequency:?}")))
 }
 
-/// What a default value says, as a tree.
+/// A default value, as a tree.
 #[derive(Default, Clone)]
 struct Initial {
     doc: Option<String>,
@@ -278,7 +278,7 @@ impl Job<'_> {
         self.type_lines(&name, &of, &initial, " *", &[])
     }
 
-    /// A type as a nested list. `around`: the sequences and optionals it is in, outermost first.
+    /// A type as a nested list. `around`: the enclosing sequences and optionals, outermost first.
     fn type_lines(
         &self,
         name: &str,
@@ -291,7 +291,7 @@ impl Job<'_> {
         let kind = facts.text(of, &["kind"])?;
         let inner = || facts.object(of, &["type"]);
         let deeper = format!("{prefix}*");
-        // 2.99.39 forgets what is around where something else comes between.
+        // 2.99.39 drops the enclosing types if another type comes between.
         let kept = if self.newer { around } else { &[] };
         let items = |out: &mut String| {
             for (index, item) in &initial.items {
@@ -351,7 +351,7 @@ impl Job<'_> {
         }
     }
 
-    /// The words for a type that is no wrapping: its kind, its name, and what is around it.
+    /// The words for a type that is not a sequence or optional: its kind, its name, and the enclosing types.
     fn words(&self, of: &Object, kind: &str, around: &[String]) -> Option<String> {
         let facts = self.facts;
         let mut out = kind.to_owned();

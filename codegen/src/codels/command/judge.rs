@@ -1,7 +1,7 @@
 //! Judges an edit before it is offered: the edit is applied to copies of the documents, specification and
 //! codels, and the findings before and after are compared.
 //!
-//! An edit is *whole* when it adds no finding and removes the one that it is for. An edit of the
+//! An edit is *whole* if it adds no finding and removes the finding that it repairs. An edit of the
 //! specification whose only new findings have a repair in the sources is paired with that repair.
 
 use std::collections::BTreeMap;
@@ -20,51 +20,53 @@ use crate::codels::{
     folder::Folder,
 };
 
-/// Edits that are tried for one request or command; each costs about one analysis of the units concerned.
+/// Maximum number of edits that are tried for a request or command. Each costs about one analysis of the
+/// affected units.
 pub const MOST_TRIALS: usize = 400;
 
 /// Bytes of specifications that are analysed in the trials of a command: the edits of a large file are fewer.
 const MOST_BYTES: usize = 2 << 20;
 
-/// Units in which an edit is tried. An edit of a file that more units include is not judged.
+/// Maximum number of units in which an edit is tried. An edit of a file that more units include is not
+/// judged.
 pub const MOST_UNITS: usize = 8;
 
-/// Rounds of repairs that may follow an edit to make it whole.
+/// Maximum number of rounds of repairs that complete an edit.
 const ROUNDS: usize = 2;
 
 /// The answer of a judge.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Verdict {
-    /// The edit adds no finding, and removes the one it is for.
+    /// The edit adds no finding, and removes the finding that it repairs.
     Whole,
-    /// The edit is whole together with changes of the sources; this is all of it.
+    /// The edit is whole together with changes of the sources; the value contains all changes.
     Paired(Edit),
-    /// The edit adds a finding, or the finding it is for stays.
+    /// The edit adds a finding, or the finding that it repairs remains.
     Refused,
-    /// There was no room to try the edit.
+    /// The edit was not tried, because the maximum was reached.
     Unknown,
 }
 
 impl Verdict {
-    /// Whether the edit may be offered.
+    /// True if the edit may be offered.
     pub fn allows(&self) -> bool {
         *self != Verdict::Refused
     }
 }
 
-/// Tries edits on a project, whose texts are the same afterwards.
+/// Tries edits on a project. Afterwards its texts are unchanged.
 pub struct Judge<'j, 'p> {
     project: &'j mut Project<'p>,
     roots: Vec<Utf8PathBuf>,
     before: Option<Findings>,
-    /// Edits that may still be tried. Later ones are not judged.
+    /// Remaining number of edits that may be tried. Later edits are not judged.
     pub room: usize,
-    /// The edits are tried in all units that they concern.
+    /// True if edits are tried in all affected units.
     is_complete: bool,
 }
 
 impl<'j, 'p> Judge<'j, 'p> {
-    /// A judge of edits that concern the units of some roots. Nothing is analysed before the first edit.
+    /// A judge of edits that affect the units of some roots. Nothing is analysed before the first edit.
     pub fn new(project: &'j mut Project<'p>, roots: &[Utf8PathBuf]) -> Judge<'j, 'p> {
         Judge {
             project,
@@ -85,7 +87,7 @@ impl<'j, 'p> Judge<'j, 'p> {
         self.project
     }
 
-    /// Judges an edit that is to remove a finding of the code `mends`, or to remove none.
+    /// Judges an edit that should remove a finding of the code `mends`, or remove none.
     pub fn verdict(&mut self, edit: &Edit, mends: Option<&str>) -> Verdict {
         let mends: Vec<(&str, usize)> = mends.into_iter().map(|it| (it, 1)).collect();
         self.judged(edit, &mends)
@@ -195,11 +197,11 @@ impl<'j, 'p> Judge<'j, 'p> {
         }
     }
 
-    /// Of edits, each with the code of the finding that it is for, those that can be made together: each
-    /// whole by itself and beside those before it. Edits that touch each other are left for another time.
-    /// Returns the edits as one, and the numbers of those that are in it.
+    /// Selects edits that can be made together, from edits with the code of the finding that each repairs.
+    /// Each selected edit is whole by itself and together with those before it. Edits that touch another one
+    /// are skipped. Returns the selected edits as one, and their indexes.
     ///
-    /// With `follow`, the sources may follow an edit.
+    /// With `follow`, changes of the sources may be added.
     pub fn together(&mut self, edits: &[(Edit, &str)], follow: bool) -> (Edit, Vec<usize>) {
         if edits.len() > 1 && self.are_whole_together(edits) {
             let mut all = Edit::default();
@@ -229,7 +231,7 @@ impl<'j, 'p> Judge<'j, 'p> {
         (chosen, numbers)
     }
 
-    /// Puts texts in the place of files; returns what was there.
+    /// Replaces the texts of files. Returns the previous texts.
     fn overlay(&mut self, changes: Vec<FileChange>) -> BTreeMap<Utf8PathBuf, Option<String>> {
         let mut originals = BTreeMap::new();
         for it in changes {
@@ -245,7 +247,7 @@ impl<'j, 'p> Judge<'j, 'p> {
         }
     }
 
-    /// The edit that makes the present texts of some that were.
+    /// The edit from some previous texts to the present ones.
     fn difference(&self, originals: &BTreeMap<Utf8PathBuf, Option<String>>) -> Edit {
         let mut edit = Edit::default();
         for (path, before) in originals {
@@ -283,7 +285,7 @@ impl Touched {
         }
     }
 
-    /// Whether a place is on a changed line.
+    /// True if a place is on a changed line.
     fn is_at(&self, path: &Utf8Path, at: &Range<usize>) -> bool {
         let mut ranges = self.lines.get(path).into_iter().flatten();
         ranges.any(|it| it.start <= at.end && at.start <= it.end)
@@ -336,9 +338,10 @@ impl Findings {
         self.counts.get(code).copied().unwrap_or(0)
     }
 
-    /// Codes of which there are more afterwards, but for findings that were there and could not be seen:
-    /// where an error is gone, hints, rules that wait until a specification is accepted, and findings away
-    /// from the changed lines; where a function has got its prototype, what its body cannot use any more.
+    /// Codes with more findings after an edit. Findings that existed before but were hidden do not count.
+    /// After the removal of an error these are hints, findings of rules that wait until a specification is
+    /// accepted, and findings away from the changed lines. After a change of a function's prototype these are
+    /// uses in its body that have become invalid.
     fn added(&self, after: &Findings, touched: &Touched) -> Vec<&'static str> {
         let reveals = after.errors < self.errors;
         let mismatch = DriftCode::SignatureMismatch.as_str();
@@ -360,14 +363,14 @@ impl Findings {
         out
     }
 
-    /// Whether every finding of a code has a repair by which the sources follow.
+    /// True if every finding of a code has a repair that adapts the sources.
     fn is_followed(&self, code: &&'static str) -> bool {
         let of_code = |it: &&(usize, Drift)| it.1.code.as_str() == *code;
         let mut found = self.drifts.iter().filter(of_code).peekable();
         found.peek().is_some() && found.all(|it| it.1.following().is_some())
     }
 
-    /// The repairs of findings of some codes by which the sources follow, together.
+    /// The repairs that adapt the sources to findings of some codes, as one edit.
     fn following(&self, project: &Project<'_>, codes: &[&'static str]) -> Edit {
         let mut edit = Edit::default();
         for (index, folder) in self.folders.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Specifications and sources of a run of the command line.
+//! The specifications and sources of a command.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -20,7 +20,7 @@ use crate::codels::{
 };
 use crate::template::notice;
 
-/// A host, the files beside it, and the texts that are to take the place of files.
+/// A host, its files, and the texts that replace files.
 pub struct Project<'a> {
     host: &'a mut AnalysisHost,
     files: &'a dyn Files,
@@ -31,7 +31,7 @@ pub struct Project<'a> {
 }
 
 impl<'a> Project<'a> {
-    /// A project over a host that is set up (include directories, definitions).
+    /// A project over a configured host (include directories, definitions).
     pub fn new(
         host: &'a mut AnalysisHost,
         files: &'a dyn Files,
@@ -57,7 +57,7 @@ impl<'a> Project<'a> {
         self.overlay.insert(path, text.into());
     }
 
-    /// Puts the text back that was there before [`Project::overlay`]; `None` if there was no file.
+    /// Restores the text before [`Project::overlay`]; `None` if there was no file.
     pub fn restore(&mut self, path: Utf8PathBuf, text: Option<String>) {
         self.overlay.remove(&path);
         let text = text.map(Arc::<str>::from);
@@ -73,7 +73,7 @@ impl<'a> Project<'a> {
         });
     }
 
-    /// Findings of the specifications of some roots, and of what they include.
+    /// Findings of the specifications of some roots, and of the files they include.
     pub fn diagnostics(&self, roots: &[Utf8PathBuf]) -> Vec<Diagnostic> {
         let analysis = self.host.analysis();
         let reports = roots.iter().map(|it| analysis.root_diagnostics(it));
@@ -92,7 +92,7 @@ impl<'a> Project<'a> {
             .collect()
     }
 
-    /// Whether the sources of a specification disagree with a finding about it: see [`folder::is_refuted`].
+    /// True if the sources of a specification disprove a finding about it: see [`folder::is_refuted`].
     pub fn refutes(&self, finding: &Diagnostic) -> bool {
         finding.code == folder::NEVER_THROWN
             && self.text(&finding.path).is_some_and(|text| {
@@ -102,7 +102,7 @@ impl<'a> Project<'a> {
 
     /// See [`Analysis::trials`](dotgen_analysis::host::Analysis::trials).
     pub fn trials(&self, of: &Diagnostic, all: &[Diagnostic]) -> Vec<Fix> {
-        // Nothing cancels: the host is ours alone.
+        // Nothing cancels: no other thread uses the host.
         self.host.analysis().trials(of, all).unwrap_or_default()
     }
 
@@ -125,7 +125,7 @@ impl<'a> Project<'a> {
         self.files.read(path)
     }
 
-    /// The folders of codels of all components that the roots and what they include declare.
+    /// The folders of codels of all components that the roots and their included files declare.
     pub fn folders(&mut self, roots: &[Utf8PathBuf], errors: &mut Vec<String>) -> Vec<Folder> {
         let mut out: Vec<Folder> = Vec::new();
         let mut seen: FxHashSet<(Utf8PathBuf, Name)> = FxHashSet::default();
@@ -153,7 +153,7 @@ impl<'a> Project<'a> {
         out
     }
 
-    /// Whether the text of a specification has errors, so that not everything can be compared.
+    /// True if the text of a specification has errors, so that it cannot be compared completely.
     pub fn has_errors_in_text(&self, root: &Utf8Path) -> bool {
         let unit = self.host.analysis().root_unit(root);
         unit.is_ok_and(|it| it.has_errors_in_text())
@@ -165,25 +165,25 @@ impl<'a> Project<'a> {
         Sources::load_with(specification, &self.config, self, &mut index)
     }
 
-    /// What differs in a folder, as the configuration and comments want it.
+    /// The differences in a folder, after configuration and comments are applied.
     pub fn findings(&self, folder: &Folder, all: &[Expected<'_>]) -> Vec<Drift> {
         self.adjusted(folder, folder.check(all))
     }
 
-    /// Differences of a folder as the configuration and comments want them.
+    /// Differences of a folder, after configuration and comments are applied.
     pub fn adjusted(&self, folder: &Folder, found: Vec<Drift>) -> Vec<Drift> {
-        // Nothing cancels: the host is ours alone.
+        // Nothing cancels: no other thread uses the host.
         let adjusted = folder.adjust(found, &self.host.analysis());
         adjusted.unwrap_or_default()
     }
 
-    /// Comments on both sides that allow what nothing is.
+    /// Comments on both sides that allow findings which do not occur.
     pub fn unused_allowances(&self, compared: &[(Folder, Vec<Drift>)]) -> Vec<Diagnostic> {
         let compared: Vec<_> = compared.iter().map(|it| (&it.0, &*it.1)).collect();
         folder::unused_allowances(&compared, &self.host.analysis()).unwrap_or_default()
     }
 
-    /// How stubs of a specification are written: with its notice.
+    /// The options for stubs of a specification: with its notice.
     pub fn stub_options(&self, specification: &Utf8Path) -> StubOptions {
         let text = self.text(specification);
         StubOptions {

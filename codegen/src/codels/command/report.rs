@@ -16,20 +16,20 @@ use crate::codels::coverage::Coverage;
 pub struct CheckReport {
     /// By file of the specification, in the order of [`crate::codels::drift::check`].
     pub findings: Vec<Finding>,
-    /// What was compared.
+    /// The compared folders.
     pub folders: Vec<FolderSummary>,
-    /// Specifications that could not be compared, and why.
+    /// Specifications that could not be compared, with the reason.
     pub errors: Vec<String>,
 }
 
-/// What was compared in one folder.
+/// The result for one folder.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct FolderSummary {
     /// The `.gen`.
     pub specification: Utf8PathBuf,
     /// The folder of codels.
     pub folder: Utf8PathBuf,
-    /// The folder is there.
+    /// True if the folder exists.
     pub exists: bool,
     /// Names of its components.
     pub components: Vec<String>,
@@ -37,9 +37,9 @@ pub struct FolderSummary {
     pub sources: usize,
     /// Number of functions that the specification names.
     pub codels: usize,
-    /// How many of them have a definition.
+    /// Number of these functions that have a definition.
     pub defined: usize,
-    /// How much of them was compared.
+    /// The compared part of them.
     pub coverage: Coverage,
 }
 
@@ -48,20 +48,20 @@ pub struct FolderSummary {
 pub struct Finding {
     /// `codel/…`
     pub code: &'static str,
-    /// How bad.
+    /// The severity.
     pub severity: Severity,
     /// Component.
     pub component: String,
-    /// What is wrong.
+    /// The description.
     pub message: String,
     /// The first place: in the source if it has one, else in the specification.
     pub at: Option<FindingPlace>,
-    /// The other side.
+    /// The places on the other side.
     pub related: Vec<FindingPlace>,
-    /// What the specification wants.
+    /// The text that the specification requires.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expected: Option<String>,
-    /// What stands there.
+    /// The text in the source.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub found: Option<String>,
 }
@@ -82,7 +82,8 @@ pub struct FindingPlace {
 }
 
 impl CheckReport {
-    /// 0 without drift, 1 with drift (hints do not count), 2 when something could not be compared.
+    /// The exit status: 0 without drift, 1 with drift (hints do not count), 2 if a specification could not be
+    /// compared.
     pub fn exit_code(&self) -> u8 {
         let drift = self.findings.iter().any(|it| it.severity != Severity::Hint);
         match (self.errors.is_empty(), drift) {
@@ -101,7 +102,7 @@ impl CheckReport {
         out
     }
 
-    /// The report for people, one finding per paragraph; paths relative to `base` where below it.
+    /// The report as text, one finding per paragraph. Paths below `base` are relative to it.
     pub fn to_text(&self, base: &Utf8Path) -> String {
         let short =
             |path: &Utf8Path| -> String { path.strip_prefix(base).unwrap_or(path).to_string() };

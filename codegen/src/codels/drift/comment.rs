@@ -1,4 +1,4 @@
-//! Comments of the skeleton that are no longer true.
+//! Outdated comments of the skeleton.
 
 use dotgen_analysis::model::{CodelKind, CodelRef};
 
@@ -42,8 +42,8 @@ pub(super) fn check(check: &Check<'_>, definitions: &[FunctionIn<'_>], out: &mut
     }
 }
 
-/// The use that a comment is about. A codel with several uses has a comment for each; those of
-/// the later ones stand without function above whatever comes next.
+/// The use of a codel that a comment describes. A codel with several uses has a comment for each. The
+/// comments of later uses have no function: the next declaration follows them.
 fn use_of(check: &Check<'_>, comment: &Generated, nearest: bool) -> Option<CodelRef> {
     let component = check.expected.component();
     let owner = |it: &&CodelRef| owner_words(component, it.owner).1 == comment.owner.as_str();
@@ -58,20 +58,20 @@ fn use_of(check: &Check<'_>, comment: &Generated, nearest: bool) -> Option<Codel
     found.copied().filter(|_| about_this)
 }
 
-/// Whether exceptions may be missing in what the specification is known to say.
+/// True if the known part of the specification may lack exceptions.
 fn throws_more(check: &Check<'_>) -> bool {
     let trust = &check.options.trust;
     check.function.throws_more || trust.is_broken(check.expected, check.function)
 }
 
-/// What a comment says that is not so.
+/// The incorrect statements of a comment.
 fn untrue(check: &Check<'_>, at: CodelRef, comment: &Generated) -> Vec<String> {
     let expected = check.expected;
     let component = expected.component();
     let codel = component.codel(at);
     let mut out = Vec::new();
     let (kind, owner) = owner_words(component, at.owner);
-    // Older skeletons say "service" for every kind.
+    // Older skeletons write "service" for every kind.
     let same_kind = comment.owner_kind == kind || comment.owner_kind == "service" && kind != "task";
     if comment.codel != codel.name
         || comment.owner != *owner

@@ -1,4 +1,4 @@
-//! What each difference is about, with the words for it.
+//! The details of each difference, and its message.
 
 use std::fmt;
 
@@ -19,7 +19,7 @@ impl fmt::Display for States {
     }
 }
 
-/// Several things that are wrong, each a clause.
+/// Several errors, each a clause.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Clauses(pub Vec<String>);
 

@@ -1,4 +1,4 @@
-//! Events that are returned and exceptions that are raised, against what the specification allows.
+//! Comparison of returned events and raised exceptions with those that the specification allows.
 
 use dotgen_analysis::model::fsm::Machine;
 use dotgen_analysis::model::{CodelKind, CodelRef, TypeId, TypeKind};
@@ -14,20 +14,20 @@ use crate::codels::{
 };
 use crate::lang::Language;
 
-/// How many helpers deep a returned value is followed.
+/// Maximum depth of helpers through which a returned value is followed.
 const HELPERS: usize = 4;
 
-/// How many declared events or exceptions are offered instead of one that is not.
+/// Maximum number of declared events or exceptions that are offered in place of an undeclared one.
 const WAYS: usize = 3;
 
-/// What is known about what the definitions of one codel return.
+/// The events that the definitions of one codel return, as far as they are known.
 #[derive(Default)]
 struct Outcome {
     returned: FxHashSet<SmolStr>,
     mentioned: FxHashSet<SmolStr>,
     unknown: bool,
     any: bool,
-    /// Exceptions that helpers raise for it.
+    /// Exceptions that helpers raise for the codel.
     raised: FxHashSet<(SmolStr, TypeId)>,
 }
 
@@ -84,7 +84,7 @@ impl Flow<'_> {
                     };
                     outcome.returned.insert(event.clone());
                     if self.check.function.returns.contains(&event)
-                        // A variable is often set to it before it gets its value.
+                        // A variable is often initialized with this value.
                         || event == self.expected().ok() && *variable
                     {
                         continue;
@@ -99,7 +99,7 @@ impl Flow<'_> {
         outcome.mentioned.extend(self.body.mentions.iter().cloned());
     }
 
-    /// What comes back through a helper counts where the helper is called.
+    /// Values that a helper returns count at the call of the helper.
     fn through_helper(
         &self,
         call: &Call,
@@ -114,7 +114,7 @@ impl Flow<'_> {
         events.sort();
         for event in events {
             let allowed = self.check.function.returns.contains(event)
-                // A variable is mostly returned only when it is something else.
+                // A variable is mostly returned only if it has another value.
                 || event == self.expected().ok() && variable;
             if !allowed && reported.insert(event.clone()) {
                 out.push(self.undeclared_yield(event, &call.span));
@@ -134,7 +134,7 @@ impl Flow<'_> {
         outcome.mentioned.extend(inner.mentioned);
     }
 
-    /// Adds what a function of the sources returns.
+    /// Adds the return values of a function of the sources.
     fn helper(&self, name: &str, depth: usize, outcome: &mut Outcome) {
         let all: Vec<&Body> = self
             .check
@@ -173,14 +173,14 @@ impl Flow<'_> {
         }
     }
 
-    /// The event that a returned name stands for; `None` when it stands for something else.
+    /// The event of a returned name; `None` if the name is not an event.
     fn event(&self, name: &SmolStr) -> Option<SmolStr> {
         let expected = self.expected();
         if name == expected.ok() || expected.events.contains_key(name) {
             return Some(name.clone());
         }
         if expected.language == Language::Cxx {
-            // After `using namespace`.
+            // Scopes may be missing after `using namespace`.
             let mut all = expected.events.keys();
             let long = all.find(|it| {
                 it.strip_suffix(name.as_str())
@@ -195,7 +195,7 @@ impl Flow<'_> {
         (name.starts_with(&prefix) && !self.is_declared(name)).then(|| name.clone())
     }
 
-    /// The sources declare the name, so that it is no business of the specification.
+    /// True if the sources declare the name, so that it is not a name of the specification.
     fn is_declared(&self, name: &str) -> bool {
         let short = name.rsplit("::").next().unwrap_or(name);
         self.check.sources.all().any(|it| {
@@ -203,7 +203,7 @@ impl Flow<'_> {
         })
     }
 
-    /// A macro that is used as a statement may return.
+    /// True if the function uses a macro as a statement, which may contain a `return`.
     fn hides_returns(&self) -> bool {
         self.body
             .calls
@@ -267,8 +267,8 @@ impl Flow<'_> {
         drift
     }
 
-    /// The pause before a state, with its yield where that is not there, if without one the machine would be
-    /// in a cycle that does not pause.
+    /// The repair that adds a pause before a state, with its yield if that is missing. `None` unless the
+    /// state machine would otherwise be in a cycle without a pause.
     fn paused_yield(&self, at: CodelRef, state: &str, event: &str) -> Option<Repair> {
         let component = self.expected().component();
         let machine = Machine::new(component.codels_of(at.owner));
@@ -290,8 +290,8 @@ impl Flow<'_> {
         })
     }
 
-    /// Events that the function may return instead of one: the nearest by name first. Those that it returns
-    /// nowhere yet go alone, if there are some.
+    /// Events that the function may return in place of one, the most similar name first. If there are any
+    /// that it does not return yet, only those.
     fn returnable(&self, event: &str) -> Vec<SmolStr> {
         let expected = self.expected();
         let component = expected.component();
@@ -316,7 +316,7 @@ impl Flow<'_> {
         all
     }
 
-    /// Where the function returns an event, by its name.
+    /// The places where the function returns an event by its name.
     fn returned_places<'s>(&'s self, event: &'s str) -> impl Iterator<Item = &'s Span> {
         let values = self.body.returns.iter().flat_map(|it| &it.values);
         values.filter_map(move |it| match it {
@@ -327,12 +327,13 @@ impl Flow<'_> {
         })
     }
 
-    /// Another event where the function returns one by its name; `None` when it comes from a helper.
+    /// The repair that returns another event where the function returns one by its name; `None` if a helper
+    /// returns it.
     fn returning(&self, event: &str, to: &str) -> Option<Respelling> {
         self.respelled(self.returned_places(event), event, to)
     }
 
-    /// Another name at some places of the function, as short as the one that stands there.
+    /// Another name at some places of the function. Scopes that the present name omits are omitted there too.
     fn respelled<'s>(
         &self,
         places: impl Iterator<Item = &'s Span>,
@@ -357,7 +358,7 @@ impl Flow<'_> {
         })
     }
 
-    /// The state that an event stands for, if the state machine of the codel has it.
+    /// The state of an event, if the state machine of the codel has it.
     fn reachable_state(&self, at: CodelRef, event: &str) -> Option<String> {
         let component = self.expected().component();
         if component.codel(at).kind != CodelKind::Fsm {
@@ -396,8 +397,8 @@ impl Flow<'_> {
         }
     }
 
-    /// Whether an exception may be in a list that is not known in full. What the component declares itself,
-    /// an interface that is not here cannot know.
+    /// True if an exception may be in a list that is not completely known. An interface that is missing
+    /// cannot contain an exception that the component declares itself.
     fn may_throw(&self, exception: TypeId) -> bool {
         let check = self.check;
         let trust = &check.options.trust;
@@ -407,7 +408,7 @@ impl Flow<'_> {
         broken || check.function.throws_more && !(own && trust.lacks_files)
     }
 
-    /// The exception that a name stands for.
+    /// The exception of a name.
     fn exception(&self, name: &SmolStr) -> Option<TypeId> {
         let expected = self.expected();
         if let Some(&it) = expected.exceptions.get(name) {
@@ -424,7 +425,7 @@ impl Flow<'_> {
         long.map(|it| *it.1)
     }
 
-    /// It is called as exceptions are, named as those of the component, and nobody declares it.
+    /// True for a call in the form of a raise, with a name of the component that is not declared.
     fn raises_unknown(&self, call: &Call) -> bool {
         let expected = self.expected();
         let trust = &self.check.options.trust;
@@ -472,8 +473,8 @@ impl Flow<'_> {
         drift
     }
 
-    /// Declared exceptions that can be raised instead of one with the same arguments: those without details,
-    /// as others have types of their own.
+    /// Declared exceptions that can be raised with the same arguments: those without details, because the
+    /// details of others have their own types.
     fn raisable(&self, name: &str, exception: Option<TypeId>) -> Vec<SmolStr> {
         let expected = self.expected();
         let is_plain = |it: TypeId| match &expected.spec.ty(it).kind {
@@ -483,7 +484,7 @@ impl Flow<'_> {
         let mut calls = self.body.calls.iter();
         let plain = match exception {
             Some(it) => is_plain(it),
-            // In C, the context is all that it is given.
+            // In C, the only argument is the context.
             None => calls.any(|it| it.name == name && it.arguments == 1),
         };
         let throws = self.check.function.throws.iter().copied();
@@ -496,7 +497,7 @@ impl Flow<'_> {
         all
     }
 
-    /// Another exception where the function raises one itself.
+    /// The repair that raises another exception where the function itself raises one.
     fn raising(&self, name: &str, to: &str) -> Option<Respelling> {
         let throws = self.body.throws.iter().map(|it| (&it.name, &it.span));
         let calls = self.body.calls.iter().map(|it| (&it.name, &it.span));
@@ -557,7 +558,7 @@ fn never_yielded(
             if codel.yields.len() > 1 {
                 drift.repairs.push(Repair::RemoveYield { at, index });
             }
-            // What the code returns and may not, may have been meant for this.
+            // An event that the code returns without permission may be a wrong spelling of this one.
             let mut others: Vec<&SmolStr> = outcome.returned.iter().collect();
             others.retain(|it| !check.function.returns.contains(*it));
             others.sort();

@@ -1,4 +1,4 @@
-//! Members that the sources use and the mapped types do not have: those that the specification has renamed.
+//! Members that the sources use and that the mapped types lack: those that the specification has renamed.
 
 use std::collections::BTreeMap;
 
@@ -23,18 +23,18 @@ use crate::codels::{
     },
 };
 
-/// A mapped structure and a name that is no member of it.
+/// A mapped structure and a name that is not a member of it.
 type Unknown = (SmolStr, SmolStr);
 
-/// Where a member is used.
+/// A use of a member.
 struct Use<'a> {
     file: &'a IndexedFile,
     span: Span,
-    /// What is done with its value needs it to be of this shape.
+    /// The shape that the use of its value requires.
     shape: Shape,
 }
 
-/// What can be told of a type from a use of a value.
+/// The shape of a type, as far as the use of a value shows it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Shape {
     Any,
@@ -63,12 +63,12 @@ pub(super) fn check(
         .collect();
     let mapped: FxHashMap<SmolStr, Vec<SmolStr>> = types
         .structures()
-        // What is declared elsewhere, where nobody can look, has no members here.
+        // A type that is declared in a missing file has no known members.
         .filter(|it| !it.1.is_empty() && !open.contains(it.0))
         .map(|(name, members)| (name.clone(), members.keys().cloned().collect()))
         .collect();
     let known: FxHashSet<&str> = mapped.values().flatten().map(SmolStr::as_str).collect();
-    // Most sources use nothing else, and need not be read again.
+    // Most sources use only known members and are not parsed again.
     let strange = |it: &IndexedFile| field_words(&it.text).any(|word| !known.contains(word));
     let mut members = Members {
         expected,
@@ -90,10 +90,10 @@ pub(super) fn check(
     members.report(out);
 }
 
-/// A parameter of a codel: its file, where its name is declared, and where that is used.
+/// A parameter of a codel: its file, the place of its declaration, and its uses.
 type Parameter<'a> = (&'a IndexedFile, Span, Vec<Span>);
 
-/// What the sources do with members of mapped structures.
+/// The uses of members of mapped structures in the sources.
 struct Members<'a, 'e> {
     expected: &'e Expected<'e>,
     options: &'e DriftOptions,
@@ -101,7 +101,8 @@ struct Members<'a, 'e> {
     mapped: &'e FxHashMap<SmolStr, Vec<SmolStr>>,
     unknown: BTreeMap<Unknown, Vec<Use<'a>>>,
     used: FxHashSet<Unknown>,
-    /// Parameters of codels that are a member of the `ids` and have another name, by that and the member.
+    /// Parameters of codels that refer to a member of the `ids` under another name, by that name and the
+    /// member.
     parameters: BTreeMap<(SmolStr, SmolStr), Vec<Parameter<'a>>>,
 }
 
@@ -149,12 +150,12 @@ impl<'a> Members<'a, '_> {
         }
     }
 
-    /// The structure of the `ids`, if the component has some.
+    /// The structure of the `ids`, if the component has one.
     fn ids(&self) -> Option<SmolStr> {
         Some(self.expected.spelling(self.expected.component().ids?))
     }
 
-    /// Parameters that stand for members of the `ids`: whether they are called so.
+    /// Reads the parameters that refer to members of the `ids`, and compares their names.
     fn read_parameters(&mut self, sources: &'a Sources) {
         let Some(ids) = self.ids() else { return };
         let component = self.expected.component();
@@ -165,7 +166,7 @@ impl<'a> Members<'a, '_> {
             let params = &component.codel(at).params;
             for file in sources.all() {
                 for found in file.index.definitions(&function.name) {
-                    // With another number, another parameter may be meant.
+                    // With another number of parameters, the position may refer to another parameter.
                     let wanted = function.shape.as_ref().map_or(0, |it| it.parameters.len());
                     if wanted != found.parameters.len() {
                         continue;
@@ -191,7 +192,7 @@ impl<'a> Members<'a, '_> {
         }
     }
 
-    /// Whether the specification has a member of that name in the `ids`, or a parameter.
+    /// True if the specification has a member of the `ids` or a parameter of that name.
     fn is_named(&self, name: &str) -> bool {
         let component = self.expected.component();
         let mut params = component
@@ -245,7 +246,7 @@ impl<'a> Members<'a, '_> {
         self.report_parameters(&followed, out);
     }
 
-    /// Parameters that have the former name of their member, as it seems.
+    /// Reports parameters that seem to have the former name of their member.
     fn report_parameters(&self, followed: &FxHashSet<(&SmolStr, &SmolStr)>, out: &mut Vec<Drift>) {
         let Some(ids) = self.ids() else { return };
         let members = self.mapped.get(&ids);
@@ -300,7 +301,7 @@ impl<'a> Members<'a, '_> {
         }
     }
 
-    /// Where the specification declares a member, or the structure.
+    /// The declaration of a member, or of the structure, in the specification.
     fn declared(&self, structure: &str, member: Option<&SmolStr>) -> Option<Src> {
         let spec = self.expected.spec;
         let mut all = (0u32..).map(TypeId).zip(&spec.types);
@@ -319,9 +320,10 @@ impl<'a> Members<'a, '_> {
         Some(named.map_or(ty.src, |it| it.src))
     }
 
-    /// What unknown members are called now: the member that a parameter of that name stands for, or the
-    /// nearest name that nothing uses yet, both ways. A member that only is left over is no evidence. The
-    /// member must be of use in the same way.
+    /// The present names of unknown members. A present name is the member that a parameter of the old name
+    /// refers to, or the most similar name that is not used yet; the similarity must be the highest in both
+    /// directions. A single remaining member is not sufficient evidence. The type of the member must allow
+    /// its uses.
     fn renamed(&self) -> FxHashMap<Unknown, SmolStr> {
         let mut out = FxHashMap::default();
         let mut structures: Vec<&SmolStr> = self.unknown.keys().map(|it| &it.0).collect();
@@ -367,7 +369,7 @@ impl<'a> Members<'a, '_> {
         out
     }
 
-    /// The member of the `ids` that parameters of a name stand for, if it is one.
+    /// The member of the `ids` that parameters of a name refer to, if all refer to one member.
     fn called(&self, structure: &SmolStr, name: &SmolStr) -> Option<&SmolStr> {
         let of_ids = self.ids().as_ref() == Some(structure);
         let mut all = self.parameters.keys().filter(|it| of_ids && it.0 == *name);
@@ -375,7 +377,7 @@ impl<'a> Members<'a, '_> {
         all.next().is_none().then_some(to)
     }
 
-    /// Whether a member can be used as a use wants it.
+    /// True if the type of a member allows a use.
     fn fits(&self, structure: &str, member: &str, shape: &Shape) -> bool {
         let members = self.types.members_of(structure);
         let Some(ty) = members.and_then(|it| it.get(member)) else {
@@ -395,7 +397,7 @@ impl<'a> Members<'a, '_> {
     }
 }
 
-/// The structure whose member a node names.
+/// The structure of the member that a node names.
 fn structure_of(node: Node<'_>, scope: &Scope<'_>, types: &Types) -> Option<SmolStr> {
     let parent = node.parent()?;
     match parent.kind() {
@@ -408,7 +410,7 @@ fn structure_of(node: Node<'_>, scope: &Scope<'_>, types: &Types) -> Option<Smol
     }
 }
 
-/// What is done with the value of a member.
+/// The shape that the use of a member requires.
 fn shape(node: Node<'_>, text: &str) -> Shape {
     let Some(value) = node.parent().filter(|it| it.kind() == "field_expression") else {
         return Shape::Any;

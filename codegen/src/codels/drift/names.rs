@@ -1,4 +1,4 @@
-//! What the body of a codel cannot use: names that nothing declares any more, and values that are read only.
+//! Invalid uses in the body of a codel: names that are no longer declared, and writes to read-only values.
 
 use std::cell::OnceCell;
 
@@ -8,7 +8,7 @@ use rustc_hash::FxHashSet;
 use super::finding::Differing;
 use super::{Check, Drift, FunctionIn};
 
-/// Names of a component that parameters of codels have or could have, computed once.
+/// Names that parameters of the component's codels have or could have, computed once.
 pub(super) type KnownNames = OnceCell<FxHashSet<Name>>;
 
 pub(super) fn check(
@@ -24,7 +24,7 @@ pub(super) fn check(
         };
         let name = || check.function.name.clone();
         for (used, span) in &body.free {
-            // Any header may declare a name that the specification does not have.
+            // Any header may declare a name that is not in the specification.
             if !known.get_or_init(|| named(check)).contains(used.as_str())
                 || is_declared(check, used)
             {
@@ -73,7 +73,7 @@ fn named(check: &Check<'_>) -> FxHashSet<Name> {
     out
 }
 
-/// Whether a source or header of the folder declares a name, or may do so.
+/// True if a source or header of the folder declares a name, or may declare it.
 fn is_declared(check: &Check<'_>, name: &str) -> bool {
     let mut files = check.sources.all();
     files.any(|it| {

@@ -1,4 +1,4 @@
-//! Functions that look like codels and are named by no specification.
+//! Functions that look like codels and that no specification names.
 
 use dotgen_analysis::model::{CodelKind, CodelRef, Owner};
 use dotgen_syntax::near::nearest;
@@ -46,14 +46,14 @@ pub(super) fn find<'a>(
     out
 }
 
-/// Whether it can be said that no specification names a function. Codels that are declared in what is not
-/// here would all be orphans.
+/// True if all names in specifications are known. With missing files, all codels that those files declare
+/// would be orphans.
 pub(super) fn are_certain(all: &[Expected<'_>], options: &DriftOptions) -> bool {
     let elsewhere = |it: &Expected<'_>| it.spec.lacks_declarations(it.component);
     !options.trust.is_cut && !all.iter().any(elsewhere)
 }
 
-/// Takes the context and returns an event.
+/// True if a function takes the context and returns an event.
 fn has_codel_shape(function: &Function, language: Language) -> bool {
     let event = function.result.layers.is_empty();
     match language {
@@ -75,7 +75,7 @@ fn speaks_of_codel(function: &Function) -> bool {
     comments.any(|it| it.codel == function.name)
 }
 
-/// Used by other functions, or declared for them.
+/// True if other functions use it, or if it has a prototype for them.
 fn is_helper(it: FunctionIn<'_>, sources: &Sources) -> bool {
     let name = &it.function.name;
     let declared = |function: &Function| function.body.is_none() && function.name == *name;
@@ -88,8 +88,8 @@ fn is_helper(it: FunctionIn<'_>, sources: &Sources) -> bool {
     })
 }
 
-/// The orphan that a codel without function most likely is: the one whose comment speaks of the
-/// same place in the specification, else the one whose name is nearest.
+/// The orphan that a codel without a function most likely refers to: the one whose comment names the same
+/// owner and states, else the one with the most similar name.
 pub(super) fn renamed<'a>(
     orphans: &[FunctionIn<'a>],
     function: &ExpectedFunction,
@@ -105,7 +105,7 @@ pub(super) fn renamed<'a>(
     }
     let names = orphans.iter().map(|it| it.function.name.as_str());
     let name = nearest(&function.name, names)?;
-    // The other way round it must be the best as well.
+    // The similarity must be the highest in both directions.
     let functions = expected.functions.iter().map(|it| it.name.as_str());
     let missing = functions.filter(|name| {
         let mut files = sources.all();
@@ -116,7 +116,7 @@ pub(super) fn renamed<'a>(
     found.filter(|_| back == function.name.as_str()).copied()
 }
 
-/// Its comment names the owner of a codel, and its states if it has some.
+/// True if its comment names the owner of a codel, and its states if it has some.
 fn speaks_of(function: &Function, expected: &Expected<'_>, at: CodelRef) -> bool {
     let component = expected.component();
     let codel = component.codel(at);

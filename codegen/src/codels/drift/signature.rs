@@ -1,4 +1,4 @@
-//! Prototypes, compared after normalization.
+//! Comparison of prototypes after normalization.
 
 use dotgen_analysis::model::Awaited;
 
@@ -9,14 +9,14 @@ use crate::codels::{
     source::{CType, Function, Layer, Parameter, compact},
 };
 
-/// What the comparison of two types says.
+/// The result of a comparison of two types.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Verdict {
     Same,
-    /// Differs in `const` only.
+    /// The types differ only in `const`.
     Constness,
     Different,
-    /// One of them is defined where we cannot see.
+    /// The definition of one of the types is not available.
     Unknown,
 }
 
@@ -24,7 +24,7 @@ pub(super) fn check(check: &Check<'_>, definitions: &[FunctionIn<'_>], out: &mut
     let Some(shape) = &check.function.shape else {
         return;
     };
-    // With conditional compilation or overloading one of several is the codel.
+    // With conditional compilation or overloading, one of several definitions is the codel.
     let all: Vec<Vec<String>> = definitions
         .iter()
         .map(|it| differences(check, shape, it.function))
@@ -61,7 +61,7 @@ fn report(check: &Check<'_>, found: FunctionIn<'_>, differences: &[String]) -> D
     drift.expected = check.function.signature.clone().ok();
     let text = found.file.text.get(found.function.signature_span.clone());
     drift.found = text.map(str::to_owned);
-    // How the others are written is a guess, which must not replace what somebody knew.
+    // The types of the other parameters are unknown. A guess must not replace the written types.
     if check.function.awaits == Awaited::default() {
         drift.repairs.push(Repair::UpdateSignature {
             name: name.clone(),
@@ -72,7 +72,7 @@ fn report(check: &Check<'_>, found: FunctionIn<'_>, differences: &[String]) -> D
     drift
 }
 
-/// Everything that differs, in words; empty when nothing does or nothing can be known.
+/// Descriptions of all differences; empty if there are none or if nothing is known.
 fn differences(check: &Check<'_>, wanted: &Function, found: &Function) -> Vec<String> {
     let mut out = Vec::new();
     if !found.known {
@@ -146,7 +146,7 @@ fn arity(check: &Check<'_>, wanted: &[Parameter], found: &[Parameter]) -> String
     }
 }
 
-/// Parameters of the first list that have no partner in the second: by name, then by type.
+/// Parameters of the first list without a counterpart in the second: by name, then by type.
 fn unmatched<'p>(check: &Check<'_>, of: &'p [Parameter], by: &[Parameter]) -> Vec<&'p Parameter> {
     let mut partners: Vec<Option<&Parameter>> = by.iter().map(Some).collect();
     let mut rest: Vec<&Parameter> = Vec::new();
@@ -176,7 +176,7 @@ fn unmatched<'p>(check: &Check<'_>, of: &'p [Parameter], by: &[Parameter]) -> Ve
     rest
 }
 
-/// The same parameters in another order: said by name where all have names, else by type.
+/// A description of parameters in another order: by name if all have names, else by type.
 fn permuted(check: &Check<'_>, wanted: &[Parameter], found: &[Parameter]) -> Option<String> {
     let names = |all: &[Parameter]| -> Option<Vec<String>> {
         all.iter()
@@ -192,7 +192,7 @@ fn permuted(check: &Check<'_>, wanted: &[Parameter], found: &[Parameter]) -> Opt
     if w == f || sorted(&w) != sorted(&f) {
         return None;
     }
-    // Each must keep its type at its new place, or it is more than a change of order.
+    // Each parameter must keep its type; otherwise more than the order differs.
     let kept = wanted.iter().all(|it| {
         let other = found.iter().find(|other| other.name == it.name);
         other.is_some_and(|other| {
@@ -230,11 +230,11 @@ fn compare(check: &Check<'_>, wanted: &CType, found: &CType) -> Verdict {
     if is_declared_in(check.sources, &found.base) && !expected.knows_type(&found.base) {
         return Verdict::Unknown;
     }
-    // A file that is not here may declare it.
+    // A missing file may declare the type.
     if check.options.trust.lacks_files && !expected.has_type(&b.base) {
         return Verdict::Unknown;
     }
-    // A length that is a name is a constant we do not look up.
+    // A length that is a name is a constant, whose value is not looked up.
     let named_length = b.layers.iter().any(
         |it| matches!(it, Layer::Array { length: Some(length) } if length.parse::<u64>().is_err()),
     );
@@ -251,7 +251,8 @@ fn same(a: &CType, b: &CType) -> bool {
     a.constant == b.constant && a.layers == b.layers && same_base(&a.base, &b.base)
 }
 
-/// Equal names, or one the end of the other after `using namespace`, or integers that may be equal.
+/// True for equal names, for a name that is the end of the other (after `using namespace`), and for integer
+/// types that may be equal.
 fn same_base(a: &str, b: &str) -> bool {
     let ends = |long: &str, short: &str| {
         long.strip_suffix(short)
@@ -267,7 +268,7 @@ fn same_base(a: &str, b: &str) -> bool {
     a == b || ends(a, b) || ends(b, a) || wide(a, b) || wide(b, a)
 }
 
-/// The sources have a type or macro of that name.
+/// True if the sources have a type or macro of that name.
 fn is_declared_in(sources: &Sources, base: &str) -> bool {
     let short = base.rsplit("::").next().unwrap_or(base);
     let plain = short.split('<').next().unwrap_or(short);
@@ -276,7 +277,7 @@ fn is_declared_in(sources: &Sources, base: &str) -> bool {
     })
 }
 
-/// A type as C writes it.
+/// A type in the syntax of C.
 fn show(ty: &CType, name: Option<&str>) -> String {
     let mut declarator = name.unwrap_or_default().to_owned();
     let mut pointer = false;

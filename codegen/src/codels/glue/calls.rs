@@ -150,7 +150,7 @@ impl Glue<'_, '_> {
             }
             number += 1;
         }
-        // What an earlier codel has raised is no detail of this one.
+        // Details raised by an earlier codel do not belong to this one.
         let forget = match self.is_cxx() {
             true => "",
             false => "  free(glue_raised_detail);\n  glue_raised_detail = NULL;\n",
@@ -165,7 +165,7 @@ impl Glue<'_, '_> {
         Ok(out)
     }
 
-    /// What an event that a codel returns is called: all that the component can know.
+    /// The names of all events that a codel of the component can return.
     fn outcomes(&self) -> LangResult {
         let spec = self.expected.spec;
         let ids = (0..spec.types.len() as u32).map(TypeId);
@@ -331,7 +331,7 @@ impl Glue<'_, '_> {
         ))
     }
 
-    /// What needs nothing of the component.
+    /// The part that is the same for every component.
     pub(super) fn entries(&self) -> String {
         "\nGLUE_C GLUE_EXPORT void\ndotgen_glue_drop(struct glue_buffer *b)\n{\n  free(b->bytes);\n\
          \x20 b->bytes = NULL;\n  b->size = b->room = 0;\n}\n\n\

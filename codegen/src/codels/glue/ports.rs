@@ -1,4 +1,4 @@
-//! Ports: what codels get as `port`, and where its data is. Remote services.
+//! Ports: the `port` arguments of codels, and the places of their data. Remote services.
 
 use dotgen_analysis::model::{ParamDir, Port, PortDir, Remote, TypeKind};
 use std::fmt::Write as _;
@@ -58,7 +58,7 @@ impl Glue<'_, '_> {
         ))
     }
 
-    /// What reads the newest data of an input; what tells that an output was written.
+    /// The function that reads the newest data of an input, or the one that reports the write of an output.
     fn moves(&self, at: usize, port: &Port) -> LangResult {
         let ty = self.known(port.data)?;
         Ok(match port.dir {
@@ -104,7 +104,7 @@ impl Glue<'_, '_> {
             TypeKind::Array { .. } | TypeKind::String { bound: Some(_) }
         );
         let address = if decays { "it->value" } else { "&it->value" };
-        // An output can be filled at once; an input has nothing before it was read.
+        // An output can be filled at once; an input has no data before it was read.
         let (make, seen) = match (port.dir, port.multiple) {
             (PortDir::Out, false) => (1, "it == NULL"),
             (PortDir::Out, true) => (0, "it == NULL || it->closed"),
@@ -193,7 +193,7 @@ impl Glue<'_, '_> {
         Ok(out)
     }
 
-    /// A call of another component, which the engine brings there; the codel waits.
+    /// A call of a service of another component, which the engine forwards; the codel waits.
     fn remote(&self, at: usize, remote: &Remote) -> LangResult {
         let name = self.mapper.declarator(remote.ty, "")?;
         let mut arguments = Vec::new();

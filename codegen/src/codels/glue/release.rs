@@ -1,6 +1,6 @@
-//! Memory of requests in C. The glue gives back what it made for the inputs of a request when the request ends,
-//! except what a codel has put into the ids or a port by assignment: `glue_keep_N` looks for that after each codel,
-//! while its locks are held. In C++ values own their memory.
+//! Memory of requests in C. The glue frees the memory of a request's inputs when the request ends, except
+//! memory that a codel has assigned to the ids or a port. After each codel, `glue_keep_N` searches for such
+//! memory while its locks are held. In C++ values own their memory.
 
 use std::fmt::Write as _;
 
@@ -11,7 +11,7 @@ use super::Glue;
 use crate::lang::{LangError, LangResult};
 
 impl Glue<'_, '_> {
-    /// Values of the type own memory: unbounded strings and sequences, and what holds these.
+    /// True if values of the type own memory: unbounded strings and sequences, and types that contain these.
     fn owns(&self, ty: TypeId) -> bool {
         self.owns_within(ty, &mut FxHashSet::default())
     }
@@ -83,7 +83,8 @@ impl Glue<'_, '_> {
         })
     }
 
-    /// What follows the call of a codel in C: keeps what it may have put into the ids and into ports.
+    /// The code after the call of a codel in C: it keeps memory that the codel may have assigned to the ids
+    /// and to ports.
     pub(super) fn keep_written(&self, codel: &Codel) -> LangResult {
         let mut out = String::new();
         for param in &codel.params {

@@ -7,7 +7,7 @@ use super::Glue;
 use crate::lang::{LangResult, value_text};
 
 impl Glue<'_, '_> {
-    /// Definitions of all types that cross.
+    /// Definitions of all types that are passed.
     pub(super) fn types(&self) -> LangResult {
         let mut out = String::new();
         for (number, &ty) in self.order.iter().enumerate() {
@@ -37,7 +37,7 @@ impl Glue<'_, '_> {
         Ok(out)
     }
 
-    /// Bodies that save and load.
+    /// The bodies of the functions that save and load a type.
     fn copying(&self, ty: TypeId) -> Result<(String, String), crate::lang::LangError> {
         let cxx = self.is_cxx();
         Ok(match self.kind(ty) {
@@ -124,7 +124,7 @@ impl Glue<'_, '_> {
                 (save, load)
             }
             TypeKind::Union { switch, members } => self.union(*switch, members)?,
-            // What is behind a pointer that only the codels know stays with them.
+            // Data behind a pointer that only the codels know is not copied.
             _ => (
                 "  uint8_t v = 0;\n  glue_put(b, &v, 1);\n".into(),
                 "  uint8_t v;\n  glue_get(r, &v, 1);\n".into(),
@@ -219,7 +219,7 @@ impl Glue<'_, '_> {
         Ok((text("glue_save", "b")?, text("glue_load", "r")?))
     }
 
-    /// A `switch` over the members of the union `*x`; `each` writes what is done with a member of that name.
+    /// A `switch` over the members of the union `*x`; `each` writes the code for the member of a name.
     pub(super) fn cases(
         &self,
         members: &[TypeId],

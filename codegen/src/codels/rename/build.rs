@@ -1,11 +1,11 @@
-//! Names in the files of the build.
+//! Renames in the build files.
 
 use smol_str::SmolStr;
 
 use super::{Left, Renaming, Why, names::Names};
 use crate::codels::{expected::Expected, files::Files, folder::Folder, source::Span};
 
-/// Files of a build that may name headers and components, from the folder of the specification.
+/// Build files that may name headers and components, relative to the folder of the specification.
 const BUILD_FILES: [&str; 5] = [
     "Makefile.am",
     "configure.ac",
@@ -14,7 +14,8 @@ const BUILD_FILES: [&str; 5] = [
     "codels/CMakeLists.txt",
 ];
 
-/// Build files name headers and functions; the name of the component within other names is listed.
+/// Renames headers and functions in build files, and lists places where the name of the component is a part
+/// of another name.
 pub(super) fn rename(
     folder: &Folder,
     before: &Expected<'_>,
@@ -59,7 +60,7 @@ pub(super) fn rename(
     }
 }
 
-/// A part of a word is the name of the component, or that of a library of it.
+/// True if a part of a word is the name of the component, or the name of one of its libraries.
 fn is_part(word: &str, component: &str) -> bool {
     word == component || word.strip_prefix("lib") == Some(component)
 }

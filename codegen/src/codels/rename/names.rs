@@ -1,8 +1,7 @@
-//! What the names of the mapping were, and what they are after a change of the specification.
+//! The names of the mapping before and after a change of the specification.
 //!
-//! There is no list of what gets its name from what: the whole mapping and all prototypes are written
-//! as they were and as they will be, and read side by side. They differ in names only, or the change
-//! is more than a new name.
+//! There is no list of derived names. The whole mapping and all prototypes are generated before and after,
+//! and compared token by token. They must differ only in names; otherwise the change is more than a rename.
 
 use rustc_hash::FxHashMap;
 use smol_str::SmolStr;
@@ -15,7 +14,7 @@ use crate::codels::{
 };
 use crate::lang::LangError;
 
-/// A name with the scopes that it is declared in, outermost first; C has none.
+/// A name with its enclosing scopes, outermost first; in C there are none.
 pub(super) type Scoped = (Vec<SmolStr>, SmolStr);
 
 /// New names, by old ones.
@@ -27,17 +26,17 @@ pub(super) struct Names {
     pub(super) members: FxHashMap<(SmolStr, SmolStr), SmolStr>,
     /// Parameters of codels: function (by its old name), position, old and new name.
     pub(super) parameters: Vec<(SmolStr, usize, SmolStr, SmolStr)>,
-    /// Tasks and services, as comments of the skeleton name them.
+    /// Tasks and services, by their names in comments of the skeleton.
     pub(super) owners: FxHashMap<SmolStr, SmolStr>,
     /// Generated headers, without extension.
     pub(super) files: FxHashMap<SmolStr, SmolStr>,
-    /// The mapping as it was, for the types of expressions.
+    /// The mapping before the change, for the types of expressions.
     pub(super) before: String,
-    /// How it is read.
+    /// The grammar of the mapping.
     pub(super) grammar: Option<Grammar>,
 }
 
-/// Why new names cannot be made out.
+/// A reason why new names cannot be determined.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum NoNames {
     /// A type has no mapping.
@@ -124,7 +123,7 @@ impl Names {
             }
             return;
         }
-        // A use with its scopes in front; the declaration has them around it.
+        // A use has its scopes as a prefix; a declaration is inside of them.
         let qualified = node
             .parent()
             .is_some_and(|it| it.kind() == "qualified_identifier");
@@ -135,7 +134,7 @@ impl Names {
             Grammar::C => Vec::new(),
             Grammar::Cxx => {
                 let mut scopes = types::scopes(node, text);
-                // The name of a structure or namespace is not inside it.
+                // The name of a structure or namespace is not in its own scope.
                 if node
                     .parent()
                     .and_then(|it| it.child_by_field_name("name"))
@@ -202,7 +201,7 @@ impl Names {
         Ok(())
     }
 
-    /// Nothing in the sources gets another name.
+    /// True if no name in the sources changes.
     pub(super) fn is_empty(&self) -> bool {
         self.globals.is_empty()
             && self.members.is_empty()
@@ -212,7 +211,7 @@ impl Names {
     }
 }
 
-/// The identifiers of a text, but for those in comments and literals.
+/// The identifiers of a text, except those in comments and literals.
 pub(super) fn words(text: &str) -> Vec<Span> {
     let bytes = text.as_bytes();
     let mut out = Vec::new();

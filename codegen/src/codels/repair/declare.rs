@@ -1,4 +1,4 @@
-//! The declaration of a codel, made from a function.
+//! Declarations of codels for functions.
 
 use camino::Utf8Path;
 use dotgen_analysis::model::{CodelKind, Owner, PortDir, ServiceKind, TypeKind};
@@ -12,8 +12,8 @@ use crate::codels::{
 use crate::lang::Language;
 
 impl Repairs<'_> {
-    /// Declares a codel for a function in the task or service it belongs to, as far as its comment
-    /// or its file says; `None` when that, a state or a parameter cannot be made out.
+    /// Declares a codel for a function, in the task or service that its comment or its file shows. `None` if
+    /// that, a state or a parameter cannot be determined.
     pub(super) fn declare_codel(&self, function: &Function, path: &Utf8Path) -> Option<Edit> {
         let owner = self.owner_of(function, path)?;
         let text = self.declaration(function, owner)?;
@@ -23,7 +23,7 @@ impl Repairs<'_> {
         Some(edit)
     }
 
-    /// The task or service in whose braces an offset is.
+    /// The task or service whose braces contain an offset.
     pub fn owner_at(&self, path: &Utf8Path, offset: usize) -> Option<Owner> {
         let component = self.expected.component();
         let tasks = (0..component.tasks.len()).map(|it| Owner::Task(it as u32));
@@ -36,7 +36,7 @@ impl Repairs<'_> {
         })
     }
 
-    /// The parameters of a codel of a task or service for a function, those that can be made out.
+    /// The parameters of a codel of a task or service for a function, as far as they can be determined.
     pub fn parameters_of(&self, function: &Function, owner: Owner) -> Vec<String> {
         let mut parameters = function.parameters.as_slice();
         if self.expected.language == Language::C {
@@ -85,7 +85,7 @@ impl Repairs<'_> {
         let mut handled = codels
             .filter(|it| it.kind == CodelKind::Fsm)
             .flat_map(|it| &it.triggers);
-        // A state has one codel only.
+        // A state has only one codel.
         if triggers.is_empty() || handled.any(|it| triggers.contains(&it.name.to_string())) {
             return None;
         }
@@ -137,7 +137,7 @@ impl Repairs<'_> {
         task(stem.strip_prefix('_')?.strip_suffix("_codels")?)
     }
 
-    /// `in x`, `port out p`, …: what a parameter of a function most likely stands for.
+    /// The most likely parameter in the specification for a function's parameter: `in x`, `port out p`, …
     fn parameter(&self, parameter: &Parameter, owner: Owner) -> Option<String> {
         let spec = self.expected.spec;
         let component = self.expected.component();
@@ -187,7 +187,7 @@ impl Repairs<'_> {
     }
 }
 
-/// `port in p`, or `port in p::q` when the function calls it otherwise.
+/// `port in p`, or `port in p::q` if the function uses another name.
 fn named(kind: &str, name: &str, as_name: &str) -> String {
     if name == as_name {
         format!("{kind} {name}")

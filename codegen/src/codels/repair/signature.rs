@@ -1,4 +1,4 @@
-//! A new prototype for a function, with what follows from it: its body, and calls of it elsewhere.
+//! A new prototype for a function, with the necessary changes of its body and of its calls.
 
 use std::fmt;
 use std::ops::Range;
@@ -17,35 +17,35 @@ use crate::codels::{
 };
 use crate::lang::Language;
 
-/// What a new signature leaves to be done by hand.
+/// A change after a new signature that has to be made by hand.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct ByHand {
     /// The source.
     pub path: Utf8PathBuf,
     /// Line, from 1, in the text of [`ByHand::offset`].
     pub line: usize,
-    /// Byte offset: before the repair, until [`ByHand::follow`] is told of it.
+    /// Byte offset in the text before the repair; after [`ByHand::follow`], in the text after it.
     #[serde(skip)]
     pub offset: usize,
     /// The function.
     pub function: SmolStr,
-    /// What stands there.
+    /// The expression at that place.
     pub what: Unfollowed,
 }
 
-/// What cannot follow a new signature.
+/// An expression that cannot be adapted to a new signature.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Unfollowed {
-    /// A use of a parameter that the function has lost.
+    /// A use of a parameter that is removed.
     Parameter(SmolStr),
-    /// A call of which some argument is not known, or that would lose a comment, or that is inside of another
-    /// one or of the function itself.
+    /// A call with an unknown argument, a call that would lose a comment, or a call inside of another one or
+    /// of the function itself.
     Call,
 }
 
 impl ByHand {
-    /// Goes along with edits of its file.
+    /// Adapts the offset to edits of its file.
     pub fn follow(&mut self, edits: &[TextEdit]) {
         let mut offset = self.offset;
         for edit in edits.iter().filter(|it| it.range.end <= self.offset) {
@@ -54,7 +54,7 @@ impl ByHand {
         self.offset = offset;
     }
 
-    /// Tells its line in the present text of its file.
+    /// Sets the line, from the present text of its file.
     pub fn stand_in(&mut self, text: &str) {
         self.line = line_of(text, self.offset);
     }
@@ -78,16 +78,16 @@ impl fmt::Display for ByHand {
     }
 }
 
-/// A parameter of the specification and the one of the function that it was.
+/// A parameter of the specification and the corresponding parameter of the function.
 struct Pair {
     /// Index into the parameters of the function; `None` for a new one.
     found: Option<usize>,
-    /// The name that the function has for it afterwards.
+    /// The new name in the function.
     name: SmolStr,
     change: Change,
 }
 
-/// What becomes of a parameter as far as the body sees it.
+/// A change of a parameter that affects the body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Change {
     Same,
@@ -98,8 +98,8 @@ enum Change {
 }
 
 impl Repairs<'_> {
-    /// The prototype of the specification. Parameters that have another name are renamed in the body,
-    /// those that become or were pointers are reached in the other way, and calls follow.
+    /// Gives a function the prototype of the specification. Parameters with another name are renamed in the
+    /// body. If a parameter becomes a pointer or a value, its uses are adapted. Calls are adapted too.
     pub(super) fn update_signature(
         &self,
         name: &str,
@@ -118,7 +118,7 @@ impl Repairs<'_> {
             param.name = pair.name.as_str().into();
         }
         let old = file.text.get(function.signature_span.clone())?;
-        // The name stays on the line where it is.
+        // The name stays on its line.
         let head = file
             .text
             .get(function.signature_span.start..function.name_span.start)?;
@@ -160,7 +160,7 @@ impl Repairs<'_> {
         Some(edit)
     }
 
-    /// Calls in the sources: what changes where every argument is known, and the others.
+    /// Calls in the sources: the edits for calls with known arguments, and the places of the others.
     fn calls(
         &self,
         name: &str,
@@ -180,7 +180,7 @@ impl Repairs<'_> {
             let Some(tree) = parse(&file.text, file.index.grammar) else {
                 continue;
             };
-            // The uses of parameters in the body have edits of their own, and edits must not overlap.
+            // Uses of parameters in the body have edits of their own, and edits must not overlap.
             let body = function.body.as_ref().filter(|_| file.path == own.path);
             let mut followed: Range<usize> = 0..0;
             preorder(tree.root_node(), |node| {
@@ -206,7 +206,8 @@ impl Repairs<'_> {
         out
     }
 
-    /// What does not follow the new signature of a function: uses of parameters that it loses, and calls.
+    /// The places that are not adapted to the new signature of a function: uses of removed parameters, and
+    /// calls.
     pub fn left_by_signature(&self, name: &str, path: &Utf8Path, start: usize) -> Vec<ByHand> {
         let Some((file, function)) = self.function(path, start) else {
             return Vec::new();
@@ -245,11 +246,11 @@ impl Repairs<'_> {
     }
 }
 
-/// What becomes of the calls of a function.
+/// The result for the calls of a function.
 #[derive(Default)]
 struct Calls<'a> {
     edits: Vec<(&'a Utf8Path, Range<usize>, String)>,
-    /// Files and places of those that stay.
+    /// Files and places of calls that are unchanged.
     left: Vec<(&'a IndexedFile, usize)>,
 }
 
@@ -258,12 +259,12 @@ fn line_of(text: &str, offset: usize) -> usize {
     1 + text.get(..offset).unwrap_or_default().matches('\n').count()
 }
 
-/// Every parameter is where it was, and there is no other one.
+/// True if every parameter keeps its place, and there is no additional one.
 fn in_place(pairs: &[Pair], count: usize) -> bool {
     pairs.len() == count && (pairs.iter().enumerate()).all(|(index, it)| it.found == Some(index))
 }
 
-/// For each wanted parameter the one of the function that it was: of its name; else of its type, in order.
+/// The corresponding parameter of the function for each required one: by name, else by type, in order.
 fn pairs(wanted: &[Parameter], function: &Function) -> Vec<Pair> {
     let found = &function.parameters;
     let mut free: Vec<usize> = (0..found.len()).collect();
@@ -277,7 +278,7 @@ fn pairs(wanted: &[Parameter], function: &Function) -> Vec<Pair> {
         .collect();
     let by_type = |a: &CType, b: &CType| a.without_const() == b.without_const();
     let by_base = |a: &CType, b: &CType| a.base == b.base;
-    // What agrees in more goes first.
+    // The stricter comparison of types goes first.
     for same in [&by_type as &dyn Fn(&CType, &CType) -> bool, &by_base] {
         for (it, pair) in wanted.iter().zip(&mut out) {
             if pair.is_none()
@@ -300,8 +301,8 @@ fn pairs(wanted: &[Parameter], function: &Function) -> Vec<Pair> {
         .map(|(it, index)| {
             let old = index.and_then(|index| found[index].name.clone());
             let new = it.name.clone().unwrap_or_default();
-            // No specification names the context. A name that the body has for something else would
-            // hide that.
+            // The context is not in the specification. The body may use its usual name for another variable,
+            // which would hide it.
             let context = it.ty.base == "genom_context";
             let taken = context || old.as_ref() != Some(&new) && (mentioned(&new) || named(&new));
             let change = index.map_or(Change::Same, |index| change(&found[index].ty, &it.ty));
@@ -323,9 +324,9 @@ fn change(from: &CType, to: &CType) -> Change {
     }
 }
 
-/// The prototype as the function has it, with what changes in it: its head, parameters that stay, and what
-/// stands between them. A new parameter follows as the others do. `None` when comments would lose their
-/// parameter, or when the head changes.
+/// The function's own prototype with the necessary changes: its parameters keep their text and the text
+/// between them. A new parameter is laid out like the others. `None` if a comment would lose its parameter,
+/// or if the head changes.
 fn laid_out(
     file: &IndexedFile,
     function: &Function,
@@ -360,7 +361,7 @@ fn laid_out(
             out += gaps.get(before).copied().unwrap_or(usual);
         }
         let same = pair.found.map(|it| &found[it]).filter(|it| {
-            // What is given by value may be `const` or not.
+            // A parameter passed by value may be `const` or not.
             let by_value = it.ty.layers.is_empty() && wanted.ty.layers.is_empty();
             let same_type = it.ty == wanted.ty || by_value && it.ty.base == wanted.ty.base;
             same_type && it.name.as_deref().unwrap_or_default() == pair.name
@@ -373,7 +374,7 @@ fn laid_out(
     Some(out + tail)
 }
 
-/// A text without its blanks, but for those that keep words apart.
+/// A text without blanks, except those that separate words.
 fn words(text: &str) -> String {
     let mut out = String::new();
     for word in text.split_whitespace() {
@@ -386,8 +387,8 @@ fn words(text: &str) -> String {
     out
 }
 
-/// The prototype with the comments that stand between the parameters, each parameter on a line of its
-/// own. `None` when there is no comment.
+/// The new prototype with the comments between the parameters, each parameter on its own line. `None` if
+/// there is no comment.
 fn with_comments(
     file: &IndexedFile,
     function: &Function,
@@ -400,8 +401,7 @@ fn with_comments(
     if !list.contains("/*") && !list.contains("//") {
         return None;
     }
-    // Comments in front of a parameter are its own; those on the line where the one before ends are
-    // that one's.
+    // A comment belongs to the next parameter, unless it is on the line where the previous one ends.
     let mut before: Vec<Vec<String>> = vec![Vec::new(); function.parameters.len()];
     let mut behind = before.clone();
     let mut at = function.name_span.end;
@@ -440,7 +440,7 @@ fn with_comments(
         }
         let mut tail: Vec<&String> = own.iter().flat_map(|&it| &behind[it]).collect();
         if is_last {
-            // Those of parameters that are gone stay too.
+            // Comments of removed parameters are kept too.
             let gone = (0..function.parameters.len()).filter(|it| !kept.contains(it));
             tail.extend(gone.flat_map(|it| before[it].iter().chain(&behind[it])));
         }
@@ -456,7 +456,8 @@ fn with_comments(
     Some(out)
 }
 
-/// The comments of a text between parameters, and whether each stands on a later line than the text begins.
+/// The comments of a text between parameters. The flag is true for a comment on a later line than the start
+/// of the text.
 fn comments(gap: &str) -> Vec<(String, bool)> {
     let mut out = Vec::new();
     let mut at = 0;
@@ -481,7 +482,7 @@ fn comments(gap: &str) -> Vec<(String, bool)> {
     out
 }
 
-/// The declarations of a list, cut at the commas outside brackets.
+/// The declarations of a list, split at the commas outside brackets.
 fn split(list: &str) -> Vec<String> {
     let (mut out, mut depth, mut from) = (Vec::new(), 0i32, 0);
     for (at, c) in list.char_indices() {
@@ -499,7 +500,7 @@ fn split(list: &str) -> Vec<String> {
     out
 }
 
-/// The places of a parameter in the body; `None` when the body declares another variable of that name.
+/// The places of a parameter in the body; `None` if the body declares another variable of that name.
 fn uses(file: &IndexedFile, function: &Function, name: &str) -> Option<Vec<Range<usize>>> {
     let tree = parse(&file.text, file.index.grammar)?;
     let body = function.body.as_ref()?.span.clone();
@@ -544,7 +545,7 @@ fn follow_body(file: &IndexedFile, function: &Function, pairs: &[Pair], edit: &m
     }
 }
 
-/// How a use is spelled afterwards.
+/// The new spelling of a use.
 fn respelled(node: Node<'_>, name: &str, change: Change, text: &str) -> (Range<usize>, String) {
     let own = node.byte_range();
     let parent = node.parent();
@@ -570,7 +571,7 @@ fn respelled(node: Node<'_>, name: &str, change: Change, text: &str) -> (Range<u
         }
         (Change::ToPointer, _) => {
             let postfix = argument && matches!(kind, "subscript_expression" | "update_expression");
-            // A `*` behind a `/` would begin a comment.
+            // A `*` after a `/` would begin a comment.
             let division = text.get(..own.start).is_some_and(|it| it.ends_with('/'));
             match postfix || division {
                 true => (own, format!("(*{name})")),
@@ -588,9 +589,8 @@ fn respelled(node: Node<'_>, name: &str, change: Change, text: &str) -> (Range<u
     }
 }
 
-/// What changes in the arguments of a call: each where it stands, or the whole list when their order or
-/// number changes. `None` when a new parameter has no argument that could be known, or a comment would lose
-/// its place.
+/// The edits for the arguments of a call: each at its place, or the whole list if their order or number
+/// changes. `None` if the argument for a new parameter is unknown, or if a comment would lose its place.
 fn arguments(
     file: &IndexedFile,
     list: Node<'_>,
@@ -608,7 +608,7 @@ fn arguments(
     if !in_place && !notes.is_empty() {
         return None;
     }
-    // What the caller has under the name of a new parameter is what it has to pass.
+    // A variable of the caller with the name of the new parameter is passed.
     let caller = file.index.function_at(list.start_byte())?;
     let out: Option<Vec<String>> = pairs
         .iter()
@@ -628,7 +628,7 @@ fn arguments(
                 (Change::ToPointer, "identifier" | "field_expression" | "subscript_expression") => {
                     format!("&{text}")
                 }
-                // The address of a value that has no place.
+                // The value is not an lvalue and has no address.
                 (Change::ToPointer, _) => return None,
                 (Change::ToValue, "pointer_expression") if text.starts_with('&') => {
                     text[1..].trim_start().to_owned()

@@ -1,4 +1,4 @@
-//! Edits of the C and C++ side.
+//! Edits of the C and C++ sources.
 
 use std::collections::BTreeMap;
 
@@ -10,8 +10,7 @@ use crate::codels::{edit::Edit, files::IndexedFile, source::mentions, stub::Stub
 use crate::lang::LangError;
 
 impl Repairs<'_> {
-    /// Stubs of codels, each in the file the skeleton would use. A codel that has a function gets
-    /// none.
+    /// Stubs of codels, each in the file of the skeleton. Codels with a function are skipped.
     pub fn stub(&self, codels: &[CodelRef]) -> Result<Edit, LangError> {
         let options = self.stub_options();
         let stubs = Stubs::new(self.expected, &options);
@@ -55,7 +54,7 @@ impl Repairs<'_> {
         Ok(edit)
     }
 
-    /// After the function of the codel that precedes it, else at the end of the file.
+    /// The place of a stub: after the function of the preceding codel, else at the end of the file.
     fn stub_place(&self, file: &IndexedFile, at: CodelRef) -> usize {
         let component = self.expected.component();
         let before = (0..at.index).rev().map(|index| CodelRef { index, ..at });
@@ -68,7 +67,7 @@ impl Repairs<'_> {
         file.text.trim_end().len()
     }
 
-    /// Adds a new file to the sources that the build file lists.
+    /// Adds a new file to the list of sources in the build file.
     fn list_source(&self, path: &Utf8Path, edit: &mut Edit) {
         let Some((makefile, text)) = &self.sources.makefile else {
             return;
@@ -85,7 +84,7 @@ impl Repairs<'_> {
             }
             let continued = line.trim_end().ends_with('\\');
             if let Some(name) = variable {
-                // The variable that lists the other files of the component is the best.
+                // The variable with other files of the component is preferred.
                 let own = line.contains(&stem);
                 if !continued && (own || last.is_none()) {
                     last = Some((at, name));
@@ -119,7 +118,7 @@ impl Repairs<'_> {
             edit.replace(path, generated.header.clone(), header);
         }
         if !generated.sentences.is_empty() {
-            // Each line starts as the first does.
+            // Each line has the prefix of the first one.
             let before = file.text.get(..generated.sentences.start)?;
             let prefix = before.rsplit('\n').next().unwrap_or_default();
             let sentences = stubs

@@ -1,7 +1,7 @@
-//! Edits of the `.gen` side.
+//! Edits of the `.gen`.
 //!
-//! Places come from `Locations`; an edit is made only where the text at the place is what the
-//! model says, so that nothing that a macro wrote is touched.
+//! Places come from `Locations`. An edit is made only if the text at the place agrees with the model, so that
+//! text from macros is never changed.
 
 use std::{ops::Range, sync::Arc};
 
@@ -20,7 +20,7 @@ pub(super) struct At {
 }
 
 impl Repairs<'_> {
-    /// The place of an item if `wanted` stands there.
+    /// The place of an item if its text is `wanted`.
     pub(super) fn at(&self, src: Src, wanted: &str) -> Option<At> {
         let location = self.locations.locate(src)?;
         let text = self.text.read(&location.path)?;
@@ -50,7 +50,7 @@ impl Repairs<'_> {
     pub(super) fn add_yield(&self, at: CodelRef, state: &str) -> Option<Edit> {
         let yields = &self.expected.component().codel(at).yields;
         let last = self.state(yields.last()?)?;
-        // What a macro has written tells nothing of how the list is laid out.
+        // Text from a macro does not show the layout of the list.
         let items: Option<Vec<Range<usize>>> = yields
             .iter()
             .map(|it| Some(self.state(it).filter(|it| it.path == last.path)?.range))
@@ -70,7 +70,7 @@ impl Repairs<'_> {
             Some(before) => self.state(&yields[before])?.range.end..this.range.end,
             None => this.range.start..self.state(yields.get(1)?)?.range.start,
         };
-        // Only a comma may go with it.
+        // Only a comma may be removed together with the item.
         let around = this.text.get(range.clone())?;
         let rest = around.replacen(this.text.get(this.range.clone())?, "", 1);
         if rest.trim() != "," {
@@ -81,7 +81,7 @@ impl Repairs<'_> {
         Some(edit)
     }
 
-    /// The exception as the component writes it.
+    /// The exception in the spelling of the component.
     pub(super) fn exception_name(&self, exception: TypeId) -> String {
         let component = &self.expected.component().name;
         let full = self.expected.spec.full_name(exception).unwrap_or_default();
@@ -106,7 +106,7 @@ impl Repairs<'_> {
         Some(edit)
     }
 
-    /// The name of a task or service, and what is between its braces.
+    /// The name of a task or service, and the range between its braces.
     pub(super) fn body(&self, owner: Owner) -> Option<(At, Range<usize>)> {
         let component = self.expected.component();
         let (src, name) = match owner {
@@ -134,7 +134,7 @@ impl Repairs<'_> {
             edit.replace(&at.path, here..here, format!(" {text}"));
             return;
         }
-        // As the last line of the body is indented, or two more than the declaration.
+        // Indented as the last line of the body, or by two more than the declaration.
         let line = last
             .lines()
             .rev()
@@ -209,7 +209,7 @@ impl<'t> Iterator for Scan<'t> {
     }
 }
 
-/// What is between the braces that follow an offset; `None` when a `;` comes first.
+/// The range between the braces after an offset; `None` if a `;` comes first.
 fn body_after(text: &str, from: usize) -> Option<Range<usize>> {
     let (mut parentheses, mut depth, mut start) = (0i32, 0i32, 0);
     for (at, token) in (Scan { text, at: from }) {
@@ -238,7 +238,7 @@ fn body_after(text: &str, from: usize) -> Option<Range<usize>> {
     None
 }
 
-/// The values in the list of the last of some properties of a body.
+/// The values in the list of the last of some properties in a body.
 fn property_items(text: &str, body: Range<usize>, names: &[&str]) -> Vec<Range<usize>> {
     let text = text.get(..body.end).unwrap_or_default();
     let (mut first, mut inside, mut next) = (true, false, true);

@@ -1,4 +1,4 @@
-//! What a function body returns and raises.
+//! The events that a function body returns, and the exceptions it raises.
 
 mod names;
 
@@ -12,7 +12,7 @@ use super::{
     preorder,
 };
 
-/// What the skeleton writes in its samples.
+/// The text in the samples of the skeleton.
 const SAMPLE: &str = "skeleton sample: insert your code";
 
 /// Reads the block of a function.
@@ -63,12 +63,12 @@ struct Reader<'t> {
     calls: FxHashMap<usize, usize>,
 }
 
-/// A variable of the function, without regard to inner scopes.
+/// A variable of the function; inner scopes are not distinguished.
 #[derive(Default)]
 struct Variable<'t> {
-    /// What is assigned to it.
+    /// The expressions assigned to it.
     assigned: Vec<Node<'t>>,
-    /// It may hold something else: a parameter, or its address is taken.
+    /// True if it may have another value: it is a parameter, or its address is taken.
     unknown: bool,
 }
 
@@ -79,7 +79,7 @@ impl<'t> Reader<'t> {
 
     fn node(&mut self, node: Node<'t>, returns: &mut Vec<Node<'t>>) -> bool {
         match node.kind() {
-            // Returns from itself, not from the codel.
+            // A `return` inside returns from the lambda, not from the codel.
             "lambda_expression" => return false,
             "identifier" => {
                 self.body.mentions.insert(source(node, self.text).into());
@@ -106,7 +106,7 @@ impl<'t> Reader<'t> {
                     let plain = node.child_by_field_name("operator");
                     let plain = plain.is_none_or(|it| it.kind() == "=");
                     let right = node.child_by_field_name("right").filter(|_| plain);
-                    // An assignment alone does not make a variable of the function.
+                    // An assignment alone does not declare a variable of the function.
                     let variable = self.variable(name);
                     match right {
                         Some(right) => variable.assigned.push(right),
@@ -163,7 +163,7 @@ impl<'t> Reader<'t> {
 
     fn throw(&mut self, node: Node<'t>) {
         let Some(value) = node.named_child(0) else {
-            // Throws again what it caught.
+            // A rethrow of a caught exception.
             self.body.throws_unknown = true;
             return;
         };
@@ -187,7 +187,7 @@ impl<'t> Reader<'t> {
         }
     }
 
-    /// What an expression may give.
+    /// The possible values of an expression.
     fn values(
         &self,
         node: Node<'t>,
@@ -195,7 +195,7 @@ impl<'t> Reader<'t> {
         seen: &mut FxHashSet<SmolStr>,
         out: &mut Vec<Value>,
     ) {
-        // Nested deeper than that is no code of ours.
+        // Deeper nesting does not occur in written code.
         if out.len() > 256 || seen.len() > 64 {
             out.push(Value::Unknown);
             return;
@@ -257,7 +257,7 @@ impl<'t> Reader<'t> {
     }
 }
 
-/// Chains of conditionals longer than that are generated: they are not followed.
+/// True for longer chains of conditionals, which are generated and not followed.
 fn is_deep(node: Node<'_>) -> bool {
     let mut depth = 0;
     let mut at = Some(node);

@@ -1,4 +1,4 @@
-//! Comments above functions, and what the skeleton wrote in them.
+//! Comments above functions, and the sentences of the skeleton in them.
 
 use smol_str::SmolStr;
 use tree_sitter::Node;
@@ -8,24 +8,24 @@ use super::{Span, ctype::source};
 /// A comment; consecutive `//` lines are one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Comment {
-    /// The comment.
+    /// The place of the comment.
     pub span: Span,
-    /// What it says in the words of the skeleton, if it speaks of a codel.
+    /// The sentences of the skeleton, if it is about a codel.
     pub generated: Option<Generated>,
 }
 
 /// `Codel NAME of OWNER. Triggered by … . Yields to … . Throws … .`
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Generated {
-    /// Codel it says it is about.
+    /// The name of the codel.
     pub codel: SmolStr,
     /// `task`, `service`, `activity`, `function` or `attribute`.
     pub owner_kind: SmolStr,
-    /// Task or service it says it belongs to.
+    /// The name of the task or service.
     pub owner: SmolStr,
     /// `Validation codel`
     pub validation: bool,
-    /// Names after `Triggered by`; `None` without such a sentence.
+    /// Names after `Triggered by`; `None` without this sentence.
     pub triggers: Option<Vec<SmolStr>>,
     /// Names after `Yields to`.
     pub yields: Option<Vec<SmolStr>>,
@@ -33,12 +33,12 @@ pub struct Generated {
     pub throws: Option<Vec<SmolStr>>,
     /// `Codel NAME of KIND OWNER`
     pub header: Span,
-    /// From the first to the last of these sentences: what a refresh replaces. Empty, at the end of
-    /// the header, when there is none.
+    /// From the first to the last of these sentences: the part that an update replaces. Empty, at the end of
+    /// the header, if there are none.
     pub sentences: Span,
 }
 
-/// Comments between a function and what precedes it, nearest first.
+/// Comments between a function and the preceding declaration, nearest first.
 pub(super) fn comments_above(function: Node<'_>, text: &str) -> Vec<Comment> {
     let mut out: Vec<Comment> = Vec::new();
     let mut below = function.start_byte();
@@ -134,7 +134,7 @@ pub(crate) fn generated(text: &str, span: &Span) -> Option<Generated> {
                     break;
                 }
             }
-            // Without a full stop it is prose.
+            // A sentence without a full stop is ordinary prose.
             if !closed {
                 return None;
             }
@@ -157,7 +157,7 @@ fn words<'t>(text: &'t str, span: &Span) -> Vec<(&'t str, Span)> {
     for line in all.split_inclusive('\n') {
         let mut first = true;
         for word in line.split_whitespace() {
-            // Part of `line`, so the distance is its place.
+            // The word is a part of `line`, so the distance is its place.
             let start = at + (word.as_ptr() as usize - line.as_ptr() as usize);
             let marks = word.chars().all(|c| matches!(c, '/' | '*' | '!' | '<'));
             if (first || word.ends_with("*/")) && marks {

@@ -1,4 +1,4 @@
-//! C and C++ types as far as two spellings of one function parameter have to be compared.
+//! C and C++ types, for the comparison of two spellings of one function parameter.
 
 use smol_str::SmolStr;
 use tree_sitter::Node;
@@ -18,22 +18,22 @@ pub enum Layer {
     },
     /// `[length]`
     Array {
-        /// Text between the brackets without blanks, `None` when empty.
+        /// Text between the brackets without blanks, `None` if empty.
         length: Option<SmolStr>,
     },
-    /// `(parameters)`: kept as text.
+    /// `(parameters)`, stored as text.
     Function {
         /// The parameters without blanks.
         parameters: SmolStr,
     },
 }
 
-/// A type: its base and what is around it, from the declared name outwards.
+/// A type: its base and the layers around it, from the declared name outwards.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
 pub struct CType {
-    /// Base type with qualifiers, storage classes and `struct` taken off, blanks normalized.
+    /// Base type without qualifiers, storage classes and `struct`, with normalized blanks.
     pub base: SmolStr,
-    /// The base type is `const`.
+    /// True if the base type is `const`.
     pub constant: bool,
     /// Outermost first: `const T (*v)[3]` is a pointer to an array.
     pub layers: Vec<Layer>,
@@ -48,9 +48,8 @@ impl CType {
         }
     }
 
-    /// What the compiler makes of the type of a function parameter: the outermost array is a
-    /// pointer and the outermost `const` does not count. The second part is the length that the
-    /// array had.
+    /// The type that the compiler uses for a function parameter: the outermost array is a pointer, and the
+    /// outermost `const` is removed. The second part is the length of the array.
     pub fn as_parameter(&self) -> (CType, Option<SmolStr>) {
         let mut it = self.clone();
         let mut length = None;
@@ -80,7 +79,7 @@ impl CType {
         it
     }
 
-    /// Puts the definition of an alias in place of the base type.
+    /// Replaces the base type by the definition of an alias.
     pub fn expand(&self, alias: &CType) -> CType {
         let mut alias = alias.clone();
         if self.constant {
@@ -166,7 +165,7 @@ fn specifier(node: Node<'_>, text: &str, out: &mut Words) {
 /// Declarator layers, innermost node (nearest to the base type) first.
 fn collect_layers(node: Node<'_>, text: &str, out: &mut Vec<Layer>) {
     let mut node = node;
-    // Deep nesting is garbage, and costs one level each.
+    // Deep nesting does not occur in valid code, and each level costs time.
     for _ in 0..64 {
         match node.kind() {
             "pointer_declarator" | "abstract_pointer_declarator" => {
@@ -209,7 +208,7 @@ pub(super) fn inner_declarator(node: Node<'_>) -> Option<Node<'_>> {
     if let Some(inner) = node.child_by_field_name("declarator") {
         return Some(inner);
     }
-    // References, parentheses and attributes hold theirs without a field.
+    // References, parentheses and attributes have their declarator without a field name.
     let mut cursor = node.walk();
     node.named_children(&mut cursor).find(|it| {
         it.kind().ends_with("declarator")
@@ -242,7 +241,7 @@ pub(super) fn source<'t>(node: Node<'_>, text: &'t str) -> &'t str {
     text.get(node.byte_range()).unwrap_or_default()
 }
 
-/// A spelling without the blanks that do not matter, and without comments.
+/// A spelling without redundant blanks, and without comments.
 pub(crate) fn compact(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut rest = text;
@@ -269,7 +268,7 @@ pub(crate) fn compact(text: &str) -> String {
     out
 }
 
-/// One spelling for the types that have several.
+/// The common spelling of types that have several.
 fn base_name(words: &[String]) -> SmolStr {
     let (mut long, mut short, mut unsigned, mut signed) = (0, 0, false, false);
     let mut rest: Vec<&str> = Vec::new();

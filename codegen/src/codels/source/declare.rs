@@ -1,4 +1,4 @@
-//! What a text declares outside functions.
+//! The declarations of a text outside functions.
 
 use smol_str::SmolStr;
 use tree_sitter::Node;
@@ -10,7 +10,7 @@ use super::{
     preorder,
 };
 
-/// Where a declaration stands.
+/// The context of a declaration.
 #[derive(Clone, Default)]
 struct Context {
     scope: Vec<SmolStr>,
@@ -29,7 +29,7 @@ pub(super) fn declarations(root: Node<'_>, text: &str, index: &mut SourceIndex) 
     }
 }
 
-/// Reads one node; gives the context of its children when it has declarations inside.
+/// Reads one node. Returns the context of its children if they may be declarations.
 fn declaration(
     node: Node<'_>,
     context: &Context,
@@ -128,7 +128,7 @@ fn declaration(
 
 fn loose(node: Node<'_>, text: &str, index: &mut SourceIndex) {
     preorder(node, |node| {
-        // A function inside is found on its own.
+        // A function inside is found separately.
         if node.kind() == "function_definition" && node.child_by_field_name("body").is_some() {
             return false;
         }
@@ -178,7 +178,7 @@ fn prototypes(node: Node<'_>, context: &Context, text: &str, index: &mut SourceI
             }
         }
     }
-    // A struct defined on the way.
+    // A structure that is defined inside the declaration.
     if let Some(ty) = node
         .child_by_field_name("type")
         .and_then(|it| it.child_by_field_name("name"))
@@ -210,14 +210,14 @@ fn definition(node: Node<'_>, context: &Context, text: &str, index: &mut SourceI
     true
 }
 
-/// Reads a declaration of a function; `None` when the declarator is not one.
+/// Reads a declaration of a function; `None` if the declarator is not a function.
 fn signature(
     node: Node<'_>,
     declarator: Node<'_>,
     context: &Context,
     text: &str,
 ) -> Option<Function> {
-    // What is around the function declarator belongs to the return type.
+    // The layers around the function declarator belong to the return type.
     let mut function = declarator;
     for _ in 0..64 {
         if function.kind() == "function_declarator" {

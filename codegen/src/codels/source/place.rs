@@ -1,11 +1,11 @@
-//! Where an identifier stands: what is written in front of it, and whether it is declared there.
+//! The context of an identifier: its qualifiers, and the declaration it may belong to.
 
 use smol_str::SmolStr;
 use tree_sitter::Node;
 
 use super::{Function, Grammar, Span, parse, preorder};
 
-/// The scopes that are written in front of a name: `a` and `b` of `a::b::c`.
+/// The scopes that are written before a name: `a` and `b` of `a::b::c`.
 pub(crate) fn qualifiers(node: Node<'_>, text: &str) -> Vec<SmolStr> {
     let mut out = Vec::new();
     let mut at = node;
@@ -44,14 +44,14 @@ pub(crate) fn opened(root: Node<'_>, text: &str) -> Vec<Vec<SmolStr>> {
     out
 }
 
-/// The node is the name of a structure, enumeration or namespace that is defined there.
+/// True if the node is the name of a structure, enumeration or namespace that is defined there.
 pub(crate) fn names_structure(node: Node<'_>) -> bool {
     node.parent().is_some_and(|it| {
         it.child_by_field_name("body").is_some() && it.child_by_field_name("name") == Some(node)
     })
 }
 
-/// The node is the name that a parameter declares.
+/// True if the node is the name that a parameter declares.
 pub(crate) fn names_parameter(node: Node<'_>) -> bool {
     let mut at = node;
     while let Some(parent) = at.parent() {
@@ -61,7 +61,7 @@ pub(crate) fn names_parameter(node: Node<'_>) -> bool {
                     .child_by_field_name("declarator")
                     .is_some_and(|it| it.id() == at.id());
             }
-            // The length of an array is no name of its own.
+            // The length of an array is not a declared name.
             "array_declarator" if parent.child_by_field_name("size") == Some(at) => return false,
             kind if kind.ends_with("declarator") => at = parent,
             _ => return false,
@@ -70,7 +70,7 @@ pub(crate) fn names_parameter(node: Node<'_>) -> bool {
     false
 }
 
-/// The node is the name that a parameter or variable declares.
+/// True if the node is the name that a parameter or variable declares.
 pub(crate) fn is_declared(node: Node<'_>) -> bool {
     let mut at = node;
     while let Some(parent) = at.parent() {
@@ -90,8 +90,8 @@ pub(crate) fn is_declared(node: Node<'_>) -> bool {
     false
 }
 
-/// The places of a parameter in a function: where it is declared and used. Empty when the function declares
-/// another variable of its name, or has the new name for something else.
+/// The places of a parameter in a function: its declaration and its uses. Empty if the function declares
+/// another variable of its name, or uses the new name for something else.
 pub(crate) fn renamable(
     text: &str,
     grammar: Grammar,
@@ -127,7 +127,7 @@ pub(crate) fn renamable(
     places
 }
 
-/// Words that stand behind `.` or `->` in a text, or look so.
+/// Words that follow `.` or `->` in a text, without parsing it.
 pub(crate) fn field_words(text: &str) -> impl Iterator<Item = &str> {
     let dots = text.match_indices('.').chain(text.match_indices("->"));
     dots.filter_map(|(at, sign)| {

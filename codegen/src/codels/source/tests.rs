@@ -108,7 +108,8 @@ fn functions_are_found_among_macros_and_directives() {
     assert!(index.loose.contains("hidden"), "{:?}", index.loose);
 }
 
-/// What half-typed code swallows is known to be there.
+/// A half-typed declaration hides no later function: the function is found, mentioned in a broken body, or a
+/// loose name.
 #[test]
 fn half_typed_code_hides_nothing() {
     for text in [

@@ -1,8 +1,8 @@
-//! Types of expressions, as far as it takes to know whose member `x.y` is.
+//! Types of expressions, as far as needed to find the structure of the member in `x.y`.
 //!
-//! [`Types`] collects what texts declare outside functions: structures with their members, aliases,
-//! functions and variables. [`Scope`] adds the variables of one function. What is not known gives
-//! `None`, never a guess.
+//! [`Types`] collects the declarations of texts outside functions: structures with their members, aliases,
+//! functions and variables. [`Scope`] adds the variables of one function. An unknown type is `None`, never a
+//! guess.
 
 use rustc_hash::FxHashMap;
 use smol_str::SmolStr;
@@ -14,16 +14,17 @@ use super::{
     parse, preorder,
 };
 
-/// Expressions and types nested deeper than that are not followed.
+/// Maximum depth of expressions and types that are followed.
 const DEPTH: usize = 64;
 
-/// What some texts declare.
+/// The declarations of some texts.
 #[derive(Debug, Default)]
 pub(crate) struct Types {
-    /// By the name of the structure, scopes included; one without name is called by the member that has it.
+    /// Members by the name of the structure, scopes included. A structure without a name has the name of the
+    /// member that contains it.
     members: FxHashMap<SmolStr, FxHashMap<SmolStr, CType>>,
     aliases: FxHashMap<SmolStr, CType>,
-    /// The types of what functions return, and of variables; `None` when two declarations differ.
+    /// The return types of functions, and the types of variables; `None` if two declarations differ.
     values: FxHashMap<SmolStr, Option<CType>>,
 }
 
@@ -143,7 +144,7 @@ impl Types {
                     let members = self.members.entry(owner.clone()).or_default();
                     members.insert(name, of);
                 }
-                // Members of an anonymous one belong to the structure around it.
+                // Members of an anonymous structure belong to the enclosing structure.
                 if let Some(nameless) = nameless.filter(|_| !any) {
                     work.push((nameless, owner.clone()));
                 }
@@ -151,7 +152,7 @@ impl Types {
         }
     }
 
-    /// The structure of that name, by its full name; after `using namespace` a name may lack its scopes.
+    /// The structure with that full name; after `using namespace` a name may lack its scopes.
     fn find(&self, name: &str) -> Option<(&SmolStr, &FxHashMap<SmolStr, CType>)> {
         if let Some(found) = self.members.get_key_value(name) {
             return Some(found);
@@ -170,7 +171,7 @@ impl Types {
         all.next().is_none().then_some(found)
     }
 
-    /// The type with aliases replaced by what they stand for.
+    /// The type with aliases replaced by their definitions.
     fn canonical(&self, ty: &CType) -> CType {
         let mut ty = ty.clone();
         for _ in 0..DEPTH {
@@ -184,7 +185,7 @@ impl Types {
         ty
     }
 
-    /// The structure that `.` and `->` reach from a value of a type.
+    /// The structure whose members `.` and `->` access in a value of a type.
     pub(crate) fn structure_of(&self, ty: &CType) -> Option<SmolStr> {
         let ty = self.canonical(ty);
         let plain = |it: &Layer| matches!(it, Layer::Pointer { .. } | Layer::Reference { .. });
@@ -201,7 +202,7 @@ impl Types {
         self.find(structure)?.1.get(name)
     }
 
-    /// What `[]` and `*` give.
+    /// The type of `[]` and `*` applied to a value.
     pub(crate) fn element(&self, ty: &CType) -> Option<CType> {
         let mut ty = self.canonical(ty);
         if matches!(ty.layers.first(), Some(Layer::Reference { .. })) {
@@ -218,7 +219,7 @@ impl Types {
     }
 }
 
-/// The first argument of a template: the element of the containers of the mapping.
+/// The first argument of a template: the element type of the mapping's containers.
 fn argument_of(base: &str) -> Option<CType> {
     let (_, rest) = base.split_once('<')?;
     let rest = rest.strip_suffix('>')?;
@@ -283,8 +284,7 @@ fn scoped(node: Node<'_>, name: &str, text: &str) -> SmolStr {
     path.join("::").into()
 }
 
-/// The names and types that a declaration or the head of a function gives. Of functions, the type of
-/// the result.
+/// The names and types in a declaration or in the head of a function. A function has the type of its result.
 fn declared(node: Node<'_>, text: &str, mut found: impl FnMut(SmolStr, CType)) {
     let mut cursor = node.walk();
     for declarator in node.children_by_field_name("declarator", &mut cursor) {
@@ -308,12 +308,12 @@ fn declared(node: Node<'_>, text: &str, mut found: impl FnMut(SmolStr, CType)) {
 pub(crate) struct Scope<'a> {
     types: &'a Types,
     text: &'a str,
-    /// `None` when several variables of one name have different types, or nothing tells which it has.
+    /// `None` if several variables of one name have different types, or if the type is unknown.
     variables: FxHashMap<SmolStr, Option<CType>>,
 }
 
 impl<'a> Scope<'a> {
-    /// The variables of a function; of the file alone when there is no function.
+    /// The variables of a function; without a function, those of the file.
     pub(crate) fn new(function: Option<Node<'a>>, text: &'a str, types: &'a Types) -> Scope<'a> {
         let mut scope = Scope {
             types,
@@ -329,7 +329,7 @@ impl<'a> Scope<'a> {
         scope
     }
 
-    /// Whether the function has a variable of that name.
+    /// True if the function has a variable of that name.
     pub(crate) fn has(&self, name: &str) -> bool {
         self.variables.contains_key(name)
     }
@@ -387,7 +387,7 @@ impl<'a> Scope<'a> {
         }
     }
 
-    /// The type of an expression, where it can be known.
+    /// The type of an expression, if it is known.
     pub(crate) fn type_of(&self, node: Node<'_>) -> Option<CType> {
         self.ty(node, 0)
     }
@@ -471,7 +471,7 @@ impl<'a> Scope<'a> {
         self.types.structure_of(&self.within(whole, before)?)
     }
 
-    /// The type of what some designators, one after the other, name in a value.
+    /// The type of the part of a value that some designators, one after the other, select.
     fn within<'t>(&self, of: CType, steps: impl Iterator<Item = Node<'t>>) -> Option<CType> {
         let mut ty = of;
         for step in steps {
@@ -487,7 +487,7 @@ impl<'a> Scope<'a> {
         Some(ty)
     }
 
-    /// The type of what the list around a node initializes.
+    /// The type that the initializer list around a node initializes.
     fn initialized(&self, node: Node<'_>, depth: usize) -> Option<CType> {
         if depth > DEPTH {
             return None;
@@ -518,7 +518,7 @@ impl<'a> Scope<'a> {
 
 /// The type that a declaration gives to one of its declarators, which may have an initial value.
 fn typed(declaration: Node<'_>, declarator: Node<'_>, text: &str) -> CType {
-    // Words after the first declarator are no part of the type.
+    // Words after the first declarator are not part of the type.
     let first = declaration.child_by_field_name("declarator");
     let base = of_declaration(declaration, first, text);
     let inner = match declarator.kind() {
@@ -537,7 +537,7 @@ fn of_descriptor(ty: Node<'_>, text: &str) -> CType {
     of_declaration(ty, ty.child_by_field_name("declarator"), text)
 }
 
-/// The structure that declares a member, named as [`Types`] names it.
+/// The structure that declares a member, with its name in [`Types`].
 pub(crate) fn owner_of(member: Node<'_>, text: &str) -> Option<SmolStr> {
     let mut steps: Vec<SmolStr> = Vec::new();
     let mut at = member.parent();
@@ -557,7 +557,7 @@ pub(crate) fn owner_of(member: Node<'_>, text: &str) -> Option<SmolStr> {
                 path.extend(steps.into_iter().rev());
                 return Some(path.join(".").into());
             }
-            // Called by the member that has it, if there is one.
+            // Named after the member that contains it, if there is one.
             let declarator = around.child_by_field_name("declarator");
             if let Some(name) = declarator.and_then(declared_name) {
                 steps.push(source(name, text).into());

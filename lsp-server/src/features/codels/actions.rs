@@ -1,4 +1,4 @@
-//! Code actions that bring specifications and codels together.
+//! Code actions that make specifications and codels agree.
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::Cancellable;
@@ -26,17 +26,17 @@ use crate::protocol::refusable::Refusable;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
-/// Kind of the action that mends everything. It is not below `source.fixAll`, which editors run
-/// unasked when a file is saved.
+/// Kind of the action that applies every fix. It is not below `source.fixAll`, which editors run on save
+/// without a question.
 pub(crate) const SYNC: CodeActionKind = CodeActionKind::new("source.syncCodels");
 
 /// Title of that action.
 const FIX_ALL: &str = "Fix all differences between specification and codels";
 
-/// What comes back with an action to be resolved.
+/// The data of an action that is resolved later.
 #[derive(Debug, Serialize, Deserialize)]
 struct Data {
-    /// The document in which everything was to be mended.
+    /// The document in which the action was offered.
     sync: Utf8PathBuf,
 }
 
@@ -58,7 +58,7 @@ pub(crate) fn handle(
     Ok(Some(out))
 }
 
-/// Whether actions of a kind are offered. What changes every file is not offered in passing.
+/// True if actions of a kind are offered. Actions that change every file are offered only on request.
 pub(crate) fn offered(params: &CodeActionParams, kind: &CodeActionKind) -> bool {
     is_wanted(params, kind) && (*kind != SYNC || params.context.only.is_some())
 }
@@ -106,7 +106,7 @@ pub(crate) fn actions(
     texts.check()
 }
 
-/// Everything that is needed for the edits of one folder.
+/// The data for the edits of one folder.
 struct Work<'a> {
     snapshot: &'a Snapshot,
     subject: &'a Subject,
@@ -115,7 +115,8 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// The fixes of a finding that has a place in a range of the document; whether it has one.
+    /// Adds the fixes of a finding with a place in a range of the document. Returns true if the finding has
+    /// such a place.
     fn fixes(
         &self,
         drift: &Drift,
@@ -141,7 +142,8 @@ impl Work<'_> {
         let stubs = codels::stub_options(self.folder, self.texts);
         let repairs = codels::repairs(self.folder, expected, self.texts, &stubs);
         let mut push = |title, edit: &Edit, written: Option<&str>, preferred| -> Cancellable<()> {
-            // A stub beside a function that looks like the codel does not explain that function.
+            // A stub next to a function that looks like the codel does not fix the finding about that
+            // function.
             let mends = drift.code != DriftCode::Orphan || written.is_none();
             let about = shown.clone().filter(|_| mends);
             let action = CodeAction {
@@ -200,7 +202,7 @@ impl Work<'_> {
             };
             let mut wanted: Vec<(String, Vec<CodelRef>)> = Vec::new();
             let missing = repairs.missing();
-            // Where the others are, a diagnostic offers them.
+            // If only some functions are missing, a diagnostic offers their stubs.
             let silent = !self.folder.sources.exists || missing.len() == expected.functions.len();
             if !silent || missing.is_empty() {
                 continue;
@@ -240,8 +242,8 @@ impl Work<'_> {
         Ok(())
     }
 
-    /// The action with its edit; where it writes the function of a codel, the client then shows the body of
-    /// that. `None` when there is nothing to do, or when a file that is there would have to be replaced.
+    /// The action with its edit. If the edit writes the function of a codel, the client then shows the body
+    /// of that function. `None` if there is no edit, or if the edit would replace an existing file.
     fn action(
         &self,
         action: CodeAction,
@@ -263,7 +265,7 @@ impl Work<'_> {
         offers.action(action, edit, mends)
     }
 
-    /// The place of the body of a function in the texts that an edit makes, for clients that can go there.
+    /// The place of the body of a function in the edited texts, for clients that can show it.
     fn body(&self, edit: &Edit, codel: &str) -> Option<serde_json::Value> {
         if !self.snapshot.client.show_document {
             return None;
@@ -283,7 +285,7 @@ impl Work<'_> {
     }
 }
 
-/// Stubs of the task or service of a codel, and of the component, where these are more.
+/// Stubs for the task or service of a codel, and for the component, if they have more missing codels.
 fn more_stubs(repairs: &Repairs<'_>, owner: Owner) -> Vec<(String, Vec<CodelRef>)> {
     let of_owner = repairs.missing_of(owner);
     let all = repairs.missing();
@@ -317,7 +319,7 @@ fn stubs(count: usize) -> String {
     }
 }
 
-/// The action that mends everything; worked out when it is chosen, if the client can wait.
+/// The action that applies every fix. Its edit is computed on resolve, if the client supports that.
 fn sync_action(
     snapshot: &Snapshot,
     subject: &Subject,
@@ -356,7 +358,7 @@ pub(crate) fn resolve(
     })))
 }
 
-/// Everything that can be mended around a document, hints included.
+/// Every fix around a document, hints included.
 fn sync_edit(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Option<Edited>> {
     let mut roots: Vec<Utf8PathBuf> = Vec::new();
     for compared in codels::around(snapshot, path)? {
@@ -377,7 +379,7 @@ fn sync_edit(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Option<Edited>
     let mut host = judged::private_host(snapshot)?;
     let texts = Texts::new(snapshot);
     let mut project = judged::project(&mut host, snapshot, &texts, path);
-    // A yield that the code does not use was meant by somebody: it goes only where that is asked for.
+    // A yield that the code does not use may be intended: it is removed only on request.
     let options = SyncOptions::default();
     let done = sync(&mut project, &roots, &options);
     drop(project);

@@ -1,5 +1,5 @@
-//! `dotgen/codelHeaders`: the headers that let clangd understand codels without a build. The client
-//! writes them.
+//! `dotgen/codelHeaders`: the headers with which clangd understands codels without a build. The client writes
+//! them.
 
 use dotgen_analysis::host::{AnalysisHost, Cancellable};
 use dotgen_codegen::codels::command;
@@ -11,16 +11,16 @@ use crate::protocol::messages::DocumentParams;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
-/// Folder for generated headers, beside the specification.
+/// Folder for generated headers, next to the specification.
 pub(crate) const FOLDER: &str = ".dotgen";
 
-/// Text of the `.gitignore` there: all of it can be made again.
+/// Text of the `.gitignore` in that folder: every file in it can be generated again.
 pub(crate) const IGNORED: &str = "*\n";
 
 /// A file to be written.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct HeaderFile {
-    /// Where.
+    /// Its path.
     uri: Uri,
     /// The whole text.
     text: String,
@@ -29,13 +29,13 @@ pub(crate) struct HeaderFile {
 /// Answer of `dotgen/codelHeaders`.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct CodelHeaders {
-    /// The folder of all files; its `compile_flags.txt` is for clangd's `--compile-commands-dir`.
+    /// The folder of all files. Its `compile_flags.txt` is for clangd's `--compile-commands-dir`.
     folder: Uri,
     /// In order of paths.
     files: Vec<HeaderFile>,
 }
 
-/// An answer, or what is wrong with the specification.
+/// The headers, or the errors of the specification.
 pub(crate) fn handle(
     snapshot: &Snapshot,
     subject: &Subject,

@@ -1,4 +1,4 @@
-//! Edits as they may be offered: each was tried on a copy of the documents, see [`judge`].
+//! Edits that were tried on a copy of the documents before they are offered, see [`judge`].
 //!
 //! [`judge`]: dotgen_codegen::codels::command::judge
 
@@ -14,7 +14,7 @@ use crate::features::convert::edit::{Review, edit_of, with_edit};
 use crate::protocol::types::{CodeAction, CodeActionOrCommand};
 use crate::workspace::snapshot::Snapshot;
 
-/// Makes actions of edits that a judge allows.
+/// Makes actions of the edits that a judge allows.
 pub(crate) struct Offers<'o, 'j, 'p> {
     snapshot: &'o Snapshot,
     texts: &'o Texts<'o>,
@@ -48,8 +48,8 @@ pub(crate) fn offers<T>(
 }
 
 impl Offers<'_, '_, '_> {
-    /// The action that makes an edit, if the judge allows the edit. `mends`: the code of the finding that it
-    /// is for.
+    /// The action with an edit, or `None` if the judge refuses the edit. `mends`: the code of the finding
+    /// that the edit fixes.
     pub(crate) fn action(
         &mut self,
         action: CodeAction,
@@ -57,7 +57,7 @@ impl Offers<'_, '_, '_> {
         mends: Option<&str>,
     ) -> Cancellable<Option<CodeActionOrCommand>> {
         let verdict = self.judge.verdict(edit, mends);
-        // What was read after a cancellation is nothing.
+        // Texts that were read after a cancellation are invalid.
         self.texts.check()?;
         let is_whole = verdict == Verdict::Whole;
         let (title, edit) = match &verdict {
@@ -74,7 +74,7 @@ impl Offers<'_, '_, '_> {
         Ok(with_edit(self.snapshot, action, edit).map(CodeActionOrCommand::CodeAction))
     }
 
-    /// See [`Judge::together`]. No source is changed: editors make such edits unasked.
+    /// See [`Judge::together`]. No source is changed: editors apply these edits without a question.
     pub(crate) fn together(&mut self, edits: &[(Edit, &str)]) -> Cancellable<Edit> {
         let edit = self.judge.together(edits, false).0;
         self.texts.check()?;
@@ -82,7 +82,7 @@ impl Offers<'_, '_, '_> {
     }
 }
 
-/// A database of our own with the texts of a snapshot, for work that tries changes.
+/// A separate database with the texts of a snapshot, for work that tries changes.
 pub(crate) fn private_host(snapshot: &Snapshot) -> Cancellable<AnalysisHost> {
     let mut host = AnalysisHost::new(snapshot.vfs.clone());
     let mut files = Vec::new();
@@ -99,7 +99,7 @@ pub(crate) fn private_host(snapshot: &Snapshot) -> Cancellable<AnalysisHost> {
     Ok(host)
 }
 
-/// A project over a database of our own, as the configuration has it around a file.
+/// A project over a separate database, with the configuration around a file.
 pub(crate) fn project<'a>(
     host: &'a mut AnalysisHost,
     snapshot: &Snapshot,

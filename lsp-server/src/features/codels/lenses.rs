@@ -1,4 +1,4 @@
-//! Lenses above the functions of codels: what the specification says of them, and the way there.
+//! Lenses above the functions of codels: the declaration in the specification, and a link to it.
 
 use camino::Utf8Path;
 use dotgen_analysis::host::{Cancellable, UnitResult};
@@ -15,16 +15,16 @@ use crate::features::commands::{SHOW_CODEL, SHOW_REFERENCES};
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
-/// More uses of one function than have a lens each.
+/// Maximum number of uses with a lens of their own. With more, a function has one lens for all.
 const MAX_USES: usize = 3;
 
-/// Follows what a lens says while the specification has syntax errors.
+/// Appended to a lens while the specification has syntax errors.
 const EARLIER: &str = " · as of the last text without syntax errors";
 
-/// More codels of other components than a lens names.
+/// Maximum number of codels of other components in a lens.
 const MAX_REMOTE: usize = 3;
 
-/// A line above a function, and the place of the function's name.
+/// `textDocument/codeLens` in a source: lenses above functions, at the place of the function's name.
 pub(crate) fn handle(
     snapshot: &Snapshot,
     subject: &Subject,
@@ -61,21 +61,21 @@ pub(crate) fn handle(
     Ok(Some(out))
 }
 
-/// What a lens says and where it leads.
+/// The text of a lens and the place it links to.
 #[derive(Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Lens {
     pub(crate) title: String,
     places: Vec<(camino::Utf8PathBuf, std::ops::Range<usize>)>,
 }
 
-/// The lenses of a source, each with a range that begins where its function does.
+/// The lenses of a source. The range of each begins at its function.
 pub(crate) fn lenses(
     snapshot: &Snapshot,
     path: &Utf8Path,
 ) -> Cancellable<Vec<(Lens, std::ops::Range<usize>)>> {
     let mut out = Vec::new();
     let around = codels::around(snapshot, path)?;
-    // Made when the first codel uses a port.
+    // Computed when the first codel uses a port.
     let mut units: Option<Vec<UnitResult>> = None;
     for folder in around.iter().flat_map(|it| it.folders()) {
         let all = folder.expected();
@@ -166,7 +166,7 @@ fn remote_exclusions(component: &Component, at: CodelRef, system: &System<'_>) -
     else {
         return Vec::new();
     };
-    // Another unit may have read it otherwise.
+    // Another unit may have read the declaration differently.
     let read = system.parts[part].component;
     let name = |it: &Component| it.codel(at).name.clone();
     if !read.all_codels().any(|it| it == at) || name(read) != name(component) {

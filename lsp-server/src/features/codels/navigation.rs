@@ -14,8 +14,8 @@ use dotgen_codegen::codels::rename::{self, Renaming};
 use crate::features::codels::{self, Texts};
 use crate::workspace::snapshot::Snapshot;
 
-/// Calls `visit` with the folder, the component (index into what the folder expects) and the name of
-/// each codel that is written at an offset of a specification.
+/// Calls `visit` with the folder, the component (index into the expected components of the folder) and the
+/// name of each codel at an offset of a specification.
 fn for_codel_at(
     snapshot: &Snapshot,
     path: &Utf8Path,
@@ -73,8 +73,8 @@ pub(crate) fn references(
     Ok(out)
 }
 
-/// The edits of the sources and build files that go with a rename, whose edits of specifications are
-/// `edits`; why they cannot follow.
+/// The edits of sources and build files that go with a rename, whose edits of specifications are `edits`. The
+/// error is the reason why they cannot follow.
 pub(crate) fn rename(
     snapshot: &Snapshot,
     edits: &[FileEdit],
@@ -91,12 +91,12 @@ pub(crate) fn rename(
     let mut out = Renaming::default();
     let texts = Texts::new(snapshot);
     for root in roots {
-        // Of a unit without sources the model is not asked for: there may be a thousand.
+        // The model of a unit without sources is not built: there may be a thousand units.
         if !codels::may_have_sources(snapshot, &root)? {
             continue;
         }
         for compared in codels::around(snapshot, &root)? {
-            // What the rename makes of a unit is compiled only where sources might follow.
+            // The renamed unit is compiled only if it has sources.
             if !compared.folders().any(|it| it.sources.exists) {
                 continue;
             }

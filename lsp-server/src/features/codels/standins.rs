@@ -1,4 +1,4 @@
-//! Stand-ins for files that are not found, as files to be written.
+//! Stand-ins for missing files, as files to be written.
 
 use std::ops::Range;
 
@@ -39,8 +39,8 @@ pub(crate) fn changes(specification: &Utf8Path, stand_ins: &[StandIn]) -> Vec<Fi
     out
 }
 
-/// "Write a stand-in for…" at a missing package, one for each file that it may bring, and at the inclusion
-/// of a missing file, for that file.
+/// "Write a stand-in for…": at a missing package, one for each file that the package may contain; at an
+/// include of a missing file, one for that file.
 pub(crate) fn actions(
     snapshot: &Snapshot,
     subject: &Subject,
@@ -56,13 +56,13 @@ pub(crate) fn actions(
     let cause = here.next();
     let missing = snapshot.analysis.missing_includes(&subject.path)?;
     let mut missing = missing.iter().map(|it| &it.range);
-    // An inclusion that waits for a package has no finding of its own.
+    // An include that depends on a missing package has no finding of its own.
     if cause.is_none() && !missing.any(|it| it.start <= range.end && range.start <= it.end) {
         return Ok(Vec::new());
     }
     let root = snapshot.analysis.root_of(&subject.path)?;
     let all = snapshot.analysis.stand_ins(&root)?;
-    // At an include: for that file. At a package: for all that it may bring.
+    // At an include: the stand-in for that file. At a package: every stand-in.
     let at = |it: &&StandIn| {
         it.by == subject.path && it.at.start <= range.end && range.start <= it.at.end
     };
@@ -77,7 +77,7 @@ pub(crate) fn actions(
         if edit.created.is_empty() {
             continue;
         }
-        // At a package the finding stays: a stand-in takes the place of a file, not of the package.
+        // At a package the finding remains: a stand-in replaces a file, not the package.
         let mended = cause.filter(|_| only_here);
         let shown = match mended {
             Some(cause) => diagnostic::to_proto(snapshot, cause)?,

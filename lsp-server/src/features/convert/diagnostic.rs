@@ -17,7 +17,7 @@ pub(crate) fn severity(severity: Severity) -> types::DiagnosticSeverity {
     }
 }
 
-/// A diagnostic, as much of it as the client understands.
+/// A diagnostic, reduced to what the client supports.
 pub(crate) fn to_proto(
     snapshot: &Snapshot,
     diagnostic: &Diagnostic,

@@ -11,11 +11,11 @@ use dotgen_syntax::encoding::LineEnd;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::Snapshot;
 
-/// An edit for the client, or why there is none: a message for the user.
+/// An edit for the client. The error is a message for the user.
 pub(crate) type Edited = std::result::Result<WorkspaceEdit, String>;
 
-/// What a client may do to a file, or why it may not: it would write its own idea of bytes that are no UTF-8.
-/// An open document is written as the client read it. The line end of the file.
+/// The line end of a file that the client may edit. The error says why it may not: the client would replace
+/// bytes that are not UTF-8. An open document is saved with the text that the client read.
 fn line_end_of(
     snapshot: &Snapshot,
     path: &Utf8Path,
@@ -34,7 +34,7 @@ fn line_end_of(
     Ok(Ok(LineEnd::of(&text)))
 }
 
-/// New text as the file wants it. Characters that could not be read are not passed on.
+/// New text with the line end of the file. The error reports characters that could not be read.
 fn fitted(line_end: LineEnd, text: &str, path: &Utf8Path) -> std::result::Result<String, String> {
     if text.contains(char::REPLACEMENT_CHARACTER) {
         return Err(format!(
@@ -45,7 +45,7 @@ fn fitted(line_end: LineEnd, text: &str, path: &Utf8Path) -> std::result::Result
     Ok(line_end.fit(text).into_owned())
 }
 
-/// As one workspace edit, made at once.
+/// The edits as one workspace edit, without a review by the user.
 pub(crate) fn workspace_edit(snapshot: &Snapshot, edits: &[FileEdit]) -> Cancellable<Edited> {
     edit_of(snapshot, Review::None, &Edit::of(edits))
 }
@@ -68,19 +68,19 @@ pub(crate) fn text_edits(
     Ok(Some(convert.collect()))
 }
 
-/// Whether the user sees an edit before it is made.
+/// The review of an edit by the user before it is made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Review<'a> {
-    /// It is what was asked for, and is made at once.
+    /// No review: the edit is what the user requested.
     None,
-    /// It reaches further than what is on the screen: where several files change, they are shown first, under
-    /// this label, by clients that can.
+    /// A review under this label if the edit changes several files, in clients that support it.
     SeveralFiles(&'a str),
-    /// It leaves something that may be meant too: it is shown first, under this label, with what it leaves.
+    /// A review under this label, with a list of places that the edit does not change, although they may have
+    /// the same meaning.
     Leaves {
         /// The label.
         label: &'a str,
-        /// What stays, a place on each line.
+        /// The unchanged places, one a line.
         left: &'a str,
     },
 }
@@ -179,10 +179,11 @@ pub(crate) fn edit_of(snapshot: &Snapshot, review: Review<'_>, edit: &Edit) -> C
     }))
 }
 
-/// Name of the annotation of what is shown first.
+/// Name of the annotation for edits with a review.
 const REVIEWED: &str = "reviewed";
 
-/// An action with its edit. One that cannot be made is shown with the reason, where the client does that.
+/// An action with its edit. If the edit is impossible, the action is shown with the reason, in clients that
+/// support it.
 pub(crate) fn with_edit(
     snapshot: &Snapshot,
     action: CodeAction,
@@ -201,7 +202,7 @@ pub(crate) fn with_edit(
     }
 }
 
-/// Whether a client wants actions of a kind.
+/// True if a client wants actions of a kind.
 pub(crate) fn is_wanted(params: &CodeActionParams, kind: &CodeActionKind) -> bool {
     let only = params.context.only.as_deref();
     only.is_none_or(|only| only.iter().any(|it| kind.as_str().starts_with(it.as_str())))

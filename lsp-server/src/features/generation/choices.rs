@@ -1,16 +1,16 @@
-//! What was generated for a specification, kept in the `dotgen.toml` of the workspace folder so that
-//! it can be repeated.
+//! The templates run on a specification, and their options. They are stored in the `dotgen.toml` of the
+//! workspace folder, so that they can be run again.
 
 use camino::Utf8Path;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, value};
 
 use crate::config::Generate;
 
-/// The text of a `dotgen.toml` after a choice was added to it, or put in the place of the one for the
-/// same file and template. Everything else stays as it is, comments too.
+/// The text of a `dotgen.toml` with one more choice, which replaces the choice for the same file and
+/// template. All other text, comments included, is unchanged.
 ///
 /// # Errors
-/// Why the text cannot be edited.
+/// The reason why the text cannot be edited.
 pub(crate) fn remember(text: &str, choice: &Generate) -> Result<String, String> {
     let mut document: DocumentMut = text
         .parse()
@@ -49,7 +49,7 @@ pub(crate) fn remember(text: &str, choice: &Generate) -> Result<String, String> 
     Ok(document.to_string())
 }
 
-/// The name of a file as `dotgen.toml` gives it: relative to its folder, with slashes.
+/// The name of a file in `dotgen.toml`: relative to its folder, with slashes.
 pub(crate) fn relative(file: &Utf8Path, folder: &Utf8Path) -> String {
     let name = file.strip_prefix(folder).unwrap_or(file);
     name.as_str().replace('\\', "/")

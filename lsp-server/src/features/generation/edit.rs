@@ -11,23 +11,23 @@ use similar::{Algorithm, DiffOp, capture_diff_slices};
 use crate::protocol::convert::{Encoding, Lines, uri};
 use crate::protocol::types::*;
 
-/// A file that would be new or different.
+/// A new or changed file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct FileChange {
     pub(crate) uri: Uri,
-    /// The text there is; `None` for a new file.
+    /// The present text; `None` for a new file.
     pub(crate) before: Option<String>,
     pub(crate) after: String,
-    /// Unix permissions, when the template gives any.
+    /// Unix permissions, if the template sets any.
     pub(crate) mode: Option<u32>,
-    /// The reason to look twice: the file is hidden, or becomes executable.
+    /// A warning for the user: the file is hidden, or becomes executable.
     pub(crate) concern: Option<&'static str>,
 }
 
 /// The files that a run would change.
 ///
 /// # Errors
-/// A file whose text is not UTF-8, so that it cannot be edited.
+/// A file whose text is not UTF-8 and therefore cannot be edited.
 pub(crate) fn changes<'a>(
     files: impl IntoIterator<Item = (&'a std::path::PathBuf, &'a PreviewFile)>,
 ) -> std::result::Result<Vec<FileChange>, String> {
@@ -64,17 +64,17 @@ fn uri_of(path: &Path) -> Option<Uri> {
     uri::from_path(Utf8Path::from_path(path)?)
 }
 
-/// What a workspace edit may be made of.
+/// The kinds of workspace edits that the client supports.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Able {
-    /// Edits can be sent at all.
+    /// Edits.
     pub(crate) apply: bool,
-    /// Files may be created.
+    /// Creation of files.
     pub(crate) create: bool,
     pub(crate) encoding: Encoding,
 }
 
-/// The edit that makes the changes. They were shown before.
+/// The edit that makes the changes, which the user has already reviewed.
 pub(crate) fn workspace_edit(changes: &[FileChange], able: Able) -> WorkspaceEdit {
     let mut operations = Vec::new();
     #[allow(clippy::mutable_key_type, reason = "the type of the protocol")]

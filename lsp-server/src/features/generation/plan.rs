@@ -1,4 +1,4 @@
-//! What runs of templates would do, and how that is written.
+//! The results of templates before they are written, and the way they are written.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use crate::config::{self, Generate};
 use crate::files::disk::SystemDisk;
 use crate::protocol::convert::uri;
 
-/// What one or several templates would do.
+/// The results of one or several templates.
 #[derive(Default)]
 pub(crate) struct Plan {
     pub(crate) choices: Vec<Generate>,
@@ -27,7 +27,7 @@ pub(crate) struct Plan {
     pub(crate) failed: bool,
 }
 
-/// Runs templates one after the other; the first that fails ends it.
+/// Runs templates one after the other, up to the first that fails.
 pub(crate) fn plan(job: &Job, choices: Vec<Generate>, cancel: &Arc<AtomicBool>) -> Plan {
     let mut plan = Plan::default();
     let mut files = BTreeMap::new();
@@ -65,13 +65,13 @@ impl Plan {
         names.join(", ")
     }
 
-    /// What would happen, as a question.
+    /// A description of the changes, as a question to the user.
     pub(crate) fn question(&self) -> String {
         let name = |it: &FileChange| {
             let path = uri::to_path(&it.uri);
             let name = terminal::name(path.file_name().unwrap_or_default()).into_owned();
             match it.concern {
-                // The name alone does not say that a folder is hidden.
+                // The name alone does not show that a folder is hidden.
                 Some(what) if what.starts_with("hidden") => {
                     format!("{} ({what})", terminal::name(path.as_str()))
                 }
@@ -137,7 +137,7 @@ pub(crate) fn remember(folder: &Utf8Path, choices: &[Generate]) -> std::result::
     SystemDisk.write(&[file]).map_err(|it| it.to_string())
 }
 
-/// Writes what the client cannot, all or none.
+/// Writes the files that the client cannot write: all or none.
 pub(crate) fn write(changes: &[FileChange]) -> std::result::Result<(), String> {
     let content = |it: &FileChange| NewContent {
         path: uri::to_path(&it.uri).into(),
@@ -150,7 +150,7 @@ pub(crate) fn write(changes: &[FileChange]) -> std::result::Result<(), String> {
 
 pub(crate) fn set_mode(change: &FileChange) {
     if let Some(mode) = change.mode {
-        // A client that has not saved the file yet keeps what it has.
+        // The mode of a file that the client has not saved yet is unchanged.
         let _ = SystemDisk.set_mode(uri::to_path(&change.uri).as_std_path(), mode);
     }
 }

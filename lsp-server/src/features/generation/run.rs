@@ -1,4 +1,4 @@
-//! One run of a template of which nothing is written.
+//! A run of a template that writes no file.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -27,36 +27,36 @@ use crate::protocol::client::ClientCaps;
 use crate::protocol::convert::uri;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
-/// Everything a run needs, taken from the state when the command arrived.
+/// The input of a run, taken from the state when the command arrived.
 #[derive(Clone)]
 pub(crate) struct Job {
     /// The specification.
     pub(crate) file: Utf8PathBuf,
-    /// The workspace folder, or that of the file.
+    /// The workspace folder, or the folder of the file.
     pub(crate) folder: Utf8PathBuf,
-    /// Where results may be: the workspace, or the folder of a file that is in none.
+    /// The folders in which a template may write: the workspace, or the folder of a file outside it.
     folders: Vec<Utf8PathBuf>,
     pub(crate) config: Arc<Config>,
     pub(crate) client: Arc<ClientCaps>,
-    /// Texts of the open documents: they count, saved or not.
+    /// Texts of the open documents, which take precedence over the disk.
     open: Arc<FxHashMap<Utf8PathBuf, String>>,
 }
 
-/// What became of a run.
+/// The result of a run.
 pub(crate) struct Generated {
     /// The exit status of the template.
     pub(crate) status: i32,
-    /// Files by path, as the template wants them.
+    /// Files by path, as written by the template.
     pub(crate) files: BTreeMap<PathBuf, PreviewFile>,
-    /// Printed on the standard output.
+    /// The standard output.
     pub(crate) output: String,
-    /// Printed on the error output.
+    /// The error output.
     pub(crate) messages: String,
-    /// Where the template failed.
+    /// The place in the template of its failure.
     pub(crate) failed_at: Option<TemplatePlace>,
 }
 
-/// The job for a document; `None` if it is no file.
+/// The job for a document; `None` if the document is not a file.
 pub(crate) fn job(snapshot: &Snapshot, subject: &Subject, _: &()) -> Cancellable<Option<Box<Job>>> {
     let file = subject.path.clone();
     if uri::is_virtual(&file) {
@@ -90,12 +90,12 @@ pub(crate) fn job(snapshot: &Snapshot, subject: &Subject, _: &()) -> Cancellable
 }
 
 impl Job {
-    /// Whether programs may be run for this workspace.
+    /// True if programs may be run for this workspace.
     pub(crate) fn trusted(&self) -> bool {
         self.config.packages.may_run
     }
 
-    /// What was generated before for this file.
+    /// The stored choices for this file.
     pub(crate) fn remembered(&self) -> Vec<Generate> {
         let all = self.config.generate.iter();
         let own = all.filter(|it| it.file == self.file.as_str());
@@ -106,7 +106,7 @@ impl Job {
         named.collect()
     }
 
-    /// The name of the file as `dotgen.toml` has it.
+    /// The name of the file in `dotgen.toml`.
     pub(crate) fn name(&self) -> String {
         choices::relative(&self.file, &self.folder)
     }
@@ -121,20 +121,20 @@ impl Job {
         command::search_path(self.template_paths().as_deref(), &environment)
     }
 
-    /// The templates there are.
+    /// The available templates.
     pub(crate) fn templates(&self) -> Vec<TemplateInfo> {
         catalog::templates(&SystemDisk, &self.search())
     }
 
-    /// What a template says about itself, and its options.
+    /// The description of a template, and its options.
     pub(crate) fn usage(&self, template: &str) -> (String, Vec<TemplateOption>) {
         let shown = self.run_words(&[template.to_owned(), "-h".to_owned()], Arc::default());
         let options = catalog::options(&shown.output);
         (shown.output.trim().to_owned(), options)
     }
 
-    /// Runs a template on the file. Conflicts of a merge become conflict markers: nobody is there to
-    /// answer questions.
+    /// Runs a template on the file. Conflicts of a merge become conflict markers, because the run cannot ask
+    /// questions.
     pub(crate) fn run(
         &self,
         template: &str,
@@ -156,7 +156,8 @@ impl Job {
         self.run_words(&words, cancel)
     }
 
-    /// What to say of a name that no template has: in an editor there are settings, not options.
+    /// The message for an unknown template, or `None` if the template exists. In an editor it names settings,
+    /// not options.
     fn unknown(&self, template: &str) -> Option<String> {
         let all = self.templates();
         let known = all.iter().any(|it| it.name == template);
@@ -235,7 +236,7 @@ fn environment(name: &str) -> Option<String> {
     std::env::var(name).ok()
 }
 
-/// The disk with the open documents over it: what a template merges with is what the client will change.
+/// The disk with the open documents over it: a template merges with the texts that the client will change.
 #[derive(Debug)]
 struct OpenFirst(Arc<FxHashMap<Utf8PathBuf, String>>);
 
@@ -284,7 +285,7 @@ impl Disk for OpenFirst {
     }
 }
 
-/// Open documents over the disk.
+/// The open documents over the disk.
 struct Overlay {
     open: Arc<FxHashMap<Utf8PathBuf, String>>,
     disk: Vfs,

@@ -10,10 +10,10 @@ use crate::protocol::convert::{symbol, uri};
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
-/// What comes back with an item.
+/// The data of an item, which the client returns.
 #[derive(Debug, Serialize, Deserialize)]
 struct Data {
-    /// The document that was asked about first: its unit answers.
+    /// The document of the first request: its unit answers.
     path: Utf8PathBuf,
     key: CallKey,
 }

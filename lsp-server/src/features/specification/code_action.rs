@@ -1,4 +1,4 @@
-//! `textDocument/codeAction`: the fixes that diagnostics bring along, and refactorings.
+//! `textDocument/codeAction`: the fixes of diagnostics, and refactorings.
 
 use dotgen_analysis::diagnostic::{Diagnostic, Fix, FixKind, Severity};
 use dotgen_analysis::host::Cancellable;
@@ -13,14 +13,14 @@ use crate::features::specification::search_paths;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
-/// Files are generated from a component.
+/// Kind of the action that generates files from a component.
 pub(crate) const GENERATE: CodeActionKind = CodeActionKind::new("source.generate");
 
-/// Everything that has a fix gets it, guesses and placeholders included. Not below `source.fixAll`, which
-/// editors run unasked when a file is saved.
+/// Kind of the action that applies a fix of every finding, including guesses and placeholders. It is not
+/// below `source.fixAll`, which editors run on save without a question.
 pub(crate) const FIX_FINDINGS: CodeActionKind = CodeActionKind::new("source.fixFindings");
 
-/// Errors at a place for which repairs are sought by trying.
+/// Maximum number of errors at a place for which repairs are searched by trial.
 const MOST_TRIED: usize = 3;
 
 pub(crate) fn handle(
@@ -50,7 +50,7 @@ fn offered(
     let codels = |kind: &CodeActionKind| actions::offered(params, kind);
     let mut all = crate::features::codels::founded(snapshot, &subject.path)?;
     all.extend(crate::features::codels::unused_in(snapshot, &subject.path)?);
-    // Only on request: it changes the whole file.
+    // Only on request: this action changes the whole file.
     let plain = "Fix all that has one plain repair";
     for (kind, title, guesses) in [
         (CodeActionKind::SOURCE_FIX_ALL, plain, false),
@@ -85,7 +85,7 @@ fn offered(
     search_paths::fixes(snapshot, subject, &range, &mut actions)?;
     let mut codes: Vec<&str> = Vec::new();
     let mut offered: Vec<&Fix> = Vec::new();
-    // What is wrong here comes first, then what is wrong elsewhere and mended here.
+    // Findings at this place come first, then findings elsewhere that a fix at this place repairs.
     let (here, elsewhere): (Vec<_>, Vec<_>) = all.iter().partition(|it| touches(&it.range, &range));
     let mut tried = 0;
     for it in here {
@@ -131,7 +131,7 @@ fn offered(
     Ok(Some(actions))
 }
 
-/// Whether two ranges have a place in common; the ends count.
+/// True if two ranges overlap or touch.
 fn touches(a: &std::ops::Range<usize>, b: &std::ops::Range<usize>) -> bool {
     a.start <= b.end && b.start <= a.end
 }
@@ -155,7 +155,7 @@ fn quick_fix(
     offers.action(action, &Edit::of(&fix.edits), Some(it.code))
 }
 
-/// Refactorings of the selection, and what changes the whole file when it is asked for.
+/// Refactorings of the selection, and on request the refactorings of the whole file.
 fn refactorings(
     snapshot: &Snapshot,
     subject: &Subject,
@@ -168,7 +168,7 @@ fn refactorings(
     let wanted = |kind: &CodeActionKind| is_wanted(params, kind);
     let organize = CodeActionKind::SOURCE_ORGANIZE_IMPORTS;
     let mut assists = Vec::new();
-    // A client that asks on every move of the cursor for fixes alone does not pay for these.
+    // Clients ask for fixes at every move of the cursor. Such requests do not compute refactorings.
     let asked = |it: &CodeActionKind| it.as_str().split('.').next() == Some("refactor");
     if only.is_none_or(|only| only.iter().any(asked) || only.contains(&CodeActionKind::EMPTY)) {
         assists = snapshot.analysis.assists(&subject.path, range.clone())?;
@@ -196,8 +196,8 @@ fn refactorings(
     Ok(())
 }
 
-/// "Generate…" and "Regenerate": at the name of a component, and anywhere on request. Editors hide
-/// `source` actions unless they are asked for; at a component they are of no kind, so that they show.
+/// "Generate…" and "Regenerate": at the name of a component, and anywhere on request. Editors show `source`
+/// actions only on request. At a component the actions have no kind, so that editors show them.
 fn generate(
     snapshot: &Snapshot,
     subject: &Subject,
@@ -235,8 +235,8 @@ fn generate(
     Ok(())
 }
 
-/// One action that applies the first fix of each diagnostic, where they go together and none changes what the
-/// program does.
+/// One action that applies the first fix of each diagnostic, if the fixes do not conflict and none changes
+/// the behaviour of the program.
 fn fix_all<'d>(
     snapshot: &Snapshot,
     title: &str,

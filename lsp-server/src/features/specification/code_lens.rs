@@ -11,12 +11,12 @@ use crate::features::{runs, verification};
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
-/// What comes back with a lens to be resolved.
+/// The data of a lens that is resolved later.
 #[derive(Debug, Serialize, Deserialize)]
 struct Data {
     path: Utf8PathBuf,
     lens: LensKind,
-    /// Version of the document it was made for.
+    /// Version of the document of the lens.
     version: Option<i32>,
 }
 
@@ -34,7 +34,7 @@ pub(crate) fn handle(
         false => Vec::new(),
     };
     let mut lenses = snapshot.analysis.code_lenses(&subject.path, config)?;
-    // One lens for a task: what is known of its time, else the way to its machine.
+    // One lens for a task: the verdict on its time, else the link to its state machine.
     lenses.retain(|it| !verdicts.iter().any(|(at, _)| *at == it.range.start));
     let convert = lenses.into_iter().map(|it| CodeLens {
         range: lines.range(&it.range),
@@ -49,13 +49,13 @@ pub(crate) fn handle(
     Ok(Some(convert.chain(ready.map(|it| it.1)).collect()))
 }
 
-/// Adds to a lens what it says and does.
+/// Adds the title and command to a lens.
 pub(crate) fn resolve(snapshot: &Snapshot, lens: &CodeLens) -> Cancellable<Option<CodeLens>> {
     let data = lens.data.clone().map(serde_json::from_value::<Data>);
     let Some(Ok(data)) = data else {
         return Ok(None);
     };
-    // Offsets of another version lead elsewhere; the client asks again anyway.
+    // Offsets of another version are invalid; the client asks again after a change.
     let version = snapshot.open.get(&data.path).map(|it| it.version);
     let text = match version == data.version {
         true => snapshot.analysis.resolve_lens(&data.path, &data.lens)?,

@@ -12,7 +12,7 @@ use crate::protocol::convert::Lines;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
-/// What comes back with a proposal to be resolved.
+/// The data of a proposal that is resolved later.
 #[derive(Debug, Serialize, Deserialize)]
 struct Data {
     path: Utf8PathBuf,
@@ -20,7 +20,7 @@ struct Data {
     name: String,
 }
 
-/// Whether proposals are wanted where a character was typed.
+/// True if a typed character asks for proposals.
 pub(crate) fn is_wanted(
     snapshot: &Snapshot,
     subject: &Subject,
@@ -62,7 +62,8 @@ pub(crate) fn handle(
     })))
 }
 
-/// At the name of a codel: the functions in the sources that no specification names, with their parameters.
+/// Proposals for the name of a codel: the functions in the sources that no specification names, with their
+/// parameters.
 fn functions(
     snapshot: &Snapshot,
     at: &ide::FilePosition,
@@ -98,7 +99,7 @@ fn functions(
                     label: name,
                     insert,
                     detail: file.path.file_name().map(|it| format!("function in {it}")),
-                    // Before the name that is made up.
+                    // Ranked before the generated name.
                     rank: 0,
                     ..item.clone()
                 });

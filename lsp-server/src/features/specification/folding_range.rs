@@ -18,7 +18,7 @@ pub(crate) fn handle(
     let folds = snapshot.analysis.folding_ranges(&subject.path)?;
     let convert = folds.iter().filter_map(|it| {
         let range = lines.range(&it.range);
-        // A client that folds whole lines would hide what follows the closing brace.
+        // A client that folds whole lines would hide the text after the closing brace.
         let keep_last = whole_lines && it.kind.is_none();
         let end_line = range.end.line - u32::from(keep_last && range.end.line > 0);
         (end_line > range.start.line).then(|| FoldingRange {

@@ -77,7 +77,7 @@ fn goto(
     Ok(response(snapshot, links(snapshot, &at, question)?))
 }
 
-/// The answers to a question about a place of a specification.
+/// The links from a place of a specification that a query of analysis returns.
 pub(crate) fn links(
     snapshot: &Snapshot,
     at: &FilePosition,

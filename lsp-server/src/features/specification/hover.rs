@@ -24,7 +24,7 @@ pub(crate) fn handle(
     let mut markdown = hover.info.markdown;
     for (component, codel) in &hover.info.codels {
         if let Some(excluded) = remote_exclusions(snapshot, subject, component, codel)? {
-            // One more of the facts.
+            // The exclusions follow the other facts.
             markdown = format!("{markdown}\n{excluded}");
         }
         if let Some(prototypes) = prototypes(snapshot, subject, component, codel)? {
@@ -57,7 +57,7 @@ pub(crate) fn response(snapshot: &Snapshot, markdown: String, range: Option<Rang
     }
 }
 
-/// More codels of other components than are worth reading.
+/// Maximum number of codels of other components in a hover.
 const MANY: usize = 6;
 
 /// The codels of other components that a codel excludes.
@@ -67,7 +67,7 @@ fn remote_exclusions(
     component: &str,
     codel: &str,
 ) -> Cancellable<Option<String>> {
-    // Most codels use no port, and need no system.
+    // Most codels use no port and exclude no codel of another component.
     let unit = snapshot.analysis.unit(&subject.path)?;
     let own = unit.spec.components.iter();
     let own = own.filter(|it| it.name.as_str() == component);
@@ -94,13 +94,13 @@ fn remote_exclusions(
     Ok((!names.is_empty()).then(text))
 }
 
-/// The places in a component that have a codel of that name.
+/// The uses of a codel name in a component.
 fn uses<'a>(component: &'a Component, codel: &'a str) -> impl Iterator<Item = CodelRef> + 'a {
     let all = component.all_codels();
     all.filter(move |at| component.codel(*at).name.as_str() == codel)
 }
 
-/// What a codel looks like in C and in C++.
+/// The prototypes of a codel in C and C++.
 fn prototypes(
     snapshot: &Snapshot,
     subject: &Subject,

@@ -20,8 +20,8 @@ pub(crate) fn handle(
     }
 }
 
-/// The mentions of what is declared or mentioned at a place of a specification: in specifications, scenarios
-/// and sources.
+/// The mentions of the declaration at a place of a specification, in specifications, scenarios and sources.
+/// The place is the declaration or one of its mentions.
 pub(crate) fn of(
     snapshot: &Snapshot,
     at: &FilePosition,
@@ -34,7 +34,7 @@ pub(crate) fn of(
     Ok(Some(locations).filter(|it| !it.is_empty()))
 }
 
-/// The mentions in specifications and scenarios alone.
+/// The mentions in specifications and scenarios only.
 pub(crate) fn of_specifications(
     snapshot: &Snapshot,
     at: &FilePosition,

@@ -15,7 +15,7 @@ use crate::protocol::refusable::Refusable;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
-/// More places that have to be looked at by hand are counted, not listed.
+/// Maximum number of listed places that the user has to check; the message counts the others.
 const MOST_LISTED: usize = 20;
 
 pub(crate) fn prepare(
@@ -51,7 +51,8 @@ pub(crate) fn rename(
     }
 }
 
-/// Another name for what is declared or mentioned at a place of a specification.
+/// Renames the declaration at a place of a specification. The place is the declaration or one of its
+/// mentions.
 pub(crate) fn rename_at(
     snapshot: &Snapshot,
     at: &FilePosition,
@@ -63,7 +64,7 @@ pub(crate) fn rename_at(
     };
     let specifications = edits.clone();
     edits.extend(mentions::renames(snapshot, at, new_name)?);
-    // Headers of installed packages belong to others.
+    // Headers of installed packages must not be edited.
     let foreign = edits.iter().find(|edit| {
         let path = &edit.path;
         vfs::is_own_interface(path)
@@ -101,7 +102,7 @@ pub(crate) fn rename_at(
     Ok(Refusable(edit_of(snapshot, review, &all)?.map(Some)))
 }
 
-/// The edits of includes that follow from moving files.
+/// The edits of includes for moved files.
 pub(crate) fn files(
     snapshot: &Snapshot,
     params: &RenameFilesParams,

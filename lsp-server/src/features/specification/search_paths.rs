@@ -1,4 +1,4 @@
-//! Fixes for an included file or a required package that is not found: the settings search its directory.
+//! Fixes for an included file or a required package that is not found: adding its directory to the settings.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -14,16 +14,16 @@ use crate::files::vfs;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
-/// Directories that are offered.
+/// Maximum number of directories that are offered.
 const MOST_DIRECTORIES: usize = 3;
 
-/// Where pkg-config's files are below the prefix of an installation.
+/// The directories of pkg-config files below the prefix of an installation.
 const BELOW_PREFIX: [&str; 3] = ["lib/pkgconfig", "share/pkgconfig", "lib64/pkgconfig"];
 
 /// A setting that is a list of directories.
 struct Setting {
     key: &'static str,
-    /// What is looked for there.
+    /// The content of the directories, as text.
     wanted: &'static str,
 }
 
@@ -37,8 +37,8 @@ const PACKAGES: Setting = Setting {
     wanted: "packages",
 };
 
-/// At a missing file or package: for every missing file, and every missing package, the directories in which
-/// it is. A file may come from a package, so both are looked for at either.
+/// Fixes at a missing file or package: for every missing file and package, the directories that contain it. A
+/// file may belong to a package, so both are searched in either case.
 pub(crate) fn fixes(
     snapshot: &Snapshot,
     subject: &Subject,
@@ -65,7 +65,7 @@ pub(crate) fn fixes(
         add(snapshot, &project, &INCLUDES, &directory, out)?;
     }
     for name in packages.into_iter().flat_map(|it| it.names) {
-        // What has its requirement not met, but is found, is of a wrong version: no directory mends that.
+        // A package that is found does not have the required version: another directory does not help.
         let file = format!("{name}.pc");
         let mut found = below(&project, Utf8Path::new(&file));
         for prefix in prefixes() {
@@ -80,7 +80,7 @@ pub(crate) fn fixes(
     Ok(())
 }
 
-/// Where robotpkg installs: where its variable says, then where its manual does.
+/// The prefixes of robotpkg: first the value of its environment variable, then the default of its manual.
 fn prefixes() -> Vec<Utf8PathBuf> {
     let said = std::env::var("ROBOTPKG_BASE").ok();
     let home = std::env::var("HOME").ok().map(Utf8PathBuf::from);
@@ -125,7 +125,7 @@ fn add(
     Ok(())
 }
 
-/// Where the configuration of a document is, or would be.
+/// The path of the configuration for a document, which need not exist.
 fn project(snapshot: &Snapshot, path: &Utf8Path) -> Option<Utf8PathBuf> {
     if let Some(project) = snapshot.config.project(path) {
         return Some(project.directory.clone());
@@ -134,7 +134,7 @@ fn project(snapshot: &Snapshot, path: &Utf8Path) -> Option<Utf8PathBuf> {
     around.max_by_key(|it| it.as_str().len()).cloned()
 }
 
-/// The directories below a folder in which a file is, relative to the folder.
+/// The directories below a folder that contain a file, relative to the folder.
 fn below(folder: &Utf8Path, wanted: &Utf8Path) -> Vec<Utf8PathBuf> {
     let Some(extension) = wanted.extension() else {
         return Vec::new();
@@ -148,7 +148,8 @@ fn below(folder: &Utf8Path, wanted: &Utf8Path) -> Vec<Utf8PathBuf> {
     found.filter_map(directory).take(MOST_DIRECTORIES).collect()
 }
 
-/// The configuration with one more directory; `None` if it cannot be edited, or has it already.
+/// The configuration with one more directory; `None` if it cannot be edited, or already contains the
+/// directory.
 fn edit(project: &Utf8Path, setting: &Setting, directory: &Utf8Path) -> Option<Edit> {
     let path = project.join(config::FILE_NAME);
     let mut edit = Edit::default();
@@ -168,7 +169,8 @@ fn edit(project: &Utf8Path, setting: &Setting, directory: &Utf8Path) -> Option<E
     Some(edit)
 }
 
-/// The text of a configuration with one more directory in a setting. Everything else stays, comments too.
+/// The text of a configuration with one more directory in a setting. All other text, comments included, is
+/// unchanged.
 fn with_directory(text: &str, setting: &Setting, directory: &Utf8Path) -> Option<String> {
     let directory = match directory.as_str() {
         "" => ".".to_owned(),

@@ -23,7 +23,7 @@ pub(crate) fn handle(
     let chains = snapshot
         .analysis
         .selection_ranges(&subject.path, &offsets)?;
-    // The protocol wants one answer per position, whatever happens.
+    // The protocol requires one answer per position.
     let answer = params.positions.iter().enumerate().map(|(at, position)| {
         let chain = chains.get(at).map_or(&[][..], Vec::as_slice);
         let outermost_first = chain.iter().rev();

@@ -17,7 +17,7 @@ pub(crate) fn handle(
     let Some(help) = snapshot.analysis.signature_help(&at)? else {
         return Ok(None);
     };
-    // Offsets of labels are in UTF-16 units, whatever was negotiated for positions.
+    // Offsets of labels are in UTF-16 units, independent of the encoding of positions.
     let units = |byte: usize| help.label[..byte].encode_utf16().count() as u32;
     let parameters = help.parameters.iter().map(|it| ParameterInformation {
         label: match snapshot.client.label_offsets {

@@ -1,5 +1,5 @@
-//! `dotgen/verification`: all that is known about the verification of a document, or about a
-//! variation of it. `docs/protocol.md` describes it for clients.
+//! `dotgen/verification`: the complete result for a document, or for a variation of it. `docs/protocol.md`
+//! describes it for clients.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -35,7 +35,7 @@ use crate::workspace::snapshot::{Snapshot, Subject};
 pub(crate) struct VerificationParams {
     /// A scenario or a specification.
     pub(crate) text_document: TextDocumentIdentifier,
-    /// Number of the check whose run is wanted; the first refuted one if it is not given.
+    /// Number of the check whose run is shown. The default is the first refuted check.
     #[serde(default)]
     check: Option<usize>,
     /// A variation.
@@ -47,7 +47,7 @@ pub(crate) struct VerificationParams {
 }
 
 impl VerificationParams {
-    /// Everything about a document, with a variation.
+    /// The complete result for a document, with a variation.
     pub(super) fn about(text_document: TextDocumentIdentifier, what_if: WhatIf) -> Self {
         VerificationParams {
             text_document,
@@ -57,7 +57,7 @@ impl VerificationParams {
         }
     }
 
-    /// The check whose run is wanted.
+    /// The check whose run is shown.
     pub(super) fn check(&self) -> Option<usize> {
         self.check
     }
@@ -69,32 +69,32 @@ impl VerificationParams {
 pub(crate) struct VerificationResult {
     /// The scenario, or the specification that is verified without one.
     uri: Option<Uri>,
-    /// Version of the document it holds for.
+    /// Version of the verified document.
     version: Option<i32>,
     status: Option<Status>,
-    /// Whether what follows is of an earlier text.
+    /// True if the result is of an earlier text.
     earlier: bool,
-    /// How many checks are answered, as long as it is not all of them.
+    /// The number of answered checks, until all are answered.
     how_far: Option<String>,
     scenario: String,
-    /// Whether the scenario is written in a file.
+    /// True if the scenario is in a file.
     written: bool,
-    /// Cores, policy, durations in words.
+    /// Cores, policy and durations, as text.
     platform: String,
     cores: Option<u32>,
     policy: String,
     durations: String,
-    /// Why there is no answer.
+    /// The errors that prevent an answer.
     errors: Vec<String>,
-    /// What was assumed of the model, and where it stands.
+    /// Assumptions of the model, and their places.
     warnings: Vec<WarningShown>,
-    /// What to do about checks that were given up.
+    /// A way to settle checks that gave up.
     advice: Option<String>,
     checks: Vec<CheckShown>,
     /// Quick bounds by task.
     bounds: Vec<BoundShown>,
     minimum_cores: Option<u32>,
-    /// Changes with which all deadlines and limits are kept, where some are missed, a sentence each.
+    /// Changes with which all deadlines and limits are met, if some are missed; one sentence each.
     repairs: Vec<String>,
     assumptions: Vec<String>,
     notes: Vec<String>,
@@ -103,7 +103,7 @@ pub(crate) struct VerificationResult {
     timeline: Option<TimelineShown>,
     states: usize,
     seconds: f64,
-    /// Whether this is the answer to a variation.
+    /// True for the answer to a variation.
     what_if: bool,
 }
 
@@ -122,17 +122,17 @@ struct CheckShown {
     check: String,
     of: String,
     verdict: String,
-    /// What the verdict is worth, if it is not exact.
+    /// A restriction of the verdict, if it is not exact.
     worth: Option<String>,
     value: Option<String>,
     limit: Option<String>,
     slack: Option<String>,
     note: Option<String>,
-    /// Why it fails in one sentence, for a task.
+    /// The cause of a task's failure, in one sentence.
     cause: Option<String>,
-    /// What would make it hold, if that is known.
+    /// A change with which the check holds, if one is known.
     remedy: Option<String>,
-    /// Why a job is late.
+    /// The causes of a late job.
     reason: Vec<String>,
     has_run: bool,
     location: Option<Location>,
@@ -158,7 +158,7 @@ struct BlockedShown {
 struct BlockerShown {
     codel: String,
     location: Option<Location>,
-    /// Longest time it keeps the lock.
+    /// Longest time for which it holds the lock.
     time: String,
     through: String,
 }
@@ -167,7 +167,7 @@ struct BlockerShown {
 #[serde(rename_all = "camelCase")]
 struct CodelShown {
     path: String,
-    /// Longest execution time in microseconds; none if it has no end.
+    /// Longest execution time in microseconds; none if it is unbounded.
     wcet: Option<f64>,
     location: Option<Location>,
 }
@@ -177,7 +177,7 @@ struct CodelShown {
 struct TimelineShown {
     check: usize,
     title: String,
-    /// Elements with a `data-link` lead to that one of `links`.
+    /// The drawing. The attribute `data-link` of an element is an index of `links`.
     svg: String,
     timeline: Timeline,
     links: Vec<Option<Location>>,
@@ -185,7 +185,7 @@ struct TimelineShown {
     events: Vec<String>,
 }
 
-/// What a document's verification knows, taken out of a snapshot.
+/// The verification of a document, copied from a snapshot.
 pub(crate) struct Prepared {
     uri: Option<Uri>,
     version: Option<i32>,
@@ -194,7 +194,7 @@ pub(crate) struct Prepared {
     problem: Arc<Problem>,
     places: Arc<Problem>,
     bounds: Arc<Vec<TaskBound>>,
-    /// `None`: to be worked out here.
+    /// The known answer. `None`: it has to be computed.
     known: Option<Option<Arc<Answer>>>,
     what_if: WhatIf,
     options: Options,
@@ -226,7 +226,7 @@ pub(crate) fn prepare(
         }
     };
     let Some((path, entry)) = found else {
-        // Verification on edit is off, or nothing here is timed: on request all the same.
+        // Verification on edit is off, or the document has no timing: verify on request all the same.
         let problem = problems::problem_of(snapshot, &subject.path)?;
         return Ok(problem.map(blank));
     };
@@ -244,7 +244,7 @@ pub(crate) fn prepare(
     }))
 }
 
-/// Something to be shown.
+/// An answer to be shown.
 pub(crate) struct Shown {
     prepared: Prepared,
     answer: Option<Arc<Answer>>,
@@ -252,18 +252,18 @@ pub(crate) struct Shown {
 }
 
 impl Shown {
-    /// What was found.
+    /// The answer.
     pub(super) fn found(&self) -> Option<&Arc<Answer>> {
         self.answer.as_ref()
     }
 
-    /// Where its places are.
+    /// The problem with the places of the answer.
     pub(super) fn places(&self) -> &Problem {
         &self.prepared.places
     }
 }
 
-/// Ends work that nobody waits for.
+/// Cancels work when its result is no longer awaited.
 pub(super) struct CancelOnDrop(pub(super) Arc<Cancel>);
 
 impl Drop for CancelOnDrop {
@@ -278,7 +278,7 @@ impl Prepared {
         self.version
     }
 
-    /// What it is about.
+    /// The verified problem.
     pub(super) fn problem(&self) -> Arc<Problem> {
         self.problem.clone()
     }
@@ -288,7 +288,7 @@ impl Prepared {
         errors.map(|it| it.message.clone()).collect()
     }
 
-    /// What is to be verified, and how; or why it cannot be.
+    /// The problem and options to verify, or the errors that prevent it.
     pub(super) fn varied(&self) -> Result<(Problem, Options), Vec<String>> {
         let mut errors = self.errors();
         let varied = self.what_if.apply(&self.problem);
@@ -301,7 +301,7 @@ impl Prepared {
         Err(errors)
     }
 
-    /// Verifies if that has to be done. Dropping the future ends the work.
+    /// The answer, verified first if it is not known. Dropping the future cancels the work.
     pub(crate) async fn answer(mut self) -> Shown {
         let failures = self.errors();
         if let Some(answer) = self.known.clone() {
@@ -355,11 +355,11 @@ impl Prepared {
     }
 }
 
-/// What to show, and of which document.
+/// An answer to be shown, and its document.
 pub(crate) struct Question {
-    /// What was found.
+    /// The answer.
     pub(crate) shown: Shown,
-    /// What was asked.
+    /// The parameters of the request.
     pub(crate) params: VerificationParams,
 }
 
@@ -507,7 +507,7 @@ fn shown_check(
     })
 }
 
-/// A run line by line, what repeats itself once. It may be the end of one, without the first so many events.
+/// The lines of a run, with repeated parts once. The run may lack its first events; their number is given.
 fn in_words(
     events: &[Event],
     cycle: Option<usize>,
@@ -554,7 +554,7 @@ fn shown_run(
     let first = first_shown(events);
     let ending = runs::ending(check);
     let picture = of_end(title.clone(), &answer.report.unit, events, first, ending);
-    // Of what is not shown nothing can be clicked.
+    // Links of events that are not shown are empty.
     let mut links = vec![None; first];
     for event in &events[first..] {
         links.push(locate(snapshot, &prepared.places, event.src)?);

@@ -30,20 +30,20 @@ const FAILED: &str = "timing/check-failed";
 pub(super) const VACUOUS: &str = "timing/vacuous-proof";
 pub(super) const GAVE_UP: &str = "timing/gave-up";
 
-/// Places of a run that a diagnostic leads to; the last ones say most.
+/// Maximum number of places of a run in a diagnostic. The last places are the most useful.
 const RELATED: usize = 8;
 
-/// A diagnostic and the check it is about.
+/// A diagnostic and its check.
 pub(super) struct AboutCheck {
-    /// What would help, as far as it is known.
+    /// Changes that fix it, as far as they are known.
     pub(super) changes: Vec<Change>,
-    /// What it is about.
+    /// The verified problem.
     pub(super) problem: Arc<Problem>,
     pub(super) diagnostic: Diagnostic,
     pub(super) check: usize,
 }
 
-/// What is found at a place, with the document whose verification found it.
+/// The diagnostics at a place, each with its document.
 pub(super) fn at(
     snapshot: &Snapshot,
     path: &Utf8Path,
@@ -80,8 +80,8 @@ pub(crate) fn in_specification(
     Ok(out)
 }
 
-/// Why a specification cannot be verified without a scenario. What is merely remarked about it is said by
-/// analysis; and what is wrong with a scenario is said there.
+/// The errors that prevent the verification of a specification without a scenario. Analysis reports its
+/// warnings, and the scenario reports its own errors.
 fn of_model(entry: &Entry, path: &Utf8Path) -> Vec<Diagnostic> {
     let answer = entry.known().filter(|_| !entry.problem.is_written());
     let found = answer.iter().flat_map(|it| &it.report.diagnostics);
@@ -91,7 +91,7 @@ fn of_model(entry: &Entry, path: &Utf8Path) -> Vec<Diagnostic> {
 }
 
 fn specification(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<AboutCheck> {
-    // What was found in an earlier version says nothing about this one.
+    // Results of an earlier version say nothing about this one.
     let Some(answer) = entry.known() else {
         return Vec::new();
     };
@@ -104,7 +104,7 @@ fn specification(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Abo
                 PropertyKind::Response => it.report.bound.is_some(),
                 _ => false,
             };
-            // What was given up is told once: the same helps for all of it.
+            // Several checks that gave up get one diagnostic: the same change helps all of them.
             let given_up = it.outcome == Outcome::GaveUp
                 && it.report.kind == PropertyKind::Schedulable
                 && !entry.problem.is_written()
@@ -127,7 +127,7 @@ fn specification(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Abo
     out
 }
 
-/// What the verifier says about a scenario, at its checks and names.
+/// The results of a scenario, at its checks and names.
 pub(crate) fn in_scenario(snapshot: &Snapshot, path: &Utf8Path) -> Vec<Diagnostic> {
     let Some(entry) = snapshot.verification.get(path) else {
         return Vec::new();
@@ -143,7 +143,7 @@ pub(crate) fn in_scenario(snapshot: &Snapshot, path: &Utf8Path) -> Vec<Diagnosti
     out
 }
 
-/// What is about a specification stands at the `use` of it, and leads there.
+/// A diagnostic about a specification, at the `use` of that specification, with a link to it.
 fn at_use(problem: &Problem, it: &dotgen_timing::diagnostic::Diagnostic) -> Diagnostic {
     let mut out = problem.diagnostic(it);
     if let Some(place) = it.places.first().filter(|_| out.path != problem.path) {
@@ -179,7 +179,7 @@ fn scenario(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<AboutChe
     out
 }
 
-/// What helps a check: what was found for it first, then what repairs everything.
+/// The changes that fix a check: first those found for it, then those that repair the whole system.
 fn changes(answer: &Answer, view: &CheckView) -> Vec<Change> {
     let mut out: Vec<Change> = view
         .why
@@ -209,7 +209,7 @@ fn diagnostic(
     let of = &check.of;
     let (code, mut message) = match (view.outcome, check.kind) {
         (Outcome::Proved | Outcome::Bounded | Outcome::Exceeds | Outcome::Open, _) => return None,
-        // What is missing is said where it is missing.
+        // Missing items are reported at their own place.
         (Outcome::Nothing, _) => return None,
         (Outcome::Vacuous, kind) => {
             let why = check.note.as_deref().unwrap_or_default();
@@ -277,7 +277,7 @@ fn diagnostic(
     })
 }
 
-/// As configured; `None` for off.
+/// The configured severity; `None` for off.
 fn severity(snapshot: &Snapshot, code: &str) -> Option<Severity> {
     if let Some(level) = snapshot.config.severity.get(code) {
         return Level::severity(*level);

@@ -1,5 +1,5 @@
-//! Lenses: one per task of a specification, one per check of a scenario. They say what was computed, the
-//! verdict first; the rest is in their hover and in that of the task.
+//! Lenses: one per task of a specification, one per check of a scenario. They show the verdict first. Details
+//! are in the hovers of the lens and of the task.
 
 use std::ops::Range;
 
@@ -21,11 +21,11 @@ use crate::verification::summary::Scale;
 use crate::verification::view::{CheckView, Outcome};
 use crate::workspace::snapshot::{Snapshot, Subject};
 
-/// Of what has no answer yet.
+/// Shown until there is an answer.
 const VERIFYING: &str = "verifying …";
 
-/// `✓ 8 of 10 ms` over every task that something is known of, with the place of its name. Where several
-/// scenarios speak of a task, the one that is worst for it counts.
+/// `✓ 8 of 10 ms` over every task with a result, at the place of its name. If several scenarios contain a
+/// task, the worst result is shown.
 pub(crate) fn lenses(
     snapshot: &Snapshot,
     subject: &Subject,
@@ -62,7 +62,7 @@ pub(crate) fn lenses(
     Ok(worst.into_iter().map(|it| (it.0.start, it.2)).collect())
 }
 
-/// What is known of the task whose name is at an offset, for its hover.
+/// The results of the task whose name is at an offset, for its hover.
 pub(crate) fn hover(
     snapshot: &Snapshot,
     subject: &Subject,
@@ -91,7 +91,7 @@ pub(crate) fn hover(
     Ok((!out.is_empty()).then(|| out.join("\n")))
 }
 
-/// The verdict over every check of a scenario, and where the whole stands over its name.
+/// The verdict over every check of a scenario, and the state of the verification over its name.
 pub(crate) fn scenario_lenses(
     snapshot: &Snapshot,
     subject: &Subject,
@@ -142,7 +142,7 @@ fn lens(
     title: String,
     argument: Value,
 ) -> CodeLens {
-    // Text alone for clients without the panel.
+    // Clients without the panel get text alone.
     let command = match snapshot.client.verification_status {
         true => Command::new(title, SHOW_VERIFICATION.to_owned(), Some(vec![argument])),
         false => Command::new(title, String::new(), None),
@@ -154,7 +154,7 @@ fn lens(
     }
 }
 
-/// The check that shows most about a task: a refuted one, else its response.
+/// The check to show for a task: a refuted one, else its response time.
 fn shown(entry: &Entry, task: TaskId) -> Option<usize> {
     let view = entry.known()?.view();
     let of_task = || {
@@ -169,7 +169,7 @@ fn shown(entry: &Entry, task: TaskId) -> Option<usize> {
         .map(|it| it.0)
 }
 
-/// Where a verification as a whole stands.
+/// The state of a verification as a whole.
 fn whole(entry: &Entry) -> String {
     let text = match entry.status {
         Status::Stale | Status::Running => VERIFYING.to_owned(),
@@ -189,8 +189,8 @@ fn whole(entry: &Entry) -> String {
     }
 }
 
-/// Of a whole without failures: where something has no limit and exceeds the period of its task, or never
-/// happens, that is no proof.
+/// The summary of a verification without failures. It is not a proof if a response time without a limit
+/// exceeds the period of its task, or if a check is vacuous.
 fn proved(entry: &Entry) -> &'static str {
     let weak = |it: &CheckView| matches!(it.outcome, Outcome::Exceeds | Outcome::Vacuous);
     let answer = entry.known();
@@ -200,10 +200,10 @@ fn proved(entry: &Entry) -> &'static str {
     }
 }
 
-/// Said of a task without jobs.
+/// Shown for a task without jobs.
 const NEVER: &str = "never released";
 
-/// How a verdict begins, the worst first.
+/// The first sign of a verdict, the worst first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Mark {
     Fails,
@@ -223,8 +223,8 @@ impl Mark {
     }
 }
 
-/// The verdict on a task in a few words; `None` if nothing was to be verified, or nothing can be before
-/// errors are mended.
+/// The verdict on a task in a few words. `None` if there was nothing to verify, or if errors prevent the
+/// verification.
 fn verdict(entry: &Entry, task: TaskId) -> Option<(Mark, String)> {
     let say = |mark: Mark, text: &str| Some((mark, format!("{} {text}", mark.sign())));
     if entry.status == Status::Blocked {
@@ -279,7 +279,7 @@ fn verdict(entry: &Entry, task: TaskId) -> Option<(Mark, String)> {
     say(Mark::Holds, measured.as_deref().unwrap_or("holds"))
 }
 
-/// `not settled in 10 s, any client`: what people can do something about, not how far the search came.
+/// `not settled in 10 s, any client`: the causes that a user can change, not the progress of the search.
 fn unsettled(answer: &Answer, check: &CheckView) -> String {
     let mut text = "not settled".to_owned();
     if let Some(seconds) = check.report.gave_up.and_then(|it| match it.reason {
@@ -294,7 +294,7 @@ fn unsettled(answer: &Answer, check: &CheckView) -> String {
     text
 }
 
-/// `8 of 10 ms`: the unit once, if it is the same.
+/// `8 of 10 ms`: one unit if both are equal.
 fn share(check: &CheckView) -> Option<String> {
     let value = check.value.as_ref()?;
     let Some(limit) = &check.limit else {
@@ -306,7 +306,7 @@ fn share(check: &CheckView) -> Option<String> {
     })
 }
 
-/// What kept the job of a run waiting for longest.
+/// The longest delay of the job of a run.
 fn cause(delays: &[Delay]) -> Option<String> {
     let length = |it: &&Delay| it.until - it.from;
     let longest = delays
@@ -324,7 +324,7 @@ fn cause(delays: &[Delay]) -> Option<String> {
     })
 }
 
-/// Everything that is known of a task, a line each.
+/// Every result of a task, a line each.
 fn details(entry: &Entry, task: TaskId) -> Vec<String> {
     let mut out: Vec<String> = of_task(entry, task).into_iter().collect();
     if let Some(answer) = entry.known() {
@@ -347,7 +347,7 @@ fn details(entry: &Entry, task: TaskId) -> Vec<String> {
     out
 }
 
-/// What is known of a task; `None` if the verification says nothing about it.
+/// The results of a task; `None` if the verification has none.
 fn of_task(entry: &Entry, task: TaskId) -> Option<String> {
     let bound = entry.bounds.iter().find(|it| it.id == task);
     let bound = bound.filter(|_| entry.status == Status::Running);
@@ -444,7 +444,7 @@ fn outcome(check: &CheckView) -> String {
 }
 
 impl Answer {
-    /// Of its times.
+    /// The scale of its times.
     pub(super) fn scale(&self) -> Scale {
         Scale::of(&settings(&self.problem.scenario, &self.options))
     }

@@ -1,4 +1,4 @@
-//! What is to be verified: by document.
+//! The verification problems of documents.
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::{Cancellable, FileContent};
@@ -11,18 +11,18 @@ use crate::verification::problem::{self, EXTENSION};
 use crate::verification::results::Entry;
 use crate::workspace::snapshot::Snapshot;
 
-/// More scenarios than this that use an open specification, without being open, are not verified.
+/// Maximum number of scenarios that are verified without being open, because they use an open specification.
 const UNOPENED: usize = 8;
 
-/// What is to be verified now.
+/// A problem to verify.
 pub(crate) struct Wanted {
     pub(crate) path: Utf8PathBuf,
     pub(crate) version: Option<i32>,
     pub(crate) problem: Problem,
 }
 
-/// What the open documents want to be verified: open scenarios; scenarios of the workspace that use an
-/// open specification; open specifications with timing that neither uses.
+/// The problems of the open documents: open scenarios; scenarios of the workspace that use an open
+/// specification; open specifications with timing that no such scenario uses.
 pub(crate) fn wanted(snapshot: &Snapshot) -> Cancellable<Vec<Wanted>> {
     let mut out: Vec<Wanted> = Vec::new();
     let open = |extension: &'static str| {
@@ -107,7 +107,7 @@ pub(crate) fn problem_of(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Op
     }
 }
 
-/// A scenario and what it uses, open documents included.
+/// A scenario and the specifications it uses, open documents included.
 pub(crate) fn scenario(snapshot: &Snapshot, path: &Utf8Path, text: String) -> Cancellable<Problem> {
     let exists = |file: &Utf8Path| match snapshot.open.contains_key(file) {
         true => FileContent::Text(String::new()),
@@ -116,7 +116,7 @@ pub(crate) fn scenario(snapshot: &Snapshot, path: &Utf8Path, text: String) -> Ca
     Problem::from_scenario(path, text, &snapshot.analysis, exists)
 }
 
-/// Whether there is something to say about time: a period, and the duration of a codel.
+/// True if a specification has timing: a period, and the duration of a codel.
 fn is_timed(spec: &Spec) -> bool {
     problem::components(spec).any(|it| {
         it.tasks.iter().any(|it| it.period.is_some())
@@ -127,7 +127,7 @@ fn is_timed(spec: &Spec) -> bool {
     })
 }
 
-/// The verifications that speak about a document: its own, else those of the scenarios that use it.
+/// The verifications of a document: its own, else those of the scenarios that use it.
 pub(crate) fn about<'s>(
     snapshot: &'s Snapshot,
     path: &'s Utf8Path,

@@ -1,4 +1,4 @@
-//! The quick fixes of a missed deadline: changes with which it was verified to be met.
+//! The quick fixes of a missed deadline: changes that were verified to meet it.
 
 use dotgen_analysis::host::Cancellable;
 use dotgen_codegen::codels::edit::Edit;

@@ -1,5 +1,6 @@
-//! `dotgen/sensitivity`: how far a system is from missing deadlines, or from meeting them. Takes its time,
-//! tells how far it is, and ends when the request is cancelled. `docs/protocol.md` describes it for clients.
+//! `dotgen/sensitivity`: how much parameters can change before deadlines are missed, or must change to meet
+//! them. The request is long, reports progress, and stops when cancelled. `docs/protocol.md` describes it for
+//! clients.
 
 use std::sync::Arc;
 
@@ -31,13 +32,13 @@ pub(crate) struct SensitivityParams {
     /// A variation.
     #[serde(default)]
     what_if: WhatIf,
-    /// Told after each question.
+    /// The token for progress, which is reported after each question.
     #[serde(default)]
     pub(crate) work_done_token: Option<ProgressToken>,
 }
 
 impl SensitivityParams {
-    /// The same document and variation.
+    /// The parameters of a verification with the same document and variation.
     pub(crate) fn verification(&self) -> VerificationParams {
         VerificationParams::about(self.text_document.clone(), self.what_if.clone())
     }
@@ -47,17 +48,17 @@ impl SensitivityParams {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(crate) struct SensitivityResult {
-    /// Version of the document it holds for.
+    /// Version of the analysed document.
     version: Option<i32>,
-    /// Why there is no answer.
+    /// The errors that prevent an answer.
     errors: Vec<String>,
-    /// The smallest number of cores; none if no number is enough.
+    /// The smallest number of cores; none if no number is sufficient.
     cores: Option<u32>,
     /// The largest WCET of each codel.
     wcet: Vec<ExtremeShown>,
     /// The smallest period of each task.
     period: Vec<ExtremeShown>,
-    /// What breaks first, of what holds now, in words.
+    /// The most critical value of a system that meets its deadlines, as text.
     next_to_break: Option<String>,
 }
 
@@ -67,12 +68,12 @@ struct ExtremeShown {
     of: String,
     now: String,
     extreme: String,
-    /// What the extreme is worth, if it is not exact.
+    /// A restriction of the extreme, if it is not exact.
     remark: String,
     location: Option<Location>,
 }
 
-/// What was found out about a document.
+/// The result for a document.
 pub(crate) struct SensitivityAnswer {
     version: Option<i32>,
     problem: Arc<Problem>,
@@ -80,7 +81,7 @@ pub(crate) struct SensitivityAnswer {
     found: Result<Sensitivity, Vec<String>>,
 }
 
-/// Asks. Dropping the future ends the work.
+/// Computes the answer. Dropping the future cancels the work.
 pub(crate) async fn ask(
     prepared: Prepared,
     token: Option<ProgressToken>,

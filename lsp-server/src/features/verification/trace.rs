@@ -12,7 +12,7 @@ use crate::workspace::snapshot::{Snapshot, Subject};
 /// Answer of `dotgen/trace`.
 pub(crate) type TraceShown = Trace<Option<Location>>;
 
-/// The run of a check for a client; none if there is no run.
+/// The run of a check, for a client; none if there is no run.
 pub(crate) fn trace(
     snapshot: &Snapshot,
     _: &Subject,

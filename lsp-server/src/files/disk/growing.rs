@@ -1,8 +1,8 @@
-//! A file that grows while a run goes on: a log, a trace, a recording.
+//! A file that grows during a run: a log, a trace, a recording.
 //!
-//! A thread of its own writes, so that who records never waits for the disk, unless much is waiting already.
-//! What was recorded is in the file within [`PAUSE`], and on the disk within [`SYNC`]. So a process that is
-//! killed loses no more than that. There is no temporary file.
+//! A separate thread writes the file, so that the recording thread does not wait for the disk, except if much
+//! data is waiting. Recorded data is in the file within [`PAUSE`], and on the disk within [`SYNC`]. A process
+//! that is killed loses at most the data of that time. There is no temporary file.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind, Write};
@@ -11,16 +11,16 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Longest time until bytes are in the file.
+/// Maximum delay until bytes are in the file.
 const PAUSE: Duration = Duration::from_millis(200);
 
-/// Longest time until bytes that are in the file are on the disk, too.
+/// Maximum delay until bytes in the file are also on the disk.
 const SYNC: Duration = Duration::from_secs(1);
 
-/// As many bytes are written at once, without a pause.
+/// Number of bytes that are written at once, without a pause.
 const MANY: usize = 256 << 10;
 
-/// Upper limit on the bytes that wait.
+/// Maximum number of waiting bytes.
 const LIMIT: usize = 8 << 20;
 
 /// A file that grows. See the [module](self).
@@ -28,16 +28,16 @@ const LIMIT: usize = 8 << 20;
 pub(crate) struct Growing {
     shared: Arc<Shared>,
     writer: Option<JoinHandle<()>>,
-    /// The file, if it was not there before.
+    /// The path, if the file did not exist before.
     new: Option<PathBuf>,
 }
 
 #[derive(Debug, Default)]
 struct Shared {
     state: Mutex<State>,
-    /// There is much to write, or nothing more will come.
+    /// Signals that there is much to write, or that the data is complete.
     more: Condvar,
-    /// There is room again.
+    /// Signals that there is room again.
     room: Condvar,
 }
 
@@ -45,7 +45,7 @@ struct Shared {
 struct State {
     bytes: Vec<u8>,
     over: bool,
-    /// The file is emptied even if nothing was written.
+    /// True if the recording is complete: the file is emptied even if nothing was written.
     finished: bool,
     failed: bool,
 }
@@ -57,11 +57,11 @@ impl Shared {
 }
 
 impl Growing {
-    /// For a file that need not exist; its directory must. What is in the file stays until something is
-    /// written. If that fails, `tell` gets the first error, and the file keeps what it has.
+    /// Opens a file that need not exist; its directory must. The file keeps its content until the first
+    /// write. If the first write fails, the file is unchanged. `tell` receives the first error.
     ///
     /// # Errors
-    /// The file cannot be opened or made.
+    /// The file cannot be opened or created.
     pub(crate) fn create(
         path: &Path,
         tell: impl FnOnce(&io::Error) + Send + 'static,
@@ -70,7 +70,7 @@ impl Growing {
         let (file, new) = match made {
             Err(error) if error.kind() == ErrorKind::AlreadyExists => {
                 let mut options = OpenOptions::new();
-                // A link may lead to what does not exist.
+                // The link may point to a file that does not exist.
                 let file = options
                     .write(true)
                     .create(true)
@@ -101,7 +101,7 @@ impl Growing {
         })
     }
 
-    /// Ends the file. Returns false if something could not be written, which was told.
+    /// Ends the file. Returns false after an error, which was already reported.
     pub(crate) fn finish(mut self) -> bool {
         self.new = None;
         self.shared.lock().finished = true;
@@ -118,7 +118,7 @@ impl Growing {
     }
 }
 
-/// A file that nobody finishes is that of a run that did not begin. It is removed if it was not there before.
+/// Removes the file if it was not finished and did not exist before: its run did not begin.
 impl Drop for Growing {
     fn drop(&mut self) {
         self.end();
@@ -135,7 +135,7 @@ impl Write for Growing {
             let waited = self.shared.room.wait(state);
             state = waited.unwrap_or_else(|it| it.into_inner());
         }
-        // After an error, which was told, nothing more is recorded.
+        // After an error, which was reported, data is dropped.
         if !state.failed {
             let before = state.bytes.len();
             state.bytes.extend_from_slice(bytes);
@@ -151,12 +151,12 @@ impl Write for Growing {
     }
 }
 
-/// Writes until nothing more comes.
+/// Writes until the data is complete.
 fn write(shared: &Shared, mut file: File) -> io::Result<()> {
     let is_file = file.metadata().is_ok_and(|it| it.is_file());
     let mut piece = Vec::new();
     let mut begun = false;
-    // When the bytes that are in the file, but not on the disk, were written first.
+    // The time of the first write that is not yet synced.
     let mut unsynced: Option<Instant> = None;
     loop {
         let mut state = shared.lock();
@@ -187,7 +187,7 @@ fn write(shared: &Shared, mut file: File) -> io::Result<()> {
     }
 }
 
-/// Some file systems cannot, which is no error of the file.
+/// Syncs a file. Some file systems do not support this, which is not an error of the file.
 fn sync(file: &File) -> io::Result<()> {
     let cannot =
         |it: &io::Error| matches!(it.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported);
@@ -232,7 +232,7 @@ mod tests {
         let path = folder.path().join("log");
         drop(growing(&path));
         assert!(!path.exists());
-        // One that is there is kept, and emptied by a run that records nothing.
+        // An existing file is kept, and emptied by a run that records nothing.
         std::fs::write(&path, "before").expect("written");
         drop(growing(&path));
         let log = growing(&path);
@@ -247,7 +247,7 @@ mod tests {
         let (send, told) = channel();
         let tell = move |error: &io::Error| send.send(error.kind()).expect("heard");
         let mut log = Growing::create(Path::new("/dev/full"), tell).expect("opened");
-        // More than what may wait.
+        // More than the limit of waiting bytes.
         for _ in 0..100 {
             log.write_all(&vec![b'x'; LIMIT / 10]).expect("never fails");
         }

@@ -1,29 +1,29 @@
-//! Files that are only there while this process works: sockets, and files under temporary names.
+//! Files that exist only while this process runs: sockets, and files with temporary names.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard};
 
-/// All of them.
+/// The paths of these files.
 static ALL: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 fn all() -> MutexGuard<'static, Vec<PathBuf>> {
     ALL.lock().unwrap_or_else(|it| it.into_inner())
 }
 
-/// A file that is removed when this is dropped, and by [`leave`].
+/// A file that is removed on drop, and by [`leave`].
 #[derive(Debug)]
 pub(crate) struct Passing {
     path: PathBuf,
 }
 
 impl Passing {
-    /// For a file that is there, or will be.
+    /// Registers a path, whether the file exists or not.
     pub(crate) fn new(path: PathBuf) -> Passing {
         all().push(path.clone());
         Passing { path }
     }
 
-    /// Where it is.
+    /// The path.
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }
@@ -33,14 +33,14 @@ impl Drop for Passing {
     fn drop(&mut self) {
         let mut all = all();
         all.retain(|it| *it != self.path);
-        // It may have got another name, or somebody may have taken it away.
+        // The file may have been renamed, or removed by another process.
         let _ = std::fs::remove_file(&self.path);
     }
 }
 
-/// Ends this process at once, without such files. What it has started ends with it.
+/// Removes these files and ends this process at once. Its child processes end with it.
 pub(crate) fn leave(status: i32) -> ! {
-    // The lock stays taken: nothing begins any more that would be left behind.
+    // The lock is never released: no other thread can create a file that would remain.
     let all = all();
     for it in all.iter() {
         let _ = std::fs::remove_file(it);

@@ -1,4 +1,4 @@
-//! A file that is written whole or not at all: a trace. It gets its name when it is whole.
+//! A file that is written as a whole or not at all: a trace. It gets its name when it is complete.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -7,20 +7,20 @@ use std::path::{Path, PathBuf};
 use super::passing::Passing;
 use super::write;
 
-/// A file under a temporary name, beside the one whose place it will take. When it is dropped it is removed.
-/// Devices and pipes are written as they are.
+/// A file with a temporary name, next to the file that it replaces. It is removed on drop. Devices and pipes
+/// are written directly.
 #[derive(Debug)]
 pub(crate) struct Stream {
     out: BufWriter<File>,
-    /// The temporary file, and the one whose place it will take.
+    /// The temporary file, and the path that it replaces.
     replaces: Option<(Passing, PathBuf)>,
 }
 
 impl Stream {
-    /// For a file that need not exist; its directory must.
+    /// Creates the file. The path need not exist; its directory must.
     ///
     /// # Errors
-    /// It cannot be written there, or what is there is read-only.
+    /// The file cannot be written there, or the existing file is read-only.
     pub(crate) fn create(path: &Path) -> io::Result<Stream> {
         let (file, replaces) = match std::fs::metadata(path) {
             Ok(it) if !it.is_file() => (File::options().write(true).open(path)?, None),
@@ -35,10 +35,10 @@ impl Stream {
         })
     }
 
-    /// Gives the file its name. What was there under it is replaced.
+    /// Renames the file to its final name, and replaces an existing file.
     ///
     /// # Errors
-    /// Something could not be written. Then what was there stays.
+    /// A write failed. The existing file is then unchanged.
     pub(crate) fn finish(mut self) -> io::Result<()> {
         self.out.flush()?;
         let Some((temporary, target)) = &self.replaces else {

@@ -1,10 +1,11 @@
-//! Writing files of users: each is whole at any moment, and of several all are changed or none.
+//! Writes files of users. Each file is complete at any moment. Of several files, either all are changed or
+//! none.
 //!
-//! New content goes into temporary files beside the old ones; when all of it is on the disk, they are renamed
-//! over the old ones. What was changed is put back when a rename fails in the middle. Of several files the
-//! helper of this process knows the renames, and does those that a kill has kept this process from. A
-//! temporary file is locked as long as its writer lives, so the next writer knows which are left over from
-//! one that was killed.
+//! New content goes into temporary files next to the old files. When all content is on the disk, the
+//! temporary files are renamed over the old ones. If a rename fails, the earlier changes are undone. For
+//! several files, the helper of this process knows the renames, and completes them if this process is killed.
+//! A temporary file is locked by its writer, so that the next writer recognizes the leftovers of a killed
+//! one.
 
 #[cfg(test)]
 mod tests;
@@ -17,44 +18,44 @@ use dotgen_codegen::disk::{NewContent, WriteError};
 
 use crate::process::{self, Move, Watched};
 
-/// What the names of temporary files begin with: those with new content, and second names of old files.
+/// Prefix of the names of temporary files: those with new content, and second names of old files.
 const NEW: &str = ".dotgen-new-";
 const OLD: &str = ".dotgen-old-";
-/// What they end with.
+/// Suffix of the names of temporary files.
 const SUFFIX: &str = ".tmp";
 
-/// Links that lead on to links: more than the systems follow.
+/// Maximum number of links in a chain; more than operating systems follow.
 const MAX_LINKS: usize = 40;
 
-/// One step of writing. Tests make each of them fail.
+/// A step of writing. Tests make each of them fail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Step {
-    /// A directory that is missing is made.
+    /// Creates a missing directory.
     MakeDirectory,
-    /// A temporary file is created.
+    /// Creates a temporary file.
     Create,
-    /// The first half of the content is written.
+    /// Writes the first half of the content.
     Fill,
-    /// The second half is.
+    /// Writes the second half.
     FillMore,
-    /// The content is brought to the disk.
+    /// Syncs the content to the disk.
     Sync,
-    /// An old file gets a second name.
+    /// Gives an old file a second name.
     Remember,
-    /// The new file takes the place of the old one.
+    /// Renames the new file over the old one.
     Replace,
-    /// A second name is removed.
+    /// Removes a second name.
     Forget,
-    /// An old file is put back.
+    /// Restores an old file.
     PutBack,
 }
 
 /// Called before each step; an error makes the step fail.
 pub(super) type Hook<'a> = &'a mut dyn FnMut(Step) -> io::Result<()>;
 
-/// Whoever does the rest of moves that belong together when this process is killed.
+/// Completes a group of moves when this process is killed.
 pub(super) trait Finisher {
-    /// From now on it is these moves, in place of those before.
+    /// Sets the moves, in place of the earlier ones.
     fn promise(&mut self, moves: Vec<Move>);
 }
 
@@ -64,7 +65,7 @@ pub(super) struct Promised(Option<Watched>);
 
 impl Finisher for Promised {
     fn promise(&mut self, moves: Vec<Move>) {
-        // The new promise is made before the old one is taken back.
+        // The new moves are registered before the old ones are removed.
         self.0 = match moves.is_empty() {
             true => None,
             false => process::finish(&moves),
@@ -109,44 +110,44 @@ pub(super) fn write(
     done
 }
 
-/// Index of the file that cannot be written, and why.
+/// Index of the file that cannot be written, and the error.
 type Failed = (usize, io::Error);
 
-/// Files on their way.
+/// Files that are being written.
 #[derive(Default)]
 struct Batch {
     files: Vec<Staged>,
-    /// Directories that were made, outermost first.
+    /// Created directories, outermost first.
     directories: Vec<PathBuf>,
-    /// Directories that were looked through for leftovers.
+    /// Directories that were searched for leftovers.
     cleaned: Vec<PathBuf>,
 }
 
-/// One file on its way.
+/// A file that is being written.
 struct Staged {
-    /// Where it goes, links followed.
+    /// The final path, with links followed.
     target: PathBuf,
     content: Content,
     old: Option<Old>,
-    /// Whether its content is in place.
+    /// True if the content is at the final path.
     replaced: bool,
 }
 
 enum Content {
-    /// In a temporary file. The open file keeps its lock.
+    /// A temporary file. The open file keeps its lock.
     File(
         PathBuf,
         #[allow(dead_code, reason = "held for its lock")] File,
     ),
-    /// For what is no regular file: a device or pipe is written to as it is.
+    /// Bytes for a device or pipe, which is written directly.
     Stream(Vec<u8>),
 }
 
-/// The file that was there.
+/// The file that existed before.
 struct Old {
-    /// Its second name, while there is one.
+    /// Its second name, if it has one now.
     second: Option<PathBuf>,
-    /// Keeps its lock.
+    /// The open file, which keeps the lock.
     lock: Option<File>,
 }
 
@@ -199,7 +200,7 @@ impl Batch {
         }
     }
 
-    /// Makes a directory, and remembers what was made.
+    /// Creates a directory, and stores the created ones.
     fn make(&mut self, directory: &Path, hook: Hook<'_>) -> io::Result<()> {
         let mut missing = Vec::new();
         let mut at = Some(directory);
@@ -224,7 +225,7 @@ impl Batch {
         Ok(())
     }
 
-    /// Old files get second names where several files are changed.
+    /// Gives old files second names if several files are changed.
     fn remember_all(&mut self, hook: Hook<'_>) -> Result<(), Failed> {
         let several = self.files.len() > 1;
         for (at, file) in self.files.iter_mut().enumerate() {
@@ -235,7 +236,7 @@ impl Batch {
         Ok(())
     }
 
-    /// What puts every file in its place, and takes the second names away.
+    /// The moves that put every file in its place and remove the second names.
     fn moves(&self) -> Vec<Move> {
         let staged = self.files.iter().filter_map(|file| match &file.content {
             Content::File(temporary, _) => Some(Move {
@@ -248,7 +249,7 @@ impl Batch {
         staged.chain(seconds.map(removal)).collect()
     }
 
-    /// What makes everything as it was.
+    /// The moves that undo everything.
     fn moves_back(&self) -> Vec<Move> {
         let mut moves = Vec::new();
         for file in &self.files {
@@ -271,7 +272,7 @@ impl Batch {
     }
 
     fn replace_all(&mut self, hook: Hook<'_>) -> Result<(), Failed> {
-        // What cannot be put back comes last.
+        // Files that cannot be restored come last.
         for stream in [false, true] {
             for (at, file) in self.files.iter_mut().enumerate() {
                 if stream == matches!(file.content, Content::Stream(_)) {
@@ -282,7 +283,7 @@ impl Batch {
         Ok(())
     }
 
-    /// All is in place: removes second names, and brings the renames to the disk.
+    /// Ends a successful write: removes second names, and syncs the renames to the disk.
     fn finish(self, hook: Hook<'_>) {
         for second in self.files.iter().filter_map(Staged::second) {
             if hook(Step::Forget).is_ok() {
@@ -290,12 +291,12 @@ impl Batch {
             }
         }
         for directory in &self.cleaned {
-            // Not every system can sync a directory.
+            // Some systems cannot sync a directory.
             let _ = File::open(directory).and_then(|it| it.sync_all());
         }
     }
 
-    /// Undoes everything; returns what stays changed, and why.
+    /// Undoes everything. Returns the files that remain changed, with the error.
     fn put_back(self, hook: Hook<'_>) -> Vec<(PathBuf, io::Error)> {
         let mut stuck = Vec::new();
         for file in self.files.iter().rev() {
@@ -323,7 +324,7 @@ impl Batch {
             }
         }
         for directory in self.directories.iter().rev() {
-            // It stays where something else has come into it.
+            // The directory stays if it is no longer empty.
             let _ = std::fs::remove_dir(directory);
         }
         stuck
@@ -351,7 +352,7 @@ impl Staged {
 }
 
 impl Old {
-    /// Gives the file a second name, so that it can be put back without any space.
+    /// Gives the file a second name, so that restoring it needs no space.
     fn remember(&mut self, target: &Path, hook: Hook<'_>) -> io::Result<()> {
         hook(Step::Remember)?;
         let directory = directory_of(target);
@@ -363,7 +364,7 @@ impl Old {
             .suffix(SUFFIX)
             .make_in(directory, |second| {
                 match std::fs::hard_link(target, second) {
-                    // Some file systems have no second names.
+                    // Some file systems do not support hard links.
                     Err(error) if error.kind() != ErrorKind::AlreadyExists => {
                         std::fs::copy(target, second).map(|_| ())
                     }
@@ -375,7 +376,7 @@ impl Old {
     }
 }
 
-/// A temporary file beside the one that a path leads to, whose place it may take.
+/// Creates a temporary file next to the file that a path points to, which it can replace.
 pub(super) fn beside(path: &Path) -> io::Result<(PathBuf, PathBuf, File)> {
     let target = followed(path)?;
     may_write(&target)?;
@@ -385,20 +386,20 @@ pub(super) fn beside(path: &Path) -> io::Result<(PathBuf, PathBuf, File)> {
     Ok((temporary, target, file))
 }
 
-/// Where a path leads when links are followed; what is there need not exist.
+/// The target of a path, with links followed; the target need not exist.
 fn followed(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
     for _ in 0..MAX_LINKS {
         match std::fs::read_link(&path) {
             Ok(to) => path = directory_of(&path).join(to),
-            // There is nothing, or it is no link.
+            // The path does not exist, or is not a link.
             Err(_) => return Ok(path),
         }
     }
     Err(io::Error::other("too many links that lead to links"))
 }
 
-/// The helper works in another folder.
+/// An absolute path, because the helper has another working directory.
 fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
@@ -417,7 +418,7 @@ fn directory_of(path: &Path) -> &Path {
     }
 }
 
-/// A file that was made read-only is not to be changed, although a rename could.
+/// Fails for a read-only file, which must not be changed, although a rename could replace it.
 fn may_write(path: &Path) -> io::Result<()> {
     match File::options().write(true).open(path) {
         Err(error)
@@ -432,7 +433,7 @@ fn may_write(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Creates a temporary file and locks it. One that takes the place of another is private at first.
+/// Creates a temporary file and locks it. A file that replaces another one is private at first.
 fn create(directory: &Path, private: bool, hook: Hook<'_>) -> io::Result<(PathBuf, File)> {
     hook(Step::Create)?;
     loop {
@@ -451,7 +452,7 @@ fn create(directory: &Path, private: bool, hook: Hook<'_>) -> io::Result<(PathBu
         let (file, path) = named.into_parts();
         let locked = file.try_lock();
         let path = path.keep().map_err(|it| it.error)?;
-        // Another writer may take it for a leftover before it is locked, and then removes it.
+        // Before the file is locked, another writer may take it for a leftover and remove it.
         if !matches!(locked, Err(TryLockError::WouldBlock)) && path.exists() {
             return Ok((path, file));
         }
@@ -474,7 +475,7 @@ fn fill(
     file.sync_all()
 }
 
-/// Owner and permissions as of the old file, as far as that is permitted.
+/// Sets owner and permissions to those of the old file, as far as permitted.
 #[cfg(unix)]
 fn set_attributes(file: &File, mode: Option<u32>, old: Option<&Metadata>) -> io::Result<()> {
     use std::os::unix::fs::{MetadataExt, PermissionsExt, fchown};
@@ -485,9 +486,9 @@ fn set_attributes(file: &File, mode: Option<u32>, old: Option<&Metadata>) -> io:
         let kept = (now.uid(), now.gid()) == (old.uid(), old.gid())
             || fchown(file, Some(old.uid()), Some(old.gid())).is_ok();
         if !kept {
-            // The group can be given by its members.
+            // A group can be set by its members.
             let _ = fchown(file, None, Some(old.gid()));
-            // What runs with the rights of the owner is not to run with ours.
+            // A file that ran with the rights of its owner must not run with the rights of this user.
             mode = mode.map(|it| it & 0o1777);
         }
     }
@@ -502,7 +503,7 @@ fn set_attributes(_: &File, _: Option<u32>, _: Option<&Metadata>) -> io::Result<
     Ok(())
 }
 
-/// Removes temporary files whose writer is no more.
+/// Removes temporary files of writers that have ended.
 fn clean(directory: &Path) {
     let entries = std::fs::read_dir(directory).into_iter().flatten().flatten();
     for entry in entries {
@@ -512,7 +513,7 @@ fn clean(directory: &Path) {
         if !ours || !entry.file_type().is_ok_and(|it| it.is_file()) {
             continue;
         }
-        // Opened without waiting or changing anything; locked by its writer as long as that lives.
+        // Opened without blocking or changing anything. A live writer holds the lock.
         let unused = File::open(entry.path()).is_ok_and(|it| it.try_lock().is_ok());
         if unused {
             let _ = std::fs::remove_file(entry.path());
@@ -520,7 +521,7 @@ fn clean(directory: &Path) {
     }
 }
 
-/// An error with what it means here.
+/// An error with its context.
 fn explained(error: &io::Error, what: &str, path: &Path) -> io::Error {
     let reason = crate::files::reason(error);
     io::Error::new(

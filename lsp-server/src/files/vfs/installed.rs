@@ -1,4 +1,4 @@
-//! The GenoM3 that is installed: by the version file beside the templates in use, else by its package.
+//! The installed GenoM3: by the version file next to the templates in use, else by its package.
 
 use camino::Utf8PathBuf;
 use dotgen_analysis::release::{ReleaseChoice, ReleaseOrigin};
@@ -8,16 +8,16 @@ use dotgen_codegen::template::discover;
 use super::PackageConfig;
 use super::{pkg_config, pkg_file};
 
-/// Its package.
+/// The package.
 const PACKAGE: &str = "genom3";
 
-/// Its release.
+/// The release.
 pub(super) fn release(config: &PackageConfig) -> Option<ReleaseChoice> {
     let configured = config
         .templates
         .iter()
         .map(|it| it.clone().into_std_path_buf());
-    // The settings replace the environment's list of templates, and nothing replaces the built-in folder.
+    // The settings replace the list of templates in the environment. The built-in folder is always searched.
     let search = search_path(None, &|name| std::env::var(name).ok());
     let mut templates: Vec<std::path::PathBuf> = configured.collect();
     if templates.is_empty() {
@@ -34,7 +34,7 @@ pub(super) fn release(config: &PackageConfig) -> Option<ReleaseChoice> {
     }
     let directories = pkg_file::search_path(&config.paths);
     let version = pkg_file::version(&directories, PACKAGE);
-    // The tool may know of more directories.
+    // The tool may search more directories.
     let version = version.or_else(|| pkg_config::version(config, PACKAGE))?;
     Some(ReleaseChoice {
         release: version.parse().ok()?,

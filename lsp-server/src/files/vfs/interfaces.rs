@@ -1,7 +1,7 @@
-//! Interfaces that come with dotgen: they take the place of packages that are not installed.
+//! The interfaces included in dotgen, which replace packages that are not installed.
 //!
-//! Editors and the codels' compiler need files, so the definitions are written to the cache of the user, into
-//! a folder named after their content.
+//! Editors and the codels' compiler need files, so the definitions are written to the user's cache, into a
+//! folder with a name derived from their content.
 
 use std::hash::{Hash, Hasher};
 use std::sync::OnceLock;
@@ -33,16 +33,16 @@ const DEFINITIONS: &[(&str, &str)] = definitions![
     "vision-idl/or/sensor/pixel.idl",
 ];
 
-/// Packages, and whose folders each needs.
+/// Packages, and the packages whose folders each needs.
 const PACKAGES: &[(&str, &[&str])] = &[
     ("openrobots2-idl", &["openrobots2-idl"]),
     ("vision-idl", &["vision-idl", "openrobots2-idl"]),
 ];
 
-/// The beginning of the name of the folder in the cache.
+/// Prefix of the folder's name in the cache.
 const PREFIX: &str = "interfaces-";
 
-/// Returns `true` if the interfaces of a package come with dotgen.
+/// Returns `true` if dotgen includes the interfaces of a package.
 pub(crate) fn has(package: &str) -> bool {
     PACKAGES.iter().any(|it| it.0 == package)
 }
@@ -58,7 +58,7 @@ pub(super) fn folders_of(package: &str) -> Vec<Utf8PathBuf> {
     needed.iter().map(|it| folder.join(it)).collect()
 }
 
-/// Where all definitions are, written once.
+/// The folder of all definitions, written once.
 fn written() -> Option<&'static Utf8Path> {
     static FOLDER: OnceLock<Option<Utf8PathBuf>> = OnceLock::new();
     let folder = FOLDER.get_or_init(|| {
@@ -72,7 +72,7 @@ fn written() -> Option<&'static Utf8Path> {
     folder.as_deref()
 }
 
-/// The directory of dotgen's caches, as the XDG specification places it.
+/// The directory of dotgen's caches, by the XDG specification.
 fn cache() -> Option<Utf8PathBuf> {
     let absolute = |name: &str| {
         let path = Utf8PathBuf::from(std::env::var(name).ok()?);
@@ -82,13 +82,14 @@ fn cache() -> Option<Utf8PathBuf> {
     Some(base?.join("dotgen"))
 }
 
-/// Returns `true` for a file of these definitions, of this or another version. Edits would be lost.
+/// Returns `true` for a file of these definitions, of this or another version. Edits of such files would be
+/// lost.
 pub(crate) fn is_own(path: &Utf8Path) -> bool {
     let below = cache().and_then(|cache| path.strip_prefix(cache).ok());
     below.is_some_and(|below| below.as_str().starts_with(PREFIX))
 }
 
-/// The path that an `#include` names, of a file of these definitions.
+/// The path in an `#include` of a file of these definitions.
 pub(crate) fn include_of(path: &Utf8Path) -> Option<&Utf8Path> {
     let mut below = path.strip_prefix(cache()?).ok()?.components();
     let folder = below.next()?;
@@ -110,7 +111,7 @@ fn is_whole(folder: &Utf8Path) -> bool {
     all.all(|(path, text)| std::fs::read_to_string(folder.join(path)).is_ok_and(|it| it == *text))
 }
 
-/// Writes beside the folder first, so that it is never there in part.
+/// Writes into a temporary folder next to `folder` and renames it, so that `folder` is always complete.
 fn write(folder: &Utf8Path) -> std::io::Result<()> {
     let around = folder.parent().unwrap_or(folder);
     std::fs::create_dir_all(around)?;
@@ -126,7 +127,7 @@ fn write(folder: &Utf8Path) -> std::io::Result<()> {
         if is_whole(folder) {
             return Ok(()); // another process was faster
         }
-        // A file in it was changed. It goes as a whole, too.
+        // A file in the folder was changed. The whole folder is replaced.
         std::fs::rename(folder, fresh.path().join("old"))?;
         std::fs::rename(fresh.path(), folder)?;
         std::fs::remove_dir_all(folder.join("old"))?;

@@ -1,5 +1,5 @@
-//! Compiler flags of packages: asks pkg-config when that may be run and is installed, otherwise
-//! reads `.pc` files (`pkg_file`).
+//! Compiler flags of packages: from pkg-config if it may be run and is installed, otherwise from `.pc` files
+//! (`pkg_file`).
 
 use std::ffi::OsString;
 use std::io::{ErrorKind, Read};
@@ -16,14 +16,14 @@ use super::PackageConfig;
 use super::{interfaces, pkg_file};
 use crate::process;
 
-/// How long pkg-config may take before it is given up.
+/// Timeout of pkg-config.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Flags for all `arguments` (each `package`, or `package op version`) in one query. Packages that are not
-/// installed and whose interfaces come with dotgen have these.
+/// Flags for all `arguments` (each `package`, or `package op version`) in one query. The included interfaces
+/// replace packages that are not installed.
 ///
 /// # Errors
-/// A message for the user: which package is missing, or why none could be looked up.
+/// A message for the user: the missing package, or the reason why the query failed.
 pub fn query(config: &PackageConfig, arguments: &[String]) -> Result<PackageFlags, String> {
     let why = match asked(config, arguments) {
         Err(why) if config.own_interfaces => why,
@@ -46,7 +46,7 @@ pub fn query(config: &PackageConfig, arguments: &[String]) -> Result<PackageFlag
     Ok(flags)
 }
 
-/// Packages that are not there and have interfaces that come with dotgen, and the arguments that are left.
+/// Packages that are not installed and have included interfaces, and the remaining arguments.
 fn replaced(config: &PackageConfig, arguments: &[String]) -> (Vec<String>, Vec<String>) {
     let directories = pkg_file::search_path(&config.paths);
     let mut own = Vec::new();
@@ -63,7 +63,7 @@ fn replaced(config: &PackageConfig, arguments: &[String]) -> (Vec<String>, Vec<S
     (own, rest)
 }
 
-/// What the package tool answers.
+/// The answer of the package tool.
 fn asked(config: &PackageConfig, arguments: &[String]) -> Result<PackageFlags, String> {
     if config.may_run {
         match run(&program(), &config.paths, "--cflags", arguments) {
@@ -76,10 +76,10 @@ fn asked(config: &PackageConfig, arguments: &[String]) -> Result<PackageFlags, S
     pkg_file::cflags(&directories, arguments).map(|words| flags_of(&words))
 }
 
-/// All that pkg-config answers to a question (`--cflags`, `--libs`) about packages.
+/// The words that pkg-config prints for an option (`--cflags`, `--libs`) and packages.
 ///
 /// # Errors
-/// A message for the user: which package is missing, or that nobody can be asked.
+/// A message for the user: the missing package, or the reason why pkg-config cannot be run.
 pub(crate) fn words(
     config: &PackageConfig,
     question: &str,
@@ -101,8 +101,8 @@ pub(crate) fn words(
     }
 }
 
-/// The version of a package, from a tool that may know of more directories than [`pkg_file::search_path`]: a
-/// script, or the program that the environment names. The plain tool is not asked, and no process is started.
+/// The version of a package, from a tool that may search more directories than [`pkg_file::search_path`]: a
+/// script, or the program that the environment names. `None` for the plain tool, without starting a process.
 pub(super) fn version(config: &PackageConfig, name: &str) -> Option<String> {
     let program = program();
     let is_plain = program == PLAIN
@@ -149,14 +149,14 @@ fn run(
         })?;
     let child = &mut process.child;
 
-    // Both pipes are drained on threads: a full one would block the child for ever.
+    // Both pipes are read on threads: a full pipe would block the child for ever.
     let (done, finished) = mpsc::channel();
     let drain = |pipe: Option<Box<dyn Read + Send>>| {
         let done = done.clone();
         std::thread::spawn(move || {
             let mut bytes = Vec::new();
             if let Some(mut pipe) = pipe {
-                // A broken pipe ends the output; what came before still counts.
+                // A broken pipe ends the output; the text read before is used.
                 let _ = pipe.read_to_end(&mut bytes);
             }
             let _ = done.send(());

@@ -1,6 +1,6 @@
-//! Reads pkg-config's `.pc` files, for machines without the program and workspaces that are not
-//! trusted to run it. Follows pkg-config(1): variables, `Requires` and `Requires.private` are
-//! followed for flags, versions compare as in RPM.
+//! A reader of pkg-config's `.pc` files, for machines without pkg-config and for workspaces that may not run
+//! it. It implements pkg-config(1): variables, flags through `Requires` and `Requires.private`, and
+//! comparison of versions as in RPM.
 
 use std::cmp::Ordering;
 use std::path::Path;
@@ -8,7 +8,7 @@ use std::path::Path;
 use camino::{Utf8Path, Utf8PathBuf};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// One `.pc` file, variables replaced.
+/// A `.pc` file, with variables replaced.
 #[derive(Debug, Default)]
 struct Package {
     name: String,
@@ -25,8 +25,8 @@ struct Requirement {
     constraint: Option<(String, String)>,
 }
 
-/// Where `.pc` files are looked for: configured directories, `PKG_CONFIG_PATH`, then
-/// `PKG_CONFIG_LIBDIR` or the directories beside the tool and of the system.
+/// The directories of `.pc` files: configured directories, `PKG_CONFIG_PATH`, then `PKG_CONFIG_LIBDIR` or the
+/// directories next to the tool and of the system.
 pub(super) fn search_path(configured: &[Utf8PathBuf]) -> Vec<Utf8PathBuf> {
     let variable = |name: &str| -> Option<Vec<Utf8PathBuf>> {
         let value = std::env::var(name).ok()?;
@@ -53,8 +53,8 @@ pub(super) fn search_path(configured: &[Utf8PathBuf]) -> Vec<Utf8PathBuf> {
     path
 }
 
-/// The directories of the installation that the tool is part of: `/opt/robot/lib/pkgconfig` for
-/// `/opt/robot/bin/pkg-config`. The tool is built with these.
+/// The directories of the installation that contains the tool: `/opt/robot/lib/pkgconfig` for
+/// `/opt/robot/bin/pkg-config`. They are built into the tool.
 fn beside_the_tool() -> Vec<Utf8PathBuf> {
     let tool = crate::process::in_path(Path::new(super::pkg_config::PLAIN));
     let tool = tool.and_then(|it| Utf8PathBuf::from_path_buf(it).ok());
@@ -81,7 +81,7 @@ pub(super) fn names(configured: &[Utf8PathBuf]) -> Vec<String> {
     names
 }
 
-/// The `Cflags` words of the packages and of all they require.
+/// The `Cflags` words of the packages and of all packages they require.
 pub(super) fn cflags(path: &[Utf8PathBuf], arguments: &[String]) -> Result<Vec<String>, String> {
     let mut todo: Vec<(Requirement, Option<String>)> = Vec::new();
     for argument in arguments {
@@ -129,7 +129,7 @@ fn find(path: &[Utf8PathBuf], name: &str) -> Option<Package> {
         let file = directory.join(format!("{name}.pc"));
         let text = std::fs::read(&file).ok()?;
         let package = parse(&String::from_utf8_lossy(&text), directory);
-        // pkg-config passes over files without these.
+        // pkg-config ignores files without these fields.
         let fields = [&package.name, &package.description, &package.version];
         fields.iter().all(|it| !it.is_empty()).then_some(package)
     })
@@ -137,7 +137,7 @@ fn find(path: &[Utf8PathBuf], name: &str) -> Option<Package> {
 
 fn parse(text: &str, directory: &Utf8Path) -> Package {
     let mut variables: FxHashMap<String, String> = FxHashMap::default();
-    // Values are split into words like those of a shell; directories may have blanks.
+    // Values are split into words as in a shell; directories may contain blanks.
     let here = directory.as_str().replace('\\', "\\\\").replace(' ', "\\ ");
     variables.insert("pcfiledir".to_owned(), here);
     let mut package = Package::default();
@@ -171,8 +171,8 @@ fn parse(text: &str, directory: &Utf8Path) -> Package {
     package
 }
 
-/// Replaces `${name}`; `$$` is a dollar. An unknown variable is empty. One pass: values were
-/// expanded when they were read, so there is nothing to recurse into.
+/// Replaces `${name}`; `$$` is a dollar. An unknown variable is empty. One pass is sufficient: values were
+/// expanded when they were read.
 fn expand(text: &str, variables: &FxHashMap<String, String>) -> String {
     let mut out = String::with_capacity(text.len());
     let mut rest = text;
@@ -199,7 +199,7 @@ fn expand(text: &str, variables: &FxHashMap<String, String>) -> String {
 
 /// `a >= 1, b c=2`
 fn requirements(text: &str) -> Vec<Requirement> {
-    // Operators may be glued to either side.
+    // An operator may have no blank on either side.
     let mut spaced = String::with_capacity(text.len() + 8);
     let mut in_operator = false;
     for c in text.chars() {
@@ -241,8 +241,8 @@ fn satisfies(version: &str, operator: &str, wanted: &str) -> bool {
     }
 }
 
-/// Runs of digits compare as numbers, runs of letters as text, digits above letters; whoever has
-/// something left is newer.
+/// Compares versions: runs of digits as numbers, runs of letters as text, digits above letters. The version
+/// with a remaining part is newer.
 fn compare_versions(a: &str, b: &str) -> Ordering {
     let (mut a, mut b) = (segments(a), segments(b));
     loop {

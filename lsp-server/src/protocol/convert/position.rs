@@ -1,4 +1,4 @@
-//! Positions: byte offsets to and from line and character, in the unit the client chose.
+//! Positions: byte offsets to and from line and character, in the unit that the client chose.
 
 use std::ops::Range as ByteRange;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use crate::protocol::types::{Position, PositionEncodingKind, Range};
 pub enum Encoding {
     /// Bytes.
     Utf8,
-    /// UTF-16 code units, what the protocol assumes when nothing is said.
+    /// UTF-16 code units, the default of the protocol.
     #[default]
     Utf16,
     /// Characters.
@@ -20,7 +20,7 @@ pub enum Encoding {
 }
 
 impl Encoding {
-    /// UTF-8 if offered since offsets are bytes here, else UTF-32, else UTF-16.
+    /// UTF-8 if offered, because offsets are bytes here; else UTF-32; else UTF-16.
     pub fn negotiate(offered: Option<&[PositionEncodingKind]>) -> Encoding {
         let offered = offered.unwrap_or_default();
         if offered.contains(&PositionEncodingKind::UTF8) {
@@ -65,7 +65,7 @@ impl Lines {
         Lines::with_index(text, index, encoding)
     }
 
-    /// With lines that are known already.
+    /// A text whose lines are already known.
     pub fn with_index(text: Arc<str>, index: Arc<LineIndex>, encoding: Encoding) -> Lines {
         Lines {
             text,
@@ -79,7 +79,8 @@ impl Lines {
         &self.text
     }
 
-    /// Position of an offset. Beyond the end it is the end, inside of a character its start.
+    /// Position of an offset. An offset after the end gives the end; an offset inside a character gives its
+    /// start.
     pub fn position(&self, offset: usize) -> Position {
         let offset = u32::try_from(offset).unwrap_or(u32::MAX);
         let at = self.index.line_col(offset.into(), self.encoding.unit());
@@ -94,7 +95,7 @@ impl Lines {
     /// Offset of a position; `None` for a line that does not exist. A character beyond the end of
     /// its line is the end of the line (LSP 3.17, Position).
     pub fn offset(&self, position: Position) -> Option<usize> {
-        // The line after the last one is how some clients say "end of the document".
+        // Some clients use the line after the last one for "end of the document".
         if position.line == self.index.line_count() && position.character == 0 {
             return Some(self.text.len());
         }
@@ -106,14 +107,14 @@ impl Lines {
         Some(offset.into())
     }
 
-    /// Offsets of a range that a request is about: what is beyond the end counts as the end.
+    /// Offsets of the range of a request. Positions after the end of the text give the end.
     pub fn clamped(&self, range: Range) -> Option<ByteRange<usize>> {
         let end = self.offset(range.end).unwrap_or(self.text.len());
         let range = self.offset(range.start)?..end;
         (range.start <= range.end).then_some(range)
     }
 
-    /// Offsets of a range; `None` also if it is turned around.
+    /// Offsets of a range; `None` also if its start is after its end.
     pub fn bytes(&self, range: Range) -> Option<ByteRange<usize>> {
         let range = self.offset(range.start)?..self.offset(range.end)?;
         (range.start <= range.end).then_some(range)

@@ -8,7 +8,7 @@ use crate::protocol::types::{
     SemanticTokensLegend,
 };
 
-/// Names in the order of [`TokenType`]; standard ones where the protocol has one.
+/// Names in the order of [`TokenType`]; standard names if the protocol has one.
 const TYPES: [SemanticTokenType; TokenType::Directive as usize + 1] = [
     SemanticTokenType::COMMENT,
     SemanticTokenType::KEYWORD,
@@ -54,7 +54,7 @@ pub fn legend() -> SemanticTokensLegend {
     }
 }
 
-/// Relative tokens; one that spans lines becomes one per line, since few clients take others.
+/// Relative tokens. A token with several lines becomes one per line, because few clients accept others.
 pub fn encode(tokens: &[Token], lines: &Lines) -> Vec<SemanticToken> {
     let mut encoded = Vec::with_capacity(tokens.len());
     let (mut last_line, mut last_start) = (0, 0);
@@ -91,7 +91,7 @@ pub fn encode(tokens: &[Token], lines: &Lines) -> Vec<SemanticToken> {
     encoded
 }
 
-/// One edit that turns `old` into `new`, or none: what is common at both ends is kept.
+/// One edit that turns `old` into `new`, without their common beginning and end; none if they are equal.
 pub fn delta(old: &[SemanticToken], new: &[SemanticToken]) -> Vec<SemanticTokensEdit> {
     let same = |(a, b): &(&SemanticToken, &SemanticToken)| a == b;
     let head = old.iter().zip(new).take_while(same).count();
@@ -106,7 +106,7 @@ pub fn delta(old: &[SemanticToken], new: &[SemanticToken]) -> Vec<SemanticTokens
     if old.is_empty() && new.is_empty() {
         return Vec::new();
     }
-    // Each token is five numbers on the wire; edits count numbers.
+    // A token has five numbers in the protocol, and edits count numbers.
     let numbers = |tokens: usize| u32::try_from(tokens * 5).unwrap_or(u32::MAX);
     vec![SemanticTokensEdit {
         start: numbers(head),

@@ -10,20 +10,20 @@ use crate::protocol::types::{
     SymbolKind, Uri,
 };
 
-/// A symbol with what is inside it.
+/// A symbol with the symbols inside it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Symbol {
     /// Its name.
     pub name: String,
-    /// What is shown behind the name.
+    /// The text shown after the name.
     pub detail: Option<String>,
     /// Its kind.
     pub kind: SymbolKind,
-    /// All of it.
+    /// The range of the whole declaration.
     pub range: Range<usize>,
-    /// Its name.
+    /// The range of its name.
     pub selection: Range<usize>,
-    /// What it holds.
+    /// The symbols inside it.
     pub children: Vec<Symbol>,
 }
 
@@ -40,7 +40,7 @@ impl From<ide::DocumentSymbol> for Symbol {
     }
 }
 
-/// The symbols of a document: nested, or each with the name of what holds it.
+/// The symbols of a document: nested, or a flat list with the name of each container.
 pub fn response(
     symbols: impl Iterator<Item = Symbol>,
     hierarchical: bool,
@@ -93,7 +93,7 @@ fn flatten(
     }
 }
 
-/// The protocol's nearest kind.
+/// The most similar kind of the protocol.
 pub fn kind(kind: Kind) -> SymbolKind {
     match kind {
         Kind::File => SymbolKind::FILE,
@@ -115,7 +115,7 @@ pub fn kind(kind: Kind) -> SymbolKind {
     }
 }
 
-/// Reads and writes as editors colour them.
+/// The kind of a highlight, for a read or a write.
 pub fn highlight(access: AccessKind) -> DocumentHighlightKind {
     match access {
         AccessKind::Declaration | AccessKind::Mention => DocumentHighlightKind::TEXT,

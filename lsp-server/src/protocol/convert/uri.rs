@@ -1,7 +1,7 @@
 //! URIs and paths.
 //!
 //! A document that is not a file (`untitled:Untitled-1`, `git:…`) gets a path made of its URI below
-//! `/dotgen-virtual`, where no file is.
+//! `/dotgen-virtual`, which contains no files.
 
 use camino::{Utf8Path, Utf8PathBuf};
 
@@ -21,13 +21,13 @@ pub fn to_path(uri: &Uri) -> Utf8PathBuf {
     Utf8Path::new(VIRTUAL).join(name)
 }
 
-/// The URI of a path. An open document has the spelling of its client; see
-/// `crate::session::writer::Snapshot::uri`.
+/// The URI of a path. For an open document, `crate::session::writer::Snapshot::uri` returns the spelling of
+/// its client.
 pub fn from_path(path: &Utf8Path) -> Option<Uri> {
     Uri::from_file_path(path.as_std_path())
 }
 
-/// Whether a path stands for a document that is not a file.
+/// True for the path of a document that is not a file.
 pub fn is_virtual(path: &Utf8Path) -> bool {
     path.starts_with(VIRTUAL)
 }

@@ -1,8 +1,8 @@
 //! Generating files from an editor: the commands `dotgen.templates`, `dotgen.templateOptions`,
 //! `dotgen.generate`, `dotgen.regenerate` and `dotgen.rememberTemplate` (docs/protocol.md).
 //!
-//! A template is a program. It runs only in a workspace that the client trusts, with every file kept
-//! in memory; nothing is written before the user has seen it.
+//! A template is a program. It runs only in a workspace that the client trusts, with every file kept in
+//! memory. Files are written only after the user has seen them.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -32,10 +32,10 @@ pub(crate) struct GenerateParams {
     /// Name of the template, or absolute path of its folder.
     #[serde(default)]
     pub(crate) template: Option<String>,
-    /// Its options; without them, those used last for this file.
+    /// Its options. The default is the options last used for this file.
     #[serde(default)]
     pub(crate) arguments: Option<Vec<String>>,
-    /// `false`: the answer has the edit and the client does the rest.
+    /// `false`: the answer contains the edit, and the client applies it.
     #[serde(default = "yes")]
     pub(crate) apply: bool,
 }
@@ -44,7 +44,7 @@ fn yes() -> bool {
     true
 }
 
-/// What was said about templates.
+/// The state of generation: the diagnostics in template files.
 #[derive(Default)]
 pub(crate) struct Generation {
     /// Files of templates with a diagnostic, by the template that failed.
@@ -135,7 +135,7 @@ impl Backend {
         }
     }
 
-    /// Asks for a template.
+    /// Asks the user for a template.
     async fn choose(&self, job: &Job) -> Result<Option<String>> {
         let actions = job.templates().into_iter().map(|it| MessageActionItem {
             title: it.name,
@@ -206,7 +206,7 @@ impl Backend {
         Ok(Some(answer))
     }
 
-    /// Asks once, with the names of the files, and makes the changes.
+    /// Shows the names of the files, asks once, and makes the changes.
     async fn apply(&self, plan: &Plan, title: &str, able: Able) -> Result<bool> {
         let client = self.dispatch.client();
         let action = |title: &str| MessageActionItem {
@@ -220,7 +220,7 @@ impl Backend {
         if answer.is_none_or(|it| it.title != "Write") {
             return Ok(false);
         }
-        // The server writes what the client cannot.
+        // The server writes the files that the client cannot write.
         let (ours, theirs): (Vec<FileChange>, Vec<FileChange>) = plan
             .changes
             .iter()
@@ -246,7 +246,7 @@ impl Backend {
         Ok(true)
     }
 
-    /// Marks the place where a template failed, and takes back what was said of it before.
+    /// Reports the place at which a template failed, and clears its earlier diagnostics.
     fn report(&self, plan: &Plan) {
         let outbox = self.dispatch.outbox();
         let mut reported = lock(&self.generation.reported);
@@ -313,7 +313,7 @@ async fn blocking<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) 
     }
 }
 
-/// An error the client shows.
+/// An error that the client shows.
 fn refused(message: String) -> Error {
     Error {
         code: ErrorCode::ServerError(-32803),

@@ -1,5 +1,5 @@
-//! `workspace/diagnostic`, file by file: the open ones first, a part at a time, so that changes and other
-//! requests have their turn in between.
+//! `workspace/diagnostic`, file by file: open files first, in parts, so that changes and other requests run
+//! in between.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -17,14 +17,14 @@ use crate::protocol::types::*;
 const BATCH: usize = 32;
 
 impl Backend {
-    /// Answers `workspace/diagnostic`. A client that wants parts gets them as they come, and once more what a
-    /// change has overtaken; any other gets everything in the end.
+    /// Answers `workspace/diagnostic`. A client that supports partial results gets each part when it is
+    /// ready, and a part that a change cancelled again. Other clients get one answer.
     pub(in crate::session) async fn diagnose(
         &self,
         params: WorkspaceDiagnosticParams,
     ) -> Result<WorkspaceDiagnosticReport> {
         let token = params.partial_result_params.partial_result_token;
-        // A client with results asks again at once: it is answered when there is news.
+        // A client that has results asks again at once. That request waits for a change.
         let has_results = !params.previous_result_ids.is_empty();
         let mut known: FxHashMap<Utf8PathBuf, PreviousResultId> = FxHashMap::default();
         for it in params.previous_result_ids {
@@ -64,14 +64,14 @@ impl Backend {
                     let value = WorkspaceDiagnosticReport { items: news };
                     let token = token.clone();
                     let part = PartialDiagnosticsParams { token, value };
-                    // Before the answer, not in the order of other notifications.
+                    // Sent before the answer, outside the order of other notifications.
                     let client = self.dispatch.client();
                     client.send_notification::<PartialDiagnostics>(part).await;
                 }
                 if revisions.has_changed().unwrap_or(false) {
                     revisions.mark_unchanged();
-                    // What was done may be wrong now. It comes last, but for open files: the rest is to be
-                    // done some day, however fast somebody types.
+                    // The results may be out of date now. These files come last, except open ones, so that
+                    // the other files are reached however fast the user types.
                     let left: FxHashSet<Utf8PathBuf> = queue.drain(..).collect();
                     let Listing { open, rest } = self.listing().await?;
                     let (left, done): (Vec<_>, Vec<_>) =

@@ -1,4 +1,4 @@
-//! Semantic tokens that clients have, so that only what changed is sent.
+//! The semantic tokens of the client, from which deltas are computed.
 
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -15,7 +15,7 @@ pub(in crate::session) struct TokenResults {
 }
 
 impl TokenResults {
-    /// Documents remembered; the others are sent whole.
+    /// Maximum number of stored documents; tokens of other documents are sent whole.
     const CAPACITY: usize = 64;
 
     pub(in crate::session) fn remember(
@@ -37,7 +37,7 @@ impl TokenResults {
         tokens
     }
 
-    /// What has changed since `known`; all of it if nothing is known.
+    /// The changes since the result `known`, or all tokens if that result is not stored.
     pub(in crate::session) fn remember_changes(
         &self,
         uri: Uri,

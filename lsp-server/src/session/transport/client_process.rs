@@ -1,15 +1,15 @@
-//! The process of the client, by the `processId` of `initialize`: the server ends when it is gone. A
-//! client that is killed closes nothing, and a pipe may be held open by others it has started.
+//! The process of the client, by the `processId` of `initialize`: the server ends when that process has
+//! ended. A killed client closes nothing, and its child processes may hold the pipe open.
 
 use tokio::sync::oneshot;
 
-/// Resolves when the process is gone; fails where it cannot be watched.
+/// Resolves when the process has ended. Fails on systems where it cannot be watched.
 pub(crate) fn gone(id: i64) -> oneshot::Receiver<()> {
     let (tell, told) = oneshot::channel();
     let watch = move || {
         if wait(id) {
             tracing::warn!("the client, process {id}, is gone");
-            // Fails when the server has ended before.
+            // Fails if the server has ended before.
             let _ = tell.send(());
         }
     };
@@ -20,7 +20,7 @@ pub(crate) fn gone(id: i64) -> oneshot::Receiver<()> {
     told
 }
 
-/// Waits for the end of a process; false if that cannot be told.
+/// Waits for the end of a process. False if the process cannot be watched.
 #[cfg(target_os = "linux")]
 fn wait(id: i64) -> bool {
     use rustix::event::{PollFd, PollFlags, poll};
@@ -30,7 +30,7 @@ fn wait(id: i64) -> bool {
     let Some(pid) = i32::try_from(id).ok().and_then(Pid::from_raw) else {
         return false;
     };
-    // The descriptor becomes readable at the end of the process, even of one that nobody has waited for.
+    // The descriptor becomes readable at the end of the process, even before its parent waits for it.
     match pidfd_open(pid, PidfdFlags::empty()) {
         Ok(process) => loop {
             let mut polled = [PollFd::new(&process, PollFlags::IN)];
@@ -53,7 +53,7 @@ fn wait(id: i64) -> bool {
     pid.is_some_and(wait_by_asking)
 }
 
-/// Asks every few seconds: for systems whose processes have no descriptors.
+/// Polls every few seconds: for systems without descriptors of processes.
 #[cfg(unix)]
 fn wait_by_asking(pid: rustix::process::Pid) -> bool {
     use rustix::io::Errno;

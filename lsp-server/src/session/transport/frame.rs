@@ -1,48 +1,48 @@
-//! Messages out of a stream of bytes: `Content-Length` headers, and what is done when they are wrong.
+//! Messages from a stream of bytes: `Content-Length` headers, and recovery from wrong ones.
 //!
-//! A client that counts wrong, or sends something between two messages, must not end the session. JSON
-//! has no line end within a string, so the bytes `Content-Length: N` with a line end behind them are
-//! never part of a body: they are where the next message begins.
+//! A client that sends a wrong length, or other bytes between two messages, must not end the session. A JSON
+//! string contains no line end. The bytes `Content-Length: N` followed by a line end are therefore never part
+//! of a body: the next message begins there.
 
 use std::ops::Range;
 
 use memchr::memmem;
 
-/// A body beyond this is skipped. It is more than any client sends: the longest document that analysis
-/// looks at has a few megabytes.
+/// Maximum size of a body in bytes; longer bodies are skipped. No client needs more: the longest document
+/// that analysis reads has a few megabytes.
 const BODY_LIMIT: u64 = 256 << 20;
-/// A line of a header beyond this is none.
+/// Maximum length of a header line in bytes; longer lines are not headers.
 const LINE_LIMIT: usize = 8 << 10;
 
 const NAME: &[u8] = b"content-length:";
 
-/// What the stream has brought.
+/// A part of the stream.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Frame {
     /// The body of a message.
     Body(Vec<u8>),
-    /// Something that is no message, in words. Told once for each stretch of it.
+    /// Bytes that are not a message; the error. Reported once for each stretch.
     Malformed(&'static str),
 }
 
-/// Cuts a stream into messages. Holds no more of it than has arrived.
+/// Splits a stream into messages. Stores only bytes that have arrived.
 #[derive(Debug, Default)]
 pub(super) struct Frames {
     bytes: Vec<u8>,
-    /// Everything before was handed out.
+    /// End of the bytes that were returned.
     start: usize,
     state: State,
-    /// The present stretch of garbage was told.
+    /// True if the present stretch of malformed bytes was reported.
     told: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
-    /// Among headers; the length if it came.
+    /// In headers; the length, if its header was read.
     Headers(Option<u64>),
-    /// In a body of so many bytes, of which the first have no header in them.
+    /// In a body of `length` bytes. The first `searched` bytes contain no header.
     Body { length: usize, searched: usize },
-    /// In a body that is too long: up to the next header nothing counts.
+    /// In a body that is too long: bytes are skipped up to the next header.
     Skipping,
 }
 
@@ -53,7 +53,7 @@ impl Default for State {
 }
 
 impl Frames {
-    /// Adds what was read.
+    /// Adds bytes.
     pub(super) fn push(&mut self, bytes: &[u8]) {
         if self.start > 0 {
             self.bytes.drain(..self.start);
@@ -62,7 +62,7 @@ impl Frames {
         self.bytes.extend_from_slice(bytes);
     }
 
-    /// Puts the end of the last body back: it did not belong to it.
+    /// Puts the end of the last body back into the stream: the bytes belong to the next message.
     pub(super) fn give_back(&mut self, rest: &[u8]) {
         self.bytes.splice(..self.start, rest.iter().copied());
         self.start = 0;
@@ -91,7 +91,7 @@ impl Frames {
         &self.bytes[self.start..]
     }
 
-    /// Reads a line of headers. The outer `None`: more is needed.
+    /// Reads a header line. The outer `None`: more bytes are needed.
     fn header(&mut self, length: Option<u64>) -> Option<Option<Frame>> {
         const GARBAGE: Frame = Frame::Malformed("something between two messages is no header");
         let Some(end) = memchr::memchr(b'\n', self.rest()) else {
@@ -107,7 +107,7 @@ impl Frames {
         let found = find_name(line);
         let mut frame = None;
         if let Some(at) = found {
-            // What stands before it is left of a message that was longer than its header said.
+            // The text before the header is the end of a message that was longer than its length.
             frame = (!line[..at].trim_ascii().is_empty()).then_some(GARBAGE);
             match number(line[at + NAME.len()..].trim_ascii()) {
                 Some(length) => self.state = State::Headers(Some(length)),
@@ -139,12 +139,12 @@ impl Frames {
     fn body(&mut self, length: usize, searched: usize) -> Option<Option<Frame>> {
         let rest = self.rest();
         let there = rest.len().min(length);
-        // A length that is too large would swallow the messages behind.
+        // A length that is too large would skip the following messages.
         let end = match find_header(&rest[searched..there]) {
             Some(at) => searched + at.start,
             None if there == length => length,
             None => {
-                // The beginning of a header may be there.
+                // These bytes may be the beginning of a header.
                 let searched = there.saturating_sub(NAME.len() + 24).max(searched);
                 self.state = State::Body { length, searched };
                 return None;
@@ -172,7 +172,7 @@ impl Frames {
     }
 }
 
-/// A whole `Content-Length: N` with the line end, in the middle of something else.
+/// The range of a complete `Content-Length: N` with its line end, inside other bytes.
 fn find_header(bytes: &[u8]) -> Option<Range<usize>> {
     let mut from = 0;
     while let Some(at) = memmem::find(&bytes[from..], b"-Length:") {
@@ -195,8 +195,8 @@ fn find_header(bytes: &[u8]) -> Option<Range<usize>> {
     None
 }
 
-/// Where a header begins that a body without meaning ends in: its length was too large, and the next
-/// message begins in it.
+/// The start of a header at the end of an invalid body: the length was too large, and the next message begins
+/// inside the body.
 pub(super) fn header_at_end(body: &[u8]) -> Option<usize> {
     let from = body.len().saturating_sub(NAME.len() + 24);
     (from..body.len()).find(|at| {
@@ -207,13 +207,13 @@ pub(super) fn header_at_end(body: &[u8]) -> Option<usize> {
     })
 }
 
-/// Where the last `Content-Length:` of a line begins, in any case.
+/// The start of the last `Content-Length:` of a line, in upper or lower case.
 fn find_name(line: &[u8]) -> Option<usize> {
     let mut windows = line.windows(NAME.len());
     windows.rposition(|it| it.eq_ignore_ascii_case(NAME))
 }
 
-/// A length, however many digits it has.
+/// A length, with any number of digits.
 fn number(text: &[u8]) -> Option<u64> {
     let digits = !text.is_empty() && text.iter().all(u8::is_ascii_digit);
     digits.then(|| {
@@ -222,7 +222,7 @@ fn number(text: &[u8]) -> Option<u64> {
     })
 }
 
-/// `Name: value`. Which one does not matter: the length is all there is to know.
+/// True for `Name: value`. Headers other than the length are ignored.
 fn is_header(line: &[u8]) -> bool {
     let name = |it: &u8| it.is_ascii_alphanumeric() || *it == b'-';
     let colon = memchr::memchr(b':', line);
@@ -233,7 +233,7 @@ fn is_header(line: &[u8]) -> bool {
 mod tests {
     use super::*;
 
-    /// All frames of a stream that arrives in pieces of every size; the same for each.
+    /// All frames of a stream, which are equal for every size of the pieces in which it arrives.
     fn frames(stream: &str) -> Vec<String> {
         let cut = |size: usize| {
             let mut frames = Frames::default();

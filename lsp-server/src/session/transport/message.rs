@@ -1,4 +1,4 @@
-//! A body as JSON, and the answers to what is none.
+//! A body as JSON, and the answers to bodies that are not valid messages.
 
 use serde_json::{Value, json};
 use tower_lsp::jsonrpc::{Request, Response};
@@ -12,23 +12,23 @@ pub(super) mod code {
     pub(in crate::session::transport) const NOT_INITIALIZED: i64 = -32002;
 }
 
-/// What a body holds.
+/// The content of a body.
 #[derive(Debug)]
 pub(super) struct Parsed {
     pub(super) value: Value,
-    /// Something in it could not be said in UTF-8 and was replaced by U+FFFD.
+    /// True if half of a surrogate pair was replaced by U+FFFD.
     pub(super) mended: bool,
-    /// Bytes behind the value, which belong to something else.
+    /// Bytes after the value, which belong to the next message.
     pub(super) rest: Vec<u8>,
 }
 
 /// Reads a body.
 ///
-/// Half of a surrogate pair (`\ud800`), which editors send when an edit cuts a character in two, is no
-/// text. It becomes U+FFFD: one UTF-16 unit as well, so that all positions remain what they are.
+/// Half of a surrogate pair (`\ud800`) is not valid text. Editors send it if an edit splits a character. It
+/// becomes U+FFFD, which also is one UTF-16 unit, so that all positions remain valid.
 ///
 /// # Errors
-/// What is wrong with the JSON, in words.
+/// The error in the JSON, as text.
 pub(super) fn parse(body: &[u8]) -> Result<Parsed, String> {
     let first = match parse_one(body) {
         Ok((value, end)) => {
@@ -62,7 +62,7 @@ fn parse_one(body: &[u8]) -> Result<(Value, usize), String> {
     }
 }
 
-/// Replaces `\uXXXX` that is half a surrogate pair by `\ufffd`; whether there was one.
+/// Replaces each `\uXXXX` that is half of a surrogate pair by `\ufffd`. Returns true if there was one.
 fn replace_halves(text: &mut [u8]) -> bool {
     let unit = |text: &[u8], at: usize| -> Option<u32> {
         let digits = text.get(at..at + 6)?.strip_prefix(b"\\u")?;
@@ -83,32 +83,32 @@ fn replace_halves(text: &mut [u8]) -> bool {
                 found = true;
                 6
             }
-            // Another escape: what it escapes is no backslash of its own.
+            // Another escape: the character after the backslash does not begin an escape.
             _ => 2,
         };
     }
     found
 }
 
-/// A message by what it is.
+/// A message by its kind.
 #[derive(Debug)]
 pub(super) enum Incoming {
     /// A request, or without `id` a notification.
     Request(Request),
     /// The answer to a request of the server.
     Response(Response),
-    /// Neither; with the `id` that it may have.
+    /// Neither, with the `id` if there is one, and the error.
     Invalid(Value, String),
 }
 
-/// Tells what a message is.
+/// Determines the kind of a message.
 pub(super) fn classify(mut value: Value) -> Incoming {
     let id = value.get("id").cloned().unwrap_or_default();
     let Some(fields) = value.as_object_mut() else {
         let message = "a message is an object with a `method`, or with a `result` or an `error`";
         return Incoming::Invalid(Value::Null, message.to_owned());
     };
-    // A client that forgets the version of JSON-RPC is understood all the same.
+    // The version of JSON-RPC may be missing.
     fields.insert("jsonrpc".to_owned(), json!("2.0"));
     if fields.get("method").is_some_and(Value::is_string) {
         return match serde_json::from_value(value) {
@@ -122,13 +122,13 @@ pub(super) fn classify(mut value: Value) -> Incoming {
     let answers = fields.contains_key("result") || fields.contains_key("error");
     match answers.then(|| serde_json::from_value(value)) {
         Some(Ok(response)) => Incoming::Response(response),
-        // Nobody waits for an answer to an answer.
+        // An invalid response gets no answer.
         Some(Err(error)) => Incoming::Invalid(Value::Null, format!("this is no answer: {error}")),
         None => Incoming::Invalid(id, "a message has a `method`".to_owned()),
     }
 }
 
-/// The answer to what went wrong.
+/// The error response to an invalid message.
 pub(super) fn failure(id: &Value, code: i64, message: &str) -> Value {
     json!({ "jsonrpc": "2.0", "id": id, "error": { "code": code, "message": message } })
 }

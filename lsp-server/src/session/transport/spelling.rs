@@ -1,9 +1,8 @@
-//! One URI for each file: as the client writes it.
+//! One URI for each file, in the spelling of the client.
 //!
-//! `file:///a+b.gen` and `file:///a%2Bb.gen` are one file. The server knows paths and writes URIs in its
-//! own way; here every one that leaves gets the spelling that the client has used for the file, or for
-//! the folder it is in. Editors keep what they are told by spelling, so two of them would be two sets of
-//! diagnostics.
+//! `file:///a+b.gen` and `file:///a%2Bb.gen` are one file. The server uses paths and has its own spelling of
+//! URIs. This module changes every outgoing URI to the spelling that the client used for the file, or for its
+//! folder. Editors store diagnostics by spelling, so two spellings would give two sets of diagnostics.
 
 use camino::{Utf8Path, Utf8PathBuf};
 use rustc_hash::FxHashMap;
@@ -24,17 +23,17 @@ const FIELDS: [&str; 6] = [
 
 const PUBLISH: &str = "textDocument/publishDiagnostics";
 
-/// What is known of the client's spelling.
+/// The spellings of the client.
 #[derive(Debug, Default)]
 pub(super) struct Spelling {
     files: FxHashMap<Utf8PathBuf, String>,
     folders: FxHashMap<Utf8PathBuf, String>,
-    /// Files that have diagnostics at the client, with the URI they were sent under.
+    /// Files with diagnostics at the client, and the URI under which they were sent.
     published: FxHashMap<Utf8PathBuf, String>,
 }
 
 impl Spelling {
-    /// Learns from a message of the client.
+    /// Stores the URIs of a message of the client.
     pub(super) fn learn(&mut self, method: &str, params: &Value) {
         match method {
             "initialize" => {
@@ -66,8 +65,8 @@ impl Spelling {
         }
     }
 
-    /// Brings a message to the client in its spelling. Diagnostics that are there under another one are
-    /// to be taken back first, by the message that is returned.
+    /// Changes a message to the client to its spelling. Returns a message to send before, which clears
+    /// diagnostics under another spelling.
     pub(super) fn apply(&mut self, message: &mut Value) -> Option<Value> {
         if !self.files.is_empty() || !self.folders.is_empty() {
             for part in ["params", "result"] {
@@ -122,7 +121,7 @@ impl Spelling {
         }
     }
 
-    /// The client's spelling of a URI, if it is another one.
+    /// The client's spelling of a URI, if it differs.
     fn spell(&self, text: &str) -> Option<String> {
         let path = path(text)?;
         let spelt = match self.files.get(&path) {
@@ -132,7 +131,7 @@ impl Spelling {
                     .ancestors()
                     .find_map(|it| self.folders.get_key_value(it));
                 let (folder, own) = folder?;
-                // The rest of the path is spelt as the server does it.
+                // The rest of the path has the spelling of the server.
                 let server = uri::from_path(folder)?;
                 let rest = text.strip_prefix(server.as_str().trim_end_matches('/'))?;
                 format!("{own}{rest}")

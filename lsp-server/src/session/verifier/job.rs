@@ -1,4 +1,4 @@
-//! The work itself: quick bounds, the exact answer, then the number of cores.
+//! The work of a verification: quick bounds, the exact answer, then the number of cores.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -13,10 +13,10 @@ use crate::session::post::Post;
 use crate::verification::Problem;
 use crate::verification::run::{Interim, run};
 
-/// Answers that come sooner after others than this are told with them.
+/// Minimum interval between two results; results in between are sent together.
 const PACE: Duration = Duration::from_millis(50);
 
-/// News of a job.
+/// A result of a job.
 pub(crate) struct Verified {
     pub(crate) path: Utf8PathBuf,
     pub(crate) number: u64,
@@ -42,7 +42,7 @@ impl Job {
                 options,
                 limit,
             } = self;
-            // The last part of an answer that was not told yet.
+            // The last interim answer that was not sent yet.
             let held: Arc<Mutex<Option<Verified>>> = Arc::default();
             let send = |events: &Post<News>, it: Verified| {
                 events.send(News::Verified(Box::new(it)));

@@ -1,4 +1,4 @@
-//! What changes: documents, files on disk, folders, settings, the root a file is shown as included by.
+//! Changes: of documents, files on disk, folders, settings, and the root in which a file is shown.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -25,9 +25,9 @@ pub(crate) enum Mutation {
     Open(DidOpenTextDocumentParams),
     /// `didChange`
     Change(DidChangeTextDocumentParams),
-    /// The last change of a document brought something that is no text, and was mended.
+    /// Half of a surrogate pair in the last change of a document was replaced.
     Mended(Uri),
-    /// The client has sent the text of such a document again.
+    /// The client has sent the whole text of such a document.
     SentAgain(Uri, Option<DocumentText>),
     /// `didSave`
     Saved(Uri),
@@ -37,14 +37,14 @@ pub(crate) enum Mutation {
     Watched(DidChangeWatchedFilesParams),
     /// Settings pushed with `didChangeConfiguration`.
     SettingsPushed(Value),
-    /// Settings pulled with `workspace/configuration`: for all, then by folder.
+    /// Settings pulled with `workspace/configuration`: first the general ones, then by folder.
     SettingsPulled(Vec<Value>),
     /// `didChangeWorkspaceFolders`
     Folders(DidChangeWorkspaceFoldersParams),
-    /// The files of the workspace were listed, for the request of that number.
+    /// The files of the workspace were listed, for the listing of that number.
     Scanned(u64, Vec<Utf8PathBuf>),
-    /// Every root was looked at for what it includes: whether that changes something. `None`: a change has
-    /// come in between.
+    /// The includes of every root were read; true if that changes a result. `None`: a change has cancelled
+    /// it.
     Indexed(Option<bool>),
     /// A file is to be shown as included by a root; `None` lets dotgen choose.
     Choose(Utf8PathBuf, Option<Utf8PathBuf>),
@@ -105,7 +105,7 @@ impl State {
             }
             Mutation::Watched(params) => self.watched(params.changes),
             Mutation::SettingsPushed(settings) => {
-                // A client that is asked for settings says null here, or repeats a part of them.
+                // A client that supports pulling sends null here, or a part of the settings.
                 if self.client.configuration {
                     self.pull_settings();
                 } else {
@@ -128,11 +128,11 @@ impl State {
                 self.pending.files.insert(file);
             }
             Mutation::Scanned(number, files) => {
-                // A listing that began before the folders changed has files of folders that are gone, and
-                // lacks others.
+                // A listing that began before the folders changed contains files of removed folders, and
+                // lacks those of new ones.
                 let counts = number == self.last_listing;
                 if counts {
-                    // Nobody waits for the first look at all files but who asks about all.
+                    // Only requests about the whole workspace wait for the first listing.
                     if !std::mem::replace(&mut self.listed, true) {
                         self.pending.indexed = Some(false);
                     }
@@ -166,19 +166,19 @@ impl State {
         self.pending.files.insert(path);
     }
 
-    /// What an open document is.
+    /// The kind of an open document.
     pub(super) fn kind_of(&self, path: &Utf8Path) -> DocumentKind {
         let open = self.documents.open_files().get(path);
         open.map_or(DocumentKind::Specification, |it| it.kind)
     }
 
-    /// What a document is that is being opened.
+    /// The kind of a document that is opened.
     fn kind(&self, path: &Utf8Path, language: &str) -> DocumentKind {
         if language == templates::LANGUAGE {
             return DocumentKind::Source;
         }
         let is_code = codels::is_code(path, Some(language));
-        // Codels that lie below a template remain codels.
+        // Codels in a folder below a template are codels.
         let is_codel = || {
             let home = (self.config.codels_of(path)).and_then(|it| codels::home(it, path));
             home.is_some_and(|it| !vfs::specifications_in(&it).is_empty())
@@ -237,7 +237,7 @@ impl State {
         self.publisher.refresh_wanted |= matters;
     }
 
-    /// A file or a folder was deleted. Whether anything was known of it.
+    /// Handles the deletion of a file or folder. Returns true if it was known.
     fn gone(&mut self, path: &Utf8Path) -> bool {
         let mut known = self.host.known_at(path);
         known.retain(|it| self.documents.text(it).is_none());
@@ -247,7 +247,7 @@ impl State {
         found
     }
 
-    /// Looks at every root, elsewhere. Whether it has begun.
+    /// Reads the includes of every root on the blocking pool. Returns true if that has begun.
     fn index(&mut self) -> bool {
         let Some(events) = self.events.upgrade() else {
             return false;
@@ -260,7 +260,7 @@ impl State {
             let found = match looked {
                 Ok(Ok(found)) => Some(found),
                 Ok(Err(Cancelled::PendingWrite)) => None,
-                // What made it panic is told by whoever asks for it.
+                // After a panic, the request for the affected file reports it.
                 _ => Some(true),
             };
             let _ = events.send(Event::Mutation(Mutation::Indexed(found)));
@@ -268,7 +268,7 @@ impl State {
         true
     }
 
-    /// A listing is over: who waited for it is admitted.
+    /// Handles the end of a listing: admits the waiting requests.
     fn settle_listing(&mut self) {
         self.listings = self.listings.saturating_sub(1);
         if self.listings == 0 {

@@ -1,4 +1,4 @@
-//! Brings the database up to date with what has changed.
+//! Updates of the database after changes.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use crate::session::post::Post;
 use crate::workspace::codels;
 use crate::workspace::snapshot::DocumentKind;
 
-/// What the database does not know yet.
+/// Changes that are not in the database yet.
 #[derive(Default)]
 pub(super) struct Pending {
     pub(super) files: FxHashSet<Utf8PathBuf>,
@@ -26,7 +26,7 @@ pub(super) struct Pending {
 }
 
 impl State {
-    /// Brings the database up to date.
+    /// Updates the database.
     pub(super) fn flush(&mut self) {
         let pending = std::mem::take(&mut self.pending);
         let settings = pending.roots || pending.config || pending.packages;
@@ -43,7 +43,7 @@ impl State {
             let (code, open): (Vec<_>, Vec<_>) =
                 open.partition(|it| self.kind_of(it) == DocumentKind::Code);
             let mut roots: Vec<_> = self.workspace.files.iter().chain(open).cloned().collect();
-            // Without a folder that is searched, a source still finds its specification.
+            // A source finds its specification even if its folder is not searched.
             let home = |source: &&Utf8PathBuf| codels::home(self.config.codels_of(source)?, source);
             let homes = code.iter().filter_map(home);
             roots.extend(homes.flat_map(|it| vfs::specifications_in(&it)));
@@ -53,7 +53,7 @@ impl State {
         }
         let mut pending = pending;
         if pending.config {
-            // A text that was too large may no longer be.
+            // A text that was too large may be within the new limit.
             let open = self.documents.open_files().keys();
             pending.files.extend(open.cloned());
         }
@@ -63,7 +63,7 @@ impl State {
         }
         let text = |path: &Utf8Path| match self.documents.text(path) {
             Some(text) => Some(text.to_string()),
-            // Nothing true can be said about a document that is out of step.
+            // A document that differs from the client's text gets no findings.
             None => self.documents.is_lost(path).then(String::new),
         };
         let files = pending.files.into_iter().map(|it| (text(&it), it));

@@ -1,8 +1,9 @@
-//! Documents that came with half a character, which is no text.
+//! Documents with half of a surrogate pair, which is not valid text.
 //!
-//! An edit that cuts a surrogate pair in two leaves `\ud83d` alone, and the next one may bring the other
-//! half. The server has U+FFFD for each, at the right place; only the client knows what they make
-//! together. It is asked, and where it cannot be, the file tells when it is saved.
+//! An edit that splits a surrogate pair leaves `\ud83d` alone, and the next edit may add the other half. The
+//! server stores U+FFFD for each half, at the right place. Only the client knows the character that both make
+//! together. The server asks the client for the text. A client that cannot answer provides the text when it
+//! saves the file.
 
 use super::{Event, Mutation, State};
 use crate::files::vfs;
@@ -12,10 +13,10 @@ use crate::protocol::types::{TextDocumentContentChangeEvent, TextDocumentIdentif
 use dotgen_analysis::host::FileContent;
 
 impl State {
-    /// The last change of a document was mended.
+    /// Handles a replacement in the last change of a document.
     pub(super) fn mended(&mut self, uri: Uri) {
         let path = uri::to_path(&uri);
-        // Of a document that is marked already, the change itself has asked.
+        // If the document is already marked, the change itself has asked for the text.
         if self.documents.open_files().contains_key(&path) && self.mended.insert(path) {
             self.ask_for_text(uri);
         }
@@ -38,8 +39,8 @@ impl State {
         });
     }
 
-    /// The text as the client has it. It counts if it is that of the last change that arrived; else the
-    /// next change asks again.
+    /// Handles the client's whole text. The text is used if it belongs to the last change that arrived;
+    /// otherwise the next change asks again.
     pub(super) fn sent_again(&mut self, uri: &Uri, sent: Option<DocumentText>) {
         let path = uri::to_path(uri);
         let open = self.documents.open_files().get(&path);
@@ -51,7 +52,7 @@ impl State {
         self.replace_text(&path, sent.version, sent.text);
     }
 
-    /// What was saved is the text.
+    /// Uses the saved text.
     pub(super) fn saved(&mut self, uri: &Uri) {
         let path = uri::to_path(uri);
         if !self.mended.remove(&path) {

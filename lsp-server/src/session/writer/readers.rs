@@ -1,4 +1,5 @@
-//! Readers: requests and the computation of diagnostics get a snapshot in their turn and work elsewhere.
+//! Readers: requests and the computation of diagnostics get a snapshot in their turn and work on other
+//! threads.
 
 use std::sync::Arc;
 
@@ -35,7 +36,7 @@ impl State {
             return;
         }
         if read.whole && self.listings > 0 {
-            // What is asked is about the text as it is now.
+            // The request is about the present text.
             let mut read = read;
             let subject = read.subject.as_ref().map(uri::to_path);
             let version =
@@ -81,8 +82,7 @@ impl State {
         }
     }
 
-    /// The next part of a computation of diagnostics, unless a change has overtaken it: that has scheduled
-    /// the next one.
+    /// Continues a computation of diagnostics, unless a change has cancelled it and scheduled the next one.
     pub(super) fn go_on(&mut self, run: Run) {
         self.rest();
         if run.revision() != self.revision || run.is_done() {
@@ -92,7 +92,8 @@ impl State {
         run.step(snapshot, Post::new(&self.events), self.outbox.runtime());
     }
 
-    /// Forgets what can be computed again after much was asked, when nobody asks: it would cancel them.
+    /// Releases memory of results that can be computed again, after many requests. Runs only without readers,
+    /// which it would cancel.
     pub(super) fn rest(&mut self) {
         let idle = Arc::strong_count(&self.readers) == 1;
         if idle && std::mem::take(&mut self.worked) {

@@ -1,4 +1,4 @@
-//! The session with the client: what it was told and asked at the start, and what it is asked again later.
+//! The session with the client: notifications and requests at the start, and refresh requests later.
 
 use std::sync::Arc;
 
@@ -9,12 +9,12 @@ use crate::protocol::client::ClientCaps;
 use crate::protocol::types::*;
 use crate::session::capabilities::{self, ForeignDocuments};
 
-/// What the client has to ask for again.
+/// The results that the client has to request again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Stale {
     /// Diagnostics and lenses.
     Findings,
-    /// Colours as well: what names mean.
+    /// Diagnostics, lenses and semantic tokens: the meaning of names has changed.
     Meaning,
 }
 
@@ -56,7 +56,7 @@ impl State {
         self.scan();
     }
 
-    /// Asks the client for sources of codels and files of templates, again when others are wanted.
+    /// Registers sources of codels and template files with the client, again if other files are needed.
     pub(super) fn register_documents(&mut self) {
         if !self.initialized || !self.client.documents_registration {
             return;
@@ -94,13 +94,13 @@ impl State {
         });
     }
 
-    /// Asks the client to ask again: something else than the open document has changed.
+    /// Requests a refresh from the client: something other than the open document has changed.
     pub(super) fn refresh(&self, stale: Stale) {
         let diagnostics = self.client.pull_diagnostics && self.client.diagnostic_refresh;
         let tokens = stale == Stale::Meaning && self.client.semantic_tokens_refresh;
         let lenses = self.client.code_lens_refresh;
         self.outbox.converse(move |client| async move {
-            // A client that refuses shows what it has until the next edit.
+            // A client that refuses shows old results until the next edit.
             if diagnostics {
                 let _ = client.workspace_diagnostic_refresh().await;
             }

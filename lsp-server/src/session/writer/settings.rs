@@ -1,5 +1,5 @@
-//! The editor's settings and configuration files: asked for, put together, and what is wrong with them
-//! reported.
+//! The editor's settings and configuration files: requests for them, their combination, and reports of errors
+//! in them.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use super::{Event, Mutation, State};
 use crate::protocol::types::*;
 
 impl State {
-    /// Asks the client for its settings, if it can be asked.
+    /// Requests the settings of the client, if it supports that.
     pub(super) fn pull_settings(&self) {
         let Some(events) = self.events.upgrade().filter(|_| self.client.configuration) else {
             return;
@@ -46,7 +46,7 @@ impl State {
         }
     }
 
-    /// Works the configuration out again, and reports what is wrong with its files.
+    /// Computes the configuration again, and reports the errors in its files.
     pub(super) fn reconfigure(&mut self) {
         let config = self.workspace.config();
         self.pending.packages |= self.vfs.set_packages(&config.packages);
@@ -61,7 +61,7 @@ impl State {
         self.register_documents();
     }
 
-    /// Shows what is wrong with configuration files, and takes back what no longer is.
+    /// Shows errors in configuration files, and clears those that are fixed.
     pub(super) fn report_problems(&mut self) {
         let problems = self.workspace.problems(self.client.encoding);
         let mut gone = std::mem::take(&mut self.reported);

@@ -1,4 +1,4 @@
-//! When verification runs, and how its results reach the client.
+//! The schedule of verification, and the delivery of its results to the client.
 
 use super::State;
 use super::session::Stale;
@@ -8,7 +8,7 @@ use crate::session::post::Post;
 use crate::session::verifier::News;
 
 impl State {
-    /// Verifies after a pause.
+    /// Schedules a verification after a pause.
     pub(super) fn schedule_verification(&mut self) {
         if !self.config.verification.on_edit() {
             if self.verifier.stop() {
@@ -23,7 +23,7 @@ impl State {
         });
     }
 
-    /// Works out on the blocking pool what is to be verified.
+    /// Computes the problems to verify, on the blocking pool.
     pub(super) fn verify(&mut self, revision: u64) {
         self.flush();
         if revision != self.revision {
@@ -38,14 +38,14 @@ impl State {
                 Ok(Ok(wanted)) => {
                     events.send(News::Wanted(wanted));
                 }
-                // A change came in between: it has scheduled the next run.
+                // A change came in between and has scheduled the next run.
                 Ok(Err(_)) => {}
                 Err(message) => tracing::error!("verification panicked: {message}"),
             }
         });
     }
 
-    /// What verification has to say has changed: diagnostics, lenses.
+    /// Updates diagnostics and lenses after a change of the results of verification.
     pub(super) fn show_verification(&mut self) {
         self.publisher
             .changed(self.revision, &self.outbox, &Post::new(&self.events));

@@ -1,4 +1,4 @@
-//! Where a difference between the sides is shown, and when.
+//! The places of findings about codels, and the times at which they are shown.
 
 use super::*;
 
@@ -21,7 +21,7 @@ async fn drift_is_shown_once_without_a_document_being_open() {
             "{message}"
         );
     }
-    // It leads to the other side.
+    // The related information is on the other side.
     let mut all = shown["codels/tank_codels.c"]
         .as_array()
         .expect("a list")
@@ -78,7 +78,7 @@ async fn an_edit_of_either_side_changes_what_is_said_of_both() {
     let mismatch = |it: &[String]| it == ["codel/signature-mismatch"];
     client.pushed_until(&c_uri, mismatch).await;
     assert_eq!(client.pulled(&gen_uri).await, Vec::<String>::new());
-    // Without the function the specification is where that shows, and the client is told to ask.
+    // Without the function, the finding is at the specification, and the client is asked to refresh.
     client.change(&c_uri, 3, json!([{ "text": "\n" }])).await;
     client.pushed_until(&c_uri, <[String]>::is_empty).await;
     assert_eq!(client.pulled(&gen_uri).await, ["codel/missing-definition"]);
@@ -89,18 +89,18 @@ async fn an_edit_of_either_side_changes_what_is_said_of_both() {
     client.change(&c_uri, 4, json!([{ "text": text }])).await;
     client.pushed_until(&c_uri, mismatch).await;
 
-    // The specification follows.
+    // Now the specification agrees.
     let text = "component c {\n  function f(in double n) { codel c_f(local in n); };\n};\n";
     client.change(&gen_uri, 2, json!([{ "text": text }])).await;
     client.pushed_until(&c_uri, <[String]>::is_empty).await;
     assert_eq!(client.pulled(&gen_uri).await, Vec::<String>::new());
 
-    // Closed without saving: the disk counts.
+    // Closed without saving: the text on the disk counts.
     client
         .notify("textDocument/didClose", document(&c_uri))
         .await;
     client.pushed_until(&c_uri, mismatch).await;
-    // Changed by somebody else.
+    // Changed by another program.
     folder.write(
         "codels/c_codels.c",
         "genom_event c_f(double n, const genom_context self)\n{\n  return genom_ok;\n}\n",
@@ -113,7 +113,7 @@ async fn an_edit_of_either_side_changes_what_is_said_of_both() {
     client.finish().await;
 }
 
-/// Each project says where its codels are; a client that wants it may ask for those of sources.
+/// Each project sets the folder of its codels. A client may pull diagnostics of sources.
 #[tokio::test(flavor = "multi_thread")]
 async fn projects_of_a_workspace_have_folders_of_their_own() {
     let specification = |name: &str| {
@@ -204,7 +204,7 @@ async fn findings_follow_the_configuration_and_comments() {
         .notify(DID_CHANGE_FILES, folder.event("dotgen.toml", 2))
         .await;
     let elsewhere = [
-        // The function is there now.
+        // The function exists now.
         "lint/unused-suppression",
         "codel/missing-definition",
         "codel/missing-definition",
@@ -266,7 +266,7 @@ async fn comments_that_allow_nothing_are_told_on_both_sides() {
         place(&source, "codel/orphan", 0)
     );
 
-    // It is mended where it stands.
+    // The fix is at its place.
     let at = place(specification, "codel/missing", 0);
     let actions = client
         .actions(&uri, &json!({ "start": at, "end": at }), Some("quickfix"))
@@ -274,7 +274,7 @@ async fn comments_that_allow_nothing_are_told_on_both_sides() {
     let titles: Vec<_> = actions.iter().map(title).collect();
     assert!(titles.contains(&"Remove the comment"), "{titles:?}");
 
-    // Where nothing is compared, nothing is known.
+    // Without a comparison there are no findings.
     folder.write("dotgen.toml", "[codels]\nfolder = \"src\"\n");
     client
         .notify(DID_CHANGE_FILES, folder.event("dotgen.toml", 1))

@@ -1,4 +1,4 @@
-//! What brings both sides together.
+//! Fixes that make both sides agree.
 
 use super::*;
 
@@ -31,7 +31,7 @@ async fn every_quick_fix_removes_what_it_is_offered_for() {
                 }
             }
             assert!(offered > 0, "no fix for {finding} in {name}: {actions:#?}");
-            // Only what has one way to be mended is mended unasked.
+            // Only unambiguous fixes are preferred.
             let preferred = actions.iter().filter(|it| it["isPreferred"] == true);
             let preferred: Vec<&str> = preferred.map(title).collect();
             assert!(
@@ -48,7 +48,7 @@ async fn every_quick_fix_removes_what_it_is_offered_for() {
         let copy = tank();
         let moved = action.to_string().replace(&original.uri(""), &copy.uri(""));
         let action: Value = serde_json::from_str(&moved).expect("JSON");
-        // Sources too are changed at once; only what mends everything is shown first.
+        // Sources are changed at once; only the action that applies every fix is reviewed first.
         let edit = &action["edit"];
         let files = edit["documentChanges"].as_array().map_or(0, Vec::len);
         let shown = title(&action).starts_with("Fix all") && files > 1;
@@ -64,7 +64,7 @@ async fn every_quick_fix_removes_what_it_is_offered_for() {
     }
 }
 
-/// The text that a stub leads to, once it is written.
+/// The text that the client shows after a stub was written.
 async fn shown_body(capabilities: Value) -> Option<String> {
     let folder = tank();
     let uri = folder.uri("tank.gen");
@@ -108,7 +108,7 @@ async fn a_new_stub_is_shown_where_its_code_goes() {
     );
 }
 
-/// Applies the action that mends everything and looks what is left.
+/// Applies the action for every fix, and checks the remaining findings.
 async fn fix_all(only: Option<&str>, ranges: &Value) {
     let folder = tank();
     let uri = folder.uri("tank.gen");
@@ -125,14 +125,14 @@ async fn fix_all(only: Option<&str>, ranges: &Value) {
     write(&all[0]["edit"]);
     client.ignore("textDocument/publishDiagnostics");
     let specification = path(&uri);
-    // A yield that the code does not use was meant by somebody: it stays until that is asked for.
+    // A yield that the code does not use may be intended: it is removed only on request.
     let left = check(&specification);
     assert!(
         left.len() == 1 && left[0].starts_with("codel/never-yielded: "),
         "{left:?}"
     );
 
-    // And it compiles, with the headers that the server makes for clangd.
+    // The result compiles, with the headers that the server makes for clangd.
     client
         .change(
             &uri,
@@ -153,7 +153,7 @@ async fn fix_all(only: Option<&str>, ranges: &Value) {
     let flags = read(directory.join(".dotgen/compile_flags.txt"));
     for source in &FILES[1..] {
         let output = std::process::Command::new("cc")
-            // A parameter that is new is not used yet.
+            // A new parameter is not used yet.
             .args(["-fsyntax-only", "-Wall", "-Wextra", "-Werror", "-Wno-unused-parameter"])
             .args(flags.lines())
             .arg(directory.join(source))
@@ -242,7 +242,7 @@ const LAMP: &str = "component lamp {
 };
 ";
 
-/// The functions return one of their events.
+/// Codels of which each returns one of its events.
 const LAMP_CODELS: &str = "#include \"aclamp.h\"
 #include \"lamp_c_types.h\"
 

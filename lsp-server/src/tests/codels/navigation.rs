@@ -1,4 +1,4 @@
-//! From one side to the other, and which sources are served.
+//! Navigation between both sides, and the sources that are served.
 
 use super::*;
 
@@ -103,7 +103,7 @@ async fn names_in_sources_lead_to_their_declarations() {
     client.open(&uri, &text).await;
     client.open_code(&source, &code).await;
     // The place in the source, the declaration with its distance to the name, and the line of the hover that
-    // names what it is.
+    // describes it.
     for (name, skip, declaration, to, said) in [
         ("last->level", 6, "double level;", 7, "double level"),
         (".valve = valve", 1, "short valve", 6, "short valve"),
@@ -163,7 +163,7 @@ async fn names_in_sources_lead_to_their_declarations() {
             "{name}: {found:#?}"
         );
     }
-    // Names of the source alone belong to the server of its language.
+    // Names that only the source declares belong to the server of its language.
     for name in [
         "out = state",
         "NULL",
@@ -194,7 +194,7 @@ async fn a_codel_is_renamed_on_both_sides() {
     let mut params = at(&uri, &text, "tank_fill_wait", 0);
     params["newName"] = json!("tank_fill_watch");
     let edit = client.ok("textDocument/rename", params.clone()).await;
-    // It changes several files: they are shown first.
+    // The edit changes several files: it is reviewed first.
     let reviewed = &edit["changeAnnotations"]["reviewed"];
     assert_eq!(reviewed["needsConfirmation"], true, "{edit:#}");
     assert_eq!(reviewed["label"], "Rename to tank_fill_watch");
@@ -244,7 +244,7 @@ async fn sources_are_left_to_the_server_of_their_language() {
     }
     let lenses = client.ok("textDocument/codeLens", document(&other)).await;
     assert_eq!(lenses, json!([]));
-    // Nothing is said of what is in no folder of codels.
+    // A source outside of folders of codels has no findings.
     client.pushed(&source).await;
     client
         .ok("test/text", document(&folder.uri("tank.gen")))

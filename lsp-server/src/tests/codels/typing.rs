@@ -1,8 +1,8 @@
-//! While a specification is being typed, what was known of its codels stays.
+//! While the user types in a specification, the findings about its codels remain.
 
 use super::*;
 
-/// Where the tokens of a text begin.
+/// The starts of the tokens of a text.
 fn tokens(text: &str) -> Vec<usize> {
     let is_word = |it: char| it.is_alphanumeric() || it == '_';
     let mut out = Vec::new();
@@ -17,7 +17,7 @@ fn tokens(text: &str) -> Vec<usize> {
     out
 }
 
-/// The differences that documents show.
+/// The findings about codels in documents.
 async fn drift(client: &mut Client, documents: &[String]) -> Vec<String> {
     let mut out = Vec::new();
     for uri in documents {
@@ -60,7 +60,7 @@ async fn a_text_that_breaks_off_anywhere_keeps_lenses_implementations_and_findin
     let mut version = 1;
     let mut earlier = 0;
     for cut in tokens(&text).into_iter().step_by(2) {
-        // The text is whole before it breaks off.
+        // The text is complete before it is cut.
         version += 2;
         client
             .change(&uri, version - 1, json!([{ "text": text }]))
@@ -75,14 +75,14 @@ async fn a_text_that_breaks_off_anywhere_keeps_lenses_implementations_and_findin
             .iter()
             .map(|it| it.trim_end_matches(EARLIER).to_owned())
             .collect();
-        // A text that ends between declarations is a whole one, which has fewer.
+        // A text that ends between two declarations is complete, with fewer declarations.
         if now.iter().all(|it| !it.ends_with(EARLIER)) {
             continue;
         }
         earlier += 1;
         assert_eq!(plain, lenses, "at {cut}");
         let left = drift(&mut client, &places).await;
-        // The last codel that is named is the one that is cut; what is behind it has no place to be shown.
+        // The last codel name may be cut; names after it have no place for a finding.
         let whole = text[..cut].rfind("codel").map_or("", |it| &text[..it]);
         for message in &findings {
             let named = message.split('`').skip(1).step_by(2);

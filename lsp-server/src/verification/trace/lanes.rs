@@ -1,4 +1,4 @@
-//! The lanes of a trace while a run is read: what is open in them, and in which row.
+//! The lanes of a trace while a run is read: their open spans, and the row of each.
 
 use std::collections::BTreeMap;
 
@@ -21,7 +21,7 @@ pub(super) enum Part {
 }
 
 impl Key {
-    /// Its name, and what it is of.
+    /// Its name and its kind.
     fn described(&self) -> (String, LaneKind) {
         match self {
             Key::Core(it) => (format!("core {}", it + 1), LaneKind::Core),
@@ -35,16 +35,16 @@ impl Key {
     }
 }
 
-/// By what something that is open is found again.
+/// The key by which an open span is found.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Of {
-    /// A codel that executes, waits or has locks.
+    /// A codel that executes, waits or holds locks.
     Codel(String),
-    /// Who waits for a core, or has one.
+    /// A job that waits for a core, or has one.
     Core(String),
 }
 
-/// What lasts; lane and row are filled in.
+/// The beginning of a span, without lane and row.
 #[derive(Debug, Clone)]
 pub(super) struct Begun {
     pub(super) of: Of,
@@ -56,7 +56,7 @@ pub(super) struct Begun {
 
 #[derive(Debug, Default)]
 struct Building {
-    /// By row.
+    /// The open spans, by row.
     open: Vec<Option<(f64, Begun)>>,
     ended: Vec<(Span, Vec<String>)>,
 }
@@ -68,19 +68,19 @@ pub(super) struct Lanes {
 }
 
 impl Lanes {
-    /// There is such a lane.
+    /// Adds the lane if it does not exist.
     pub(super) fn touch(&mut self, key: &Key) {
         if !self.all.contains_key(key) {
             self.all.insert(key.clone(), Building::default());
         }
     }
 
-    /// Whether there is such a lane.
+    /// True if the lane exists.
     pub(super) fn has(&self, key: &Key) -> bool {
         self.all.contains_key(key)
     }
 
-    /// Something begins, in the first row that is free.
+    /// Begins a span, in the first free row.
     pub(super) fn begin(&mut self, key: &Key, now: f64, begun: Begun) {
         self.touch(key);
         let Some(lane) = self.all.get_mut(key) else {
@@ -92,14 +92,14 @@ impl Lanes {
         }
     }
 
-    /// Whether something of this kind goes on there.
+    /// The open span of this kind.
     pub(super) fn open(&mut self, key: &Key, of: &Of, kind: SpanKind) -> Option<&mut Begun> {
         let rows = self.all.get_mut(key)?.open.iter_mut();
         let mut found = rows.filter_map(|it| it.as_mut().map(|it| &mut it.1));
         found.find(|it| it.of == *of && it.kind == kind)
     }
 
-    /// Something ends, if it goes on.
+    /// Ends a span, if it is open.
     pub(super) fn end(&mut self, key: &Key, now: f64, of: &Of, kind: SpanKind) {
         let Some(lane) = self.all.get_mut(key) else {
             return;
@@ -116,7 +116,7 @@ impl Lanes {
         }
     }
 
-    /// The first core that nobody has. Which one it is makes no difference to the system.
+    /// The first free core. The choice of a core does not affect the system.
     pub(super) fn free_core(&self) -> usize {
         let busy = |core: usize| {
             let lane = self.all.get(&Key::Core(core));
@@ -125,7 +125,7 @@ impl Lanes {
         (0..).find(|&it| !busy(it)).unwrap_or(0)
     }
 
-    /// The core that somebody has.
+    /// The core on which a job runs.
     pub(super) fn core_of(&self, who: &str) -> Option<Key> {
         let has = |it: &(&Key, &Building)| {
             let mut rows = it.1.open.iter().flatten();
@@ -134,7 +134,8 @@ impl Lanes {
         self.all.iter().find(has).map(|it| it.0.clone())
     }
 
-    /// Everything ends. All lanes, their spans with those ahead of them, and where each lane is.
+    /// Ends all spans. Returns all lanes, their spans with the codels ahead of them, and the index of each
+    /// lane.
     pub(super) fn finish(mut self, now: f64) -> Finished {
         let mut out = Finished::default();
         for (at, (key, lane)) in std::mem::take(&mut self.all).into_iter().enumerate() {
@@ -162,12 +163,12 @@ impl Lanes {
 pub(super) struct Finished {
     pub(super) lanes: Vec<Lane>,
     pub(super) spans: Vec<Span>,
-    /// By span.
+    /// The codels ahead in the queue, by span.
     pub(super) ahead: Vec<Vec<String>>,
     pub(super) at: BTreeMap<Key, usize>,
 }
 
-/// What executes without taking time is shown; waiting without time is not worth it.
+/// A span, or `None` for waiting without duration. Execution without duration is a span.
 fn span((from, it): (f64, Begun), row: usize, to: f64) -> Option<(Span, Vec<String>)> {
     let waits = matches!(it.kind, SpanKind::WaitLock | SpanKind::WaitCore);
     (to > from || !waits).then_some((

@@ -1,4 +1,4 @@
-//! From the events of a run to its trace.
+//! Traces from the events of a run.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -12,26 +12,26 @@ use super::{Arrow, FORMAT, Focus, Holder, Mark, MarkKind, Span, SpanKind, Step, 
 use crate::verification::blocking::Row;
 use crate::verification::timeline::Ending;
 
-/// A run, and what is known about it.
+/// A run, and the data for its trace.
 pub(crate) struct Told<'e> {
-    /// What is shown.
+    /// The title.
     pub(crate) title: String,
-    /// Of the times of the events: `ms`, `10 us`, …
+    /// The unit of the times of events: `ms`, `10 us`, …
     pub(crate) unit: &'e str,
-    /// What happened.
+    /// The events.
     pub(crate) events: &'e [Event],
-    /// How it ends.
+    /// The end of the run.
     pub(crate) ending: Ending<'e>,
-    /// The event from which on it repeats itself.
+    /// The event from which the run repeats.
     pub(crate) cycle: Option<usize>,
-    /// Which codel excludes which, and through what.
+    /// The codels that exclude each other, and the data they share.
     pub(crate) blocking: &'e [Row],
 }
 
 /// A specification, and a place in it.
 pub(crate) type At = (usize, Src);
 
-/// The trace of a run. What there is no place for has none.
+/// The trace of a run. Codels and tasks without a place get none.
 pub(crate) fn of_run(told: &Told) -> Trace<At> {
     let (unit, factor) = drawn_in(told.unit, told.events);
     let mut reading = Reading {
@@ -58,14 +58,13 @@ pub(crate) fn of_run(told: &Told) -> Trace<At> {
     reading.finish(told.title.clone(), unit, end, repeats)
 }
 
-/// Whether an event is about a task, named `component.task`.
+/// True if an event is of a task, named `component.task`.
 fn is_of(event: &Event, task: &str) -> bool {
     let name = event.task.as_deref();
     name.is_some_and(|it| task.strip_prefix(&*event.component) == Some(&format!(".{it}")))
 }
 
-/// The unit in which all times of a trace are, and how many of it there are in that of a report (`ms`, `10
-/// us`).
+/// The unit of all times of a trace, and the factor from the unit of a report (`ms`, `10 us`).
 fn drawn_in(unit: &str, events: &[Event]) -> (&'static str, f64) {
     let (count, unit) = match unit.split_once(' ') {
         Some((count, unit)) => (count.parse().unwrap_or(1.0), unit),
@@ -84,12 +83,12 @@ fn drawn_in(unit: &str, events: &[Event]) -> (&'static str, f64) {
     }
 }
 
-/// A time without the noise of binary fractions.
+/// A time without the rounding errors of binary fractions.
 fn clean(time: f64) -> f64 {
     (time * 1e6).round() / 1e6
 }
 
-/// Codels that exclude each other, and what both use.
+/// Codels that exclude each other, and the data they share.
 struct Excludes<'e> {
     through: HashMap<&'e str, HashMap<&'e str, &'e [String]>>,
 }
@@ -106,12 +105,12 @@ impl<'e> Excludes<'e> {
         }
     }
 
-    /// What both use, if they exclude each other.
+    /// The data that two codels share, if they exclude each other.
     fn through(&self, one: &str, other: &str) -> Option<&'e [String]> {
         self.through.get(one)?.get(other).copied()
     }
 
-    /// What a codel shares with some others, or with any.
+    /// The data that a codel shares with some other codels, or with any.
     fn shared(&self, codel: &str, with: Option<&[&str]>) -> Vec<String> {
         let mut out: Vec<String> = Vec::new();
         let others = self.through.get(codel).into_iter().flatten();
@@ -131,7 +130,7 @@ struct Reading<'e> {
     lanes: Lanes,
     steps: Vec<(Key, Step)>,
     marks: Vec<(Key, f64, MarkKind, Option<usize>)>,
-    /// From, to: a lane, or the name of a task.
+    /// Each arrow: its sender, its receiver (a lane, or the name of a task), its time and its step.
     arrows: Vec<(Key, Target, f64, usize)>,
     places: Vec<At>,
     rules: BTreeMap<String, String>,
@@ -142,7 +141,7 @@ enum Target {
     Named(String),
 }
 
-/// The lane of whoever an event is about.
+/// The lane of an event.
 fn key_of(event: &Event) -> Key {
     let part = match &event.task {
         Some(task) => Part::Task(task.clone()),
@@ -151,7 +150,7 @@ fn key_of(event: &Event) -> Key {
     Key::Of(event.component.clone(), part)
 }
 
-/// As events and reports name whoever executes.
+/// The name of the executing task or component, as in events and reports.
 fn who(event: &Event) -> String {
     match &event.task {
         Some(task) => format!("{}.{task}", event.component),
@@ -163,7 +162,7 @@ fn last_name(path: &str) -> String {
     path.rsplit('.').next().unwrap_or_default().to_owned()
 }
 
-/// Codels are told by owner and state: `report.start`.
+/// The path of a codel without its component: `report.start`.
 fn short(path: &str) -> String {
     let from = path.find('.').map_or(0, |it| it + 1);
     path[from..].to_owned()
@@ -172,7 +171,7 @@ fn short(path: &str) -> String {
 impl Reading<'_> {
     fn read(&mut self, step: usize, event: &Event, now: f64) {
         let mut key = key_of(event);
-        // What a client waits for can be too late.
+        // The awaited reply of a client can be late.
         let client = Key::Client(event.component.clone());
         if event.kind == MomentKind::Excess && event.task.is_none() && self.lanes.has(&client) {
             key = client;
@@ -304,7 +303,7 @@ impl Reading<'_> {
         self.lanes.begin(core, now, has);
     }
 
-    /// Somebody takes the core of somebody else.
+    /// A job takes the core of another job.
     fn take_core(&mut self, victim: &str, by: &str, step: usize, now: f64) {
         let Some(core) = self.lanes.core_of(victim) else {
             return;
@@ -326,7 +325,7 @@ impl Reading<'_> {
         let core = |it: &Span| it.codel.is_none() && it.kind == SpanKind::Run;
         let holds = Holds::of(spans.iter().filter(|it| it.kind == SpanKind::Hold));
         let cores = Holds::of(spans.iter().filter(|it| core(it)));
-        // Where a codel executes is told by the step with which it does so.
+        // The step with which a codel begins to execute gives its lane.
         let executes = |it: &Span| self.steps.get(it.step).map(|it| lane(&it.0));
         let mut waits = Vec::new();
         for (i, span) in spans.iter().enumerate() {
@@ -426,7 +425,7 @@ impl Reading<'_> {
     }
 }
 
-/// Spans in order of time, to be asked who had something meanwhile.
+/// Spans in order of time, for queries about the holders during a wait.
 struct Holds<'s> {
     all: Vec<&'s Span>,
     longest: f64,
@@ -440,10 +439,10 @@ impl<'s> Holds<'s> {
         Holds { all, longest }
     }
 
-    /// Those during a wait, in order: who had it when the wait began, and whoever took it after that.
+    /// The holders during a wait, in order: the one at its beginning, and all later ones.
     fn during(&self, wait: &Span, holder: impl Fn(&Span) -> Option<Holder>) -> Vec<Holder> {
-        // None began earlier than the longest lasts: long runs are not searched from their beginning each
-        // time.
+        // No span that began earlier than the longest duration before the wait can overlap it. This avoids a
+        // search from the beginning of long runs.
         let first = (self.all).partition_point(|it| it.from < wait.from - self.longest);
         let after = self.all[first..].iter();
         let candidates = after.take_while(|it| it.from < wait.to);

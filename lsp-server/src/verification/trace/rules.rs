@@ -1,8 +1,8 @@
-//! What each rule of the model does, in a sentence: `docs/verification.md` has the same table.
+//! Descriptions of the rules of the model, a sentence each. `docs/verification.md` has the same table.
 
 use dotgen_timing::explore::MomentKind;
 
-/// The name of a rule, as in the JSON of a verification, and what it does.
+/// The name of a rule, as in the JSON of a verification, and its description.
 pub(super) fn rule(kind: MomentKind) -> (&'static str, &'static str) {
     match kind {
         MomentKind::Tick => ("tick", "The timer of the task has come round."),

@@ -7,7 +7,7 @@ use anyhow::Result;
 
 /// Activities of a component, of 19 lines each.
 const ACTIVITIES: usize = 52;
-/// Types of the shared file that few use, beside those that all use.
+/// Types of the shared file that few components use, in addition to those that all use.
 const TYPES: usize = 20;
 
 /// Name of the shared file.
@@ -25,7 +25,7 @@ pub(in crate::bench) fn write(folder: &Path, count: usize) -> Result<()> {
     Ok(())
 }
 
-/// Writes `count` files of one line, each on its own.
+/// Writes `count` independent files of one line.
 pub(in crate::bench) fn write_tiny(folder: &Path, count: usize) -> Result<()> {
     std::fs::create_dir_all(folder)?;
     for i in 0..count {

@@ -1,4 +1,4 @@
-//! Names that a function uses and does not declare, and writes that its parameters do not allow.
+//! Names that a function uses and does not declare, and writes to its constant parameters.
 
 use rustc_hash::FxHashSet;
 use smol_str::SmolStr;
@@ -9,7 +9,7 @@ use crate::codels::source::{
     ctype::{declared_name, source},
 };
 
-/// What a block declares, uses and writes.
+/// The names that a block declares, uses and writes.
 #[derive(Default)]
 pub(super) struct Names {
     declared: FxHashSet<SmolStr>,
@@ -17,18 +17,18 @@ pub(super) struct Names {
     used: Vec<(SmolStr, Span)>,
     /// Names that a macro may declare.
     in_macros: FxHashSet<SmolStr>,
-    /// Left sides that go through a pointer once: the pointer, and the whole.
+    /// Left sides with one dereference: the pointer, and the whole left side.
     written: Vec<(SmolStr, Span)>,
 }
 
-/// What is around a node.
+/// The context of a node.
 #[derive(Clone, Copy, Default)]
 struct Around {
     /// The kind of the parent.
     parent: &'static str,
-    /// Compiled under a condition of the preprocessor only.
+    /// True if it is compiled only under a preprocessor condition.
     conditional: bool,
-    /// Within arguments of what may be a macro, or in a lambda: names may be declared there.
+    /// True inside the arguments of a possible macro, or in a lambda: names may be declared there.
     declares: bool,
 }
 
@@ -84,7 +84,7 @@ impl Names {
                 let of = node.child_by_field_name("argument");
                 self.written.extend(of.and_then(|it| through(it, text)));
             }
-            // Members of local classes are names in their functions.
+            // Members of local classes are names in the functions of these classes.
             "field_identifier" => {
                 self.declared.insert(name(node));
             }
@@ -118,7 +118,7 @@ impl Names {
         }
     }
 
-    /// Names that are declared nowhere in the function, each at its first use.
+    /// Names that are not declared in the function, each at its first use.
     pub(super) fn free(&self, parameters: &[Parameter]) -> Vec<(SmolStr, Span)> {
         let parameters = parameters.iter().filter_map(|it| it.name.as_ref());
         let mut known: FxHashSet<&SmolStr> = parameters.collect();
@@ -149,7 +149,7 @@ impl Names {
     }
 }
 
-/// Whether an identifier is a value: not a function that is called, nor part of another name.
+/// True if an identifier is a value: neither a called function, nor part of another name.
 fn is_value(parent: &str, field: Option<&str>) -> bool {
     match parent {
         "call_expression" => field != Some("function"),
@@ -158,7 +158,7 @@ fn is_value(parent: &str, field: Option<&str>) -> bool {
     }
 }
 
-/// Whether names may be declared inside that nobody sees.
+/// True if the node may contain declarations that cannot be read.
 fn declares(node: Node<'_>) -> bool {
     if node.kind() == "lambda_expression" {
         return true;
@@ -169,10 +169,10 @@ fn declares(node: Node<'_>) -> bool {
     function.is_some()
 }
 
-/// How many parentheses and members of a left side are followed.
+/// Maximum number of parentheses and members of a left side that are followed.
 const MEMBERS: usize = 16;
 
-/// The pointer that a left side goes through, where it goes through no other: `*p`, `p->a.b`, `p[0].a`.
+/// The pointer that a left side dereferences, if it dereferences no other: `*p`, `p->a.b`, `p[0].a`.
 fn through(left: Node<'_>, text: &str) -> Option<(SmolStr, Span)> {
     let mut node = left;
     for _ in 0..MEMBERS {

@@ -1,12 +1,12 @@
-//! Whether a character that was typed asks for proposals.
+//! The decision if a typed character asks for proposals.
 //!
-//! Clients ask behind each of the trigger characters, wherever they are typed. A list that opens in an
-//! indentation or behind a comment takes the next Enter for a choice.
+//! Clients ask after each trigger character, in every context. A list that opens in an indentation or after a
+//! comment would take the next Enter as a choice.
 
 use crate::protocol::convert::Lines;
 use crate::protocol::types::*;
 
-/// Whether proposals are wanted: always, but behind characters that mean something else where they stand.
+/// True if proposals are wanted. False only after a character that has another meaning in its context.
 pub(super) fn wanted(
     context: Option<&CompletionContext>,
     lines: &Lines,
@@ -21,7 +21,7 @@ pub(super) fn wanted(
     line.is_none_or(|(line, at)| asks(&lines.text()[line.start..at.max(line.start)]))
 }
 
-/// Whether the last character of the beginning of a line asks.
+/// True if the last character of the beginning of a line asks for proposals.
 fn asks(before: &str) -> bool {
     let Some(typed) = before.chars().next_back() else {
         return true;
@@ -30,24 +30,24 @@ fn asks(before: &str) -> bool {
     let in_string = before.matches('"').count() % 2 == 1;
     let directive = before.trim_start().starts_with('#');
     match typed {
-        // Behind a word or between the items of a list, not in an indentation or behind what is complete.
+        // After a word or between the items of a list, not in an indentation or after a complete item.
         ' ' => {
             let before = before.strip_suffix("<=").unwrap_or(before);
             before.ends_with(|it: char| {
                 it.is_alphanumeric() || matches!(it, '_' | ',' | '=' | ')' | '>')
             })
         }
-        // A list of states or elements, not a comparison.
+        // In a list of states or elements, not in a comparison.
         '<' => directive || !before.ends_with(' '),
-        // Of a path.
+        // In a path.
         ':' => before.ends_with(':'),
-        // Of a member, not of a number.
+        // Before a member, not in a number.
         '.' => {
             let word = before.rsplit(|it: char| !it.is_alphanumeric() && it != '_');
             let mut word = word.map(|it| it.starts_with(|c: char| c.is_ascii_digit()));
             directive || in_string || word.next() != Some(true)
         }
-        // The beginning of a text, not its end.
+        // At the beginning of a string, not at its end.
         '"' => !in_string,
         '/' => directive || in_string,
         _ => true,

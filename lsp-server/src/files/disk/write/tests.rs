@@ -3,7 +3,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::*;
 
-/// A folder with two files, a link to the second, and what is to be written: both, and a new one in a new
+/// A folder with two files and a link to the second, and the new content: of both, and of a new file in a new
 /// folder.
 struct Fixture {
     directory: tempfile::TempDir,
@@ -26,7 +26,7 @@ fn fixture() -> Fixture {
     Fixture { directory, files }
 }
 
-/// Every file below a folder with its content, but for leftovers, which are counted.
+/// Every file below a folder with its content, and the number of leftovers.
 fn contents(directory: &Path) -> (BTreeMap<String, String>, usize) {
     let mut leftovers = 0;
     let mut files = BTreeMap::new();
@@ -54,7 +54,7 @@ fn map(files: &[(&str, &str)]) -> BTreeMap<String, String> {
         .collect()
 }
 
-/// What was promised last.
+/// The last group of moves.
 #[derive(Default)]
 struct Kept(Vec<Move>);
 
@@ -68,7 +68,7 @@ fn written(files: &[NewContent], hook: Hook<'_>) -> Result<(), WriteError> {
     write(files, &mut Kept::default(), hook)
 }
 
-/// How many steps the writing of a fixture has.
+/// The steps of writing a fixture.
 fn steps(fixture: &Fixture) -> Vec<Step> {
     let mut all = Vec::new();
     let done = written(&fixture.files, &mut |step| {
@@ -106,7 +106,7 @@ fn a_step_that_fails_leaves_everything_as_it_was() {
             failed = Some(step);
             Err(ErrorKind::StorageFull.into())
         });
-        // By then everything is in place: what stays is a second name.
+        // By then everything is in place; a second name remains.
         if failed == Some(Step::Forget) {
             assert!(done.is_ok());
             continue;
@@ -148,8 +148,8 @@ fn what_cannot_be_put_back_is_named() {
     );
 }
 
-/// A panic in the hook stands for the end of the process: nothing is cleaned up, and locks are given back.
-/// Returns what was promised. Where a step is to fail, that one does.
+/// Simulates a kill by a panic in the hook: nothing is cleaned up, and locks are released. Returns the
+/// registered moves. If `fails` is given, that step fails.
 fn killed_at(fixture: &Fixture, step: usize, fails: Option<usize>) -> Vec<Move> {
     let mut at = 0;
     let mut kept = Kept::default();
@@ -189,7 +189,7 @@ fn after_a_kill_at_any_step_the_helper_finishes() {
     }
 }
 
-/// What fails is undone, also when the process is killed while it does that.
+/// A failed write is undone, even if the process is killed while it undoes it.
 #[test]
 fn after_a_kill_while_files_are_put_back_the_helper_finishes() {
     let all = steps(&fixture());
@@ -228,7 +228,7 @@ fn files_are_whole_after_a_kill_at_any_step_and_the_next_write_cleans_up() {
     assert!(seen > count / 2, "kills leave something behind: {seen}");
 }
 
-/// In a process of its own that is killed with SIGKILL before a step.
+/// Writes in a separate process, which is killed with SIGKILL before a step.
 #[cfg(unix)]
 #[test]
 fn kill_9_at_any_step() {
@@ -278,8 +278,8 @@ fn kill_9_at_any_step() {
     }
 }
 
-/// The next write removes what was left over. A process that another test starts has our locks until it runs
-/// its own program, so it may take more than one.
+/// Checks that the next write removes leftovers. A process that another test starts holds these locks until
+/// it runs its own program, so several writes may be needed.
 fn cleaned_up(fixture: &Fixture, step: usize) {
     let leftovers = || contents(fixture.directory.path()).1;
     for _ in 0..200 {
@@ -297,7 +297,7 @@ fn files_of_a_writer_that_lives_are_not_cleaned_up() {
     let mut inner = None;
     let done = written(&fixture.files, &mut |step| {
         if step == Step::Sync && inner.is_none() {
-            // Another writer in the same folder, in the middle of ours.
+            // Another writer in the same folder, during this write.
             inner = Some(contents(fixture.directory.path()).1);
             written(&fixture.files[1..2], &mut |_| Ok(())).unwrap();
             assert_eq!(Some(contents(fixture.directory.path()).1), inner);
