@@ -1,6 +1,3 @@
-/* Every component of this folder compiles all its sources: those of others are empty. */
-#if __has_include("acmikrokopter.h")
-
 #include "acmikrokopter.h"
 
 #include "mikrokopter_c_types.h"
@@ -192,5 +189,3 @@ mk_disconnect_stop(mikrokopter_line_s **old, const genom_context self)
   *old = NULL;
   return mikrokopter_ether;
 }
-
-#endif
