@@ -43,7 +43,7 @@ mk_comm_poll(const mikrokopter_line_s *line, const genom_context self)
   long wait = 320L * 1000000000L / baud;
   struct timespec pause = {.tv_nsec = wait < 700000 ? wait : 700000};
   nanosleep(&pause, NULL);
-  return line ? mikrokopter_recv : mikrokopter_poll;
+  return mikrokopter_recv;  /* which finds nothing, if no line is open */
 }
 
 
