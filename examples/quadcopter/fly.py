@@ -5,8 +5,8 @@
     python3 examples/quadcopter/fly.py real                 # on the clock of this machine
     python3 examples/quadcopter/fly.py check flight.mcap    # checks the recording of a flight
 
-On the virtual clock, the client of `flight.scn` sends all requests. On the real clock, this script connects the
-ports and sends them. `--record FILE.mcap`, `--trace FILE.pftrace` and `--profile FILE` keep the flight.
+On the virtual clock, the client of `flight.scn` sends all requests. On the real clock, this script connects
+the ports and sends them. `--record FILE.mcap`, `--trace FILE.pftrace` and `--profile FILE` keep the flight.
 """
 
 from __future__ import annotations
@@ -58,12 +58,15 @@ def program() -> str:
 def check(file: str) -> None:
     """Prints the error at each target of a recorded flight, and fails if one is missing or too large."""
     flight = Flight(file)
-    errors = flight.errors()
-    for name, target in TARGETS.items():
-        if name not in errors:
-            raise SystemExit(f"{name}: the flight does not rest at {target}")
-        print(f"{name}: {errors[name] * 100:.1f} cm from {target}", flush=True)
-    far = [name for name, error in errors.items() if error >= TOLERANCE]
+    rests = flight.rests()
+    if len(rests) != len(TARGETS):
+        raise SystemExit(f"{len(rests)} rests instead of {len(TARGETS)}: the flight is not complete")
+    far = []
+    for (name, target), rest in zip(TARGETS.items(), rests):
+        error = flight.error(rest, target)
+        print(f"{name}: {error * 100:.1f} cm from {target}", flush=True)
+        if error >= TOLERANCE:
+            far.append(name)
     if far:
         raise SystemExit(f"{TOLERANCE * 100:.0f} cm or more: {', '.join(far)}")
 

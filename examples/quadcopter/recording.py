@@ -7,7 +7,9 @@ import math
 import pathlib
 import struct
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Tuple
+
+Position = Tuple[float, float, float]
 
 TARGETS = {  # m; the points of the tour are the defaults of `set_tour` in maneuver.gen
     "take-off": (0.0, 0.0, 1.0),
@@ -24,7 +26,15 @@ class Sample(NamedTuple):
     """A position in metres, and its simulated time in seconds."""
 
     time: float
-    position: tuple[float, float, float]
+    position: Position
+
+
+class Rest(NamedTuple):
+    """A desired position in metres, and the simulated times in seconds between which it stays."""
+
+    begin: float
+    end: float
+    position: Position
 
 
 class Flight:
@@ -40,24 +50,16 @@ class Flight:
                 if value["pos"]:
                     channels[channel].append(sample(value))
 
-    def rests(self) -> Iterator[tuple[Sample, float]]:
-        """Yields each desired position that stays for a while, and the time at which it changes."""
+    def rests(self) -> list[Rest]:
+        """Returns the desired positions that stay for a while."""
         ends = [it.time for it in self.desired[1:]] + [self.true[-1].time]
-        for desired, end in zip(self.desired, ends):
-            if end - desired.time >= REST:
-                yield desired, end
+        pairs = zip(self.desired, ends)
+        return [Rest(it.time, end, it.position) for it, end in pairs if end - it.time >= REST]
 
-    def errors(self) -> dict[str, float]:
-        """Returns the greatest distance from each target at the end of the rest there, in metres."""
-        found = {}
-        rests = self.rests()
-        for name, target in TARGETS.items():
-            for desired, end in rests:
-                if math.dist(desired.position, target) < 0.05:
-                    near = [it for it in self.true if end - WINDOW <= it.time < end]
-                    found[name] = max(math.dist(it.position, target) for it in near)
-                    break
-        return found
+    def error(self, rest: Rest, target: Position) -> float:
+        """Returns the greatest distance from a target at the end of a rest, in metres."""
+        last = [it.position for it in self.true if rest.end - WINDOW <= it.time < rest.end]
+        return max(math.dist(it, target) for it in last)
 
 
 def sample(state: dict[str, Any]) -> Sample:
