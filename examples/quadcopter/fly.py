@@ -1,37 +1,32 @@
 #!/usr/bin/env python3
-"""Flies the simulated quadcopter to three points, and checks the true position at each.
+"""Flies the simulated quadcopter to three points and lands, and checks the true position at each point.
 
-    python3 examples/quadcopter/fly.py real       # one flight, on the clock of this machine
-    python3 examples/quadcopter/fly.py virtual    # three flights, in simulated time
+    python3 examples/quadcopter/fly.py virtual              # in simulated time
+    python3 examples/quadcopter/fly.py real                 # on the clock of this machine
+    python3 examples/quadcopter/fly.py check flight.mcap    # checks the recording of a flight
 
-On the real clock, the script connects the ports and sends every request itself. On the virtual clock, a run
-accepts no requests: the client of `flight.scn` sends them. A service has one input for the whole run there,
-so each point has a flight of its own.
-
-`--record FILE.mcap` and `--trace FILE.pftrace` keep the last flight, for Foxglove and Perfetto.
+On the virtual clock, the client of `flight.scn` sends all requests. On the real clock, this script connects
+the ports and sends them. `--record FILE.mcap`, `--trace FILE.pftrace` and `--profile FILE` keep the flight.
 """
 
 from __future__ import annotations
 
 import argparse
-import json
-import math
 import os
 import pathlib
 import shutil
-import struct
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
 from typing import Any
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent.parent / "clients" / "python"))
 import dotgen  # noqa: E402
 
-POINTS = [(1.0, 0.5, 1.2, 0.5), (-0.5, 1.0, 1.5, -0.5), (0.0, -1.0, 1.0, 0.0)]
+from recording import TARGETS, Flight, seconds  # noqa: E402
+
 TOLERANCE = 0.05  # m
 
 COMPONENTS = ["maneuver", "mikrokopter", "nhfc", "optitrack", "pom", "simulator"]
@@ -60,27 +55,32 @@ def program() -> str:
     return found
 
 
-def seconds(state: dict[str, Any]) -> float:
-    """Returns the simulated time of a state."""
-    return float(state["ts"]["sec"]) + float(state["ts"]["nsec"]) * 1e-9
+def check(file: str) -> None:
+    """Prints the error at each target of a recorded flight, and fails if one is missing or too large."""
+    flight = Flight(file)
+    rests = flight.rests()
+    if len(rests) != len(TARGETS):
+        raise SystemExit(f"{len(rests)} rests instead of {len(TARGETS)}: the flight is not complete")
+    far = []
+    for (name, target), rest in zip(TARGETS.items(), rests):
+        error = flight.error(rest, target)
+        print(f"{name}: {error * 100:.1f} cm from {target}", flush=True)
+        if error >= TOLERANCE:
+            far.append(name)
+    if far:
+        raise SystemExit(f"{TOLERANCE * 100:.0f} cm or more: {', '.join(far)}")
 
 
-def distance(state: dict[str, Any], x: float, y: float, z: float) -> float:
-    """Returns the distance of a body from a point, in metres."""
-    at = state["pos"]
-    return math.dist((at["x"], at["y"], at["z"]), (x, y, z))
-
-
-def check(name: str, errors: list[float]) -> None:
-    """Prints the greatest error and asserts that it is small."""
-    if not errors:
-        raise SystemExit(f"{name}: no position was seen")
-    print(f"{name}: at most {max(errors) * 100:.1f} cm away, {len(errors)} samples", flush=True)
-    assert max(errors) < TOLERANCE, f"{name}: {max(errors) * 100:.1f} cm"
+def virtual(options: list[str]) -> None:
+    """A flight on the virtual clock, by the client of `flight.scn`."""
+    command = [program(), "run", str(HERE / "flight.scn"), "--until", "27s", *options]
+    run = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    if run.returncode != 0:
+        raise SystemExit(run.stdout)
 
 
 def real(options: list[str]) -> None:
-    """One flight on the real clock, by requests."""
+    """A flight on the real clock, by requests."""
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "s"
         files = [str(HERE / f"{it}.gen") for it in COMPONENTS]
@@ -117,96 +117,39 @@ def mission(robot: dotgen.Connection) -> None:
     nhfc.servo(ack=True)
     mikrokopter.servo(ack=True)
 
-    began, simulated = time.monotonic(), seconds(body())
-    reach(maneuver, body, "take-off", 0.0, 0.0, 1.0, 0.0)
-    for number, point in enumerate(POINTS, 1):
-        reach(maneuver, body, f"point {number}", *point)
-    x, y, _, yaw = POINTS[-1]
-    reach(maneuver, body, "landing", x, y, 0.01, yaw)
+    maneuver.set_tour()
+    for move in [maneuver.goto, maneuver.next, maneuver.next, maneuver.next, maneuver.land]:
+        move()
+        there = seconds(body())
+        while seconds(body()) < there + 2:
+            time.sleep(0.02)
     mikrokopter.stop()
-    simulated = seconds(body()) - simulated
-    print(f"{simulated:.1f} s of flight in {time.monotonic() - began:.1f} s")
-
-
-def reach(maneuver: Any, body: Any, name: str, x: float, y: float, z: float, yaw: float) -> None:
-    """Goes to a point, settles for three seconds of simulated time, and checks the fourth."""
-    maneuver.goto(x=x, y=y, z=z, yaw=yaw)
-    there = seconds(body())
-    errors = []
-    while (now := body()) and seconds(now) < there + 4:
-        if seconds(now) >= there + 3:
-            errors.append(distance(now, x, y, z))
-        time.sleep(0.02)
-    check(name, errors)
-
-
-def virtual(options: list[str], record: str | None) -> None:
-    """A flight for each point on the virtual clock, by `flight.scn`."""
-    for number, (x, y, z, yaw) in enumerate(POINTS, 1):
-        began = time.monotonic()
-        with tempfile.TemporaryDirectory() as folder:
-            file = record or str(pathlib.Path(folder) / "flight.mcap")
-            inputs = {
-                "mikrokopter.connect": {"baud": 0},
-                "maneuver.goto": {"x": x, "y": y, "z": z, "yaw": yaw},
-                "maneuver.waypoint": {"x": x, "y": y, "z": 0.01, "yaw": yaw},
-            }
-            command = [program(), "run", str(HERE / "flight.scn"), "--bounds", "none", "--until", "14s"]
-            for service, value in inputs.items():
-                command += ["--input", f"{service}={json.dumps(value)}"]
-            command += ["--record", file, *options]
-            run = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-            if run.returncode != 0:
-                raise SystemExit(run.stdout)
-            channels: dict[str, list[Any]] = {}
-            for channel, value in messages(file):
-                channels.setdefault(channel, []).append(value)
-        bodies = channels["/simulator/body"]
-        # Nothing is desired anew for four seconds at the point, until the landing begins.
-        steps = [seconds(it) for it in channels["/maneuver/desired"]]
-        leaves = next((after for before, after in zip(steps, steps[1:]) if after - before > 3), 0.0)
-        errors = [distance(it, x, y, z) for it in bodies if leaves - 1 <= seconds(it) < leaves]
-        check(f"point {number}", errors)
-        check(f"point {number}, landing", [distance(it, x, y, 0.0) for it in bodies[-500:]])
-        print(f"{seconds(bodies[-1]):.1f} s of flight in {time.monotonic() - began:.1f} s", flush=True)
-
-
-def messages(file: str) -> Iterator[tuple[str, Any]]:
-    """Yields the channels and values of a recording: MCAP with chunks that are not compressed."""
-    channels: dict[int, str] = {}
-
-    def records(data: memoryview) -> Iterator[tuple[str, Any]]:
-        at = 0
-        while at + 9 <= len(data):
-            kind, size = struct.unpack_from("<BQ", data, at)
-            record = data[at + 9 : at + 9 + size]
-            at += 9 + size
-            if kind == 4:  # Channel
-                number, _, length = struct.unpack_from("<HHI", record)
-                channels[number] = bytes(record[8 : 8 + length]).decode()
-            elif kind == 5:  # Message
-                channel = channels[struct.unpack_from("<H", record)[0]]
-                if not channel.startswith("/dotgen/"):
-                    yield channel, json.loads(bytes(record[22:]))
-            elif kind == 6:  # Chunk
-                (length,) = struct.unpack_from("<I", record, 28)
-                (size,) = struct.unpack_from("<Q", record, 32 + length)
-                yield from records(record[40 + length : 40 + length + size])
-
-    yield from records(memoryview(pathlib.Path(file).read_bytes())[8:])
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description="Fly the simulated quadcopter to three points and land.")
-    parser.add_argument("clock", choices=["real", "virtual"], help="clock of the run")
-    parser.add_argument("--record", metavar="FILE", help="keep a recording (.mcap) for Foxglove")
-    parser.add_argument("--trace", metavar="FILE", help="keep a trace (.pftrace) for Perfetto")
+    commands = parser.add_subparsers(dest="command", required=True)
+    for clock in ["virtual", "real"]:
+        command = commands.add_parser(clock, help=f"fly on the {clock} clock")
+        command.add_argument("--record", metavar="FILE", help="keep the recording (.mcap), also for Foxglove")
+        command.add_argument("--trace", metavar="FILE", help="keep a trace (.pftrace) for Perfetto")
+        command.add_argument("--profile", metavar="FILE", help="keep a log of all codels")
+    commands.add_parser("check", help="check a recording").add_argument("record", metavar="FILE")
     arguments = parser.parse_args()
-    options = ["--trace", arguments.trace] if arguments.trace else []
-    if arguments.clock == "virtual":
-        virtual(options, arguments.record)
-    else:
-        real([*options, *(["--record", arguments.record] if arguments.record else [])])
+    if arguments.command == "check":
+        return check(arguments.record)
+
+    with tempfile.TemporaryDirectory() as folder:
+        record = arguments.record or str(pathlib.Path(folder) / "flight.mcap")
+        options = ["--record", record]
+        for name in ["trace", "profile"]:
+            if getattr(arguments, name):
+                options += [f"--{name}", getattr(arguments, name)]
+        began = time.monotonic()
+        (virtual if arguments.command == "virtual" else real)(options)
+        took = time.monotonic() - began
+        check(record)
+    print(f"the run took {took:.0f} s")
 
 
 if __name__ == "__main__":

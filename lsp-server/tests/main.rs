@@ -8,6 +8,7 @@ mod debug;
 mod directory;
 mod examples;
 mod faults;
+mod flight;
 mod hosted;
 mod hostile;
 mod interfaces;

@@ -1,6 +1,3 @@
-/* Every component of this folder compiles all its sources: those of others are empty. */
-#if __has_include("acmaneuver.h")
-
 #include "acmaneuver.h"
 
 #include "maneuver_c_types.h"
@@ -42,5 +39,3 @@ get_current_position(double *x, double *y, double *z,
   *z = mv_last.z;
   return genom_ok;
 }
-
-#endif

@@ -1,6 +1,3 @@
-/* Every component of this folder compiles all its sources: those of others are empty. */
-#if __has_include("acmaneuver.h")
-
 #include "acmaneuver.h"
 
 #include "maneuver_c_types.h"
@@ -61,7 +58,7 @@ mv_exec_wait(const maneuver_state *state,
 /** Codel mv_exec_main of task exec.
  *
  * Triggered by maneuver_main.
- * Yields to maneuver_wait, maneuver_pause_main, maneuver_start.
+ * Yields to maneuver_pause_main, maneuver_done.
  */
 genom_event
 mv_exec_main(const maneuver_state *state,
@@ -83,10 +80,22 @@ mv_exec_main(const maneuver_state *state,
     if (*i < last) return maneuver_pause_main;
   }
 
-  /* It is over: `wait` is entered without pause, which wakes up `goto`. */
   trajectory->running = false;
   samples->_length = trajectory->current = 0;
-  return maneuver_wait;
+  return maneuver_done;
+}
+
+
+/** Codel mv_exec_done of task exec.
+ *
+ * Triggered by maneuver_done.
+ * Yields to maneuver_pause_wait.
+ */
+genom_event
+mv_exec_done(const genom_context self)
+{
+  (void)self;
+  return maneuver_pause_wait;  /* `done` is entered without pause, which wakes up `goto` */
 }
 
 
@@ -101,5 +110,3 @@ mv_exec_stop(const genom_context self)
   (void)self;
   return maneuver_ether;
 }
-
-#endif

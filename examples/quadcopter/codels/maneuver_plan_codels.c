@@ -1,6 +1,3 @@
-/* Every component of this folder compiles all its sources: those of others are empty. */
-#if __has_include("acmaneuver.h")
-
 #include "acmaneuver.h"
 
 #include "maneuver_c_types.h"
@@ -9,7 +6,8 @@
 
 #include "attitude.h"
 
-static const double step = 5e-3;  /* s, the period of task exec */
+static const double step = 5e-3;    /* s, the period of task exec */
+static const double ground = 1e-2;  /* m, altitude to land at */
 
 /** Returns the time of the sample that follows another. */
 static or_time_ts
@@ -58,6 +56,34 @@ append_line(const maneuver_planner_s *planner, or_time_ts *now, struct vec from,
   return to;
 }
 
+/** Plans a motion from a state to a point, or none if the state is not known. */
+static void
+plan_to(const maneuver_planner_s *planner, const or_pose_estimator_state *start, struct vec to,
+        double yaw, maneuver_path_s *path)
+{
+  struct vec from = {start->pos._value.x, start->pos._value.y, start->pos._value.z};
+  double yaw0 = quat_yaw((struct quat){start->att._value.qw, start->att._value.qx,
+                                       start->att._value.qy, start->att._value.qz});
+  double yaw1 = yaw0 + remainder(yaw - yaw0, 2. * M_PI);
+  or_time_ts now = start->ts;
+  path->_length = 0;
+  if (!start->pos._present || !start->att._present) return;
+
+  /* Below the lowest altitude it goes up and down only: take-off and landing. */
+  if (hypot(to.x - from.x, to.y - from.y) > .05) {
+    if (from.z < planner->zmin) {
+      struct vec above = {from.x, from.y, planner->zmin};
+      from = append_line(planner, &now, from, above, yaw0, yaw0, path);
+    }
+    if (to.z < planner->zmin) {
+      struct vec above = {to.x, to.y, planner->zmin};
+      from = append_line(planner, &now, from, above, yaw0, yaw1, path);
+      yaw0 = yaw1;
+    }
+  }
+  append_line(planner, &now, from, to, yaw0, yaw1, path);
+}
+
 
 /* --- Task plan -------------------------------------------------------- */
 
@@ -74,6 +100,7 @@ mv_plan_start(maneuver_ids *ids, const genom_context self)
   ids->planner = (maneuver_planner_s){.vmax = 1., .wmax = 1., .amax = .8, .dwmax = 2., .zmin = .5};
   ids->trajectory.samples._length = ids->trajectory.current = 0;
   ids->trajectory.running = false;
+  ids->tour.points._length = ids->tour.visited = 0;
   return maneuver_ether;
 }
 
@@ -125,35 +152,14 @@ mv_goto_plan(const maneuver_planner_s *planner,
              const genom_context self)
 {
   (void)self;
-  struct vec from = {start->pos._value.x, start->pos._value.y, start->pos._value.z};
-  struct vec to = {x, y, z};
-  double yaw0 = quat_yaw((struct quat){start->att._value.qw, start->att._value.qx,
-                                       start->att._value.qy, start->att._value.qz});
-  double yaw1 = yaw0 + remainder(yaw - yaw0, 2. * M_PI);
-  or_time_ts now = start->ts;
-  path->_length = 0;
-  if (!start->pos._present || !start->att._present) return maneuver_exec;
-
-  /* Below the lowest altitude it goes up and down only: take-off and landing. */
-  if (hypot(to.x - from.x, to.y - from.y) > .05) {
-    if (from.z < planner->zmin) {
-      struct vec above = {from.x, from.y, planner->zmin};
-      from = append_line(planner, &now, from, above, yaw0, yaw0, path);
-    }
-    if (to.z < planner->zmin) {
-      struct vec above = {to.x, to.y, planner->zmin};
-      from = append_line(planner, &now, from, above, yaw0, yaw1, path);
-      yaw0 = yaw1;
-    }
-  }
-  append_line(planner, &now, from, to, yaw0, yaw1, path);
+  plan_to(planner, start, (struct vec){x, y, z}, yaw, path);
   return maneuver_exec;
 }
 
 /** Codel mv_plan_exec of activity goto.
  *
  * Triggered by maneuver_exec.
- * Yields to maneuver_pause_exec, maneuver_wait.
+ * Yields to maneuver_wait.
  * Throws maneuver_e_nostate.
  */
 genom_event
@@ -198,6 +204,49 @@ mv_plan_exec_stop(maneuver_ids_trajectory_s *trajectory,
   (void)self;
   trajectory->running = false;
   return maneuver_ether;
+}
+
+
+/* --- Activity next ---------------------------------------------------- */
+
+/** Codel mv_next_plan of activity next.
+ *
+ * Triggered by maneuver_plan.
+ * Yields to maneuver_exec.
+ * Throws maneuver_e_nostate, maneuver_e_end.
+ */
+genom_event
+mv_next_plan(const maneuver_planner_s *planner,
+             const or_pose_estimator_state *start,
+             maneuver_ids_tour_s *tour, maneuver_path_s *path,
+             const genom_context self)
+{
+  if (tour->visited >= tour->points._length) return maneuver_e_end(self);
+  const maneuver_point_s *p = &tour->points._buffer[tour->visited++];
+  plan_to(planner, start, (struct vec){p->x, p->y, p->z}, p->yaw, path);
+  return maneuver_exec;
+}
+
+
+/* --- Activity land ---------------------------------------------------- */
+
+/** Codel mv_land_plan of activity land.
+ *
+ * Triggered by maneuver_plan.
+ * Yields to maneuver_exec.
+ * Throws maneuver_e_nostate.
+ */
+genom_event
+mv_land_plan(const maneuver_planner_s *planner,
+             const or_pose_estimator_state *start,
+             maneuver_path_s *path, const genom_context self)
+{
+  (void)self;
+  const or_t3d_pos *p = &start->pos._value;
+  const or_t3d_att *q = &start->att._value;
+  double yaw = quat_yaw((struct quat){q->qw, q->qx, q->qy, q->qz});
+  plan_to(planner, start, (struct vec){p->x, p->y, ground}, yaw, path);
+  return maneuver_exec;
 }
 
 
@@ -262,5 +311,3 @@ mv_waypoint_add(const maneuver_planner_s *planner,
   trajectory->running = all->_length > 0;
   return maneuver_ether;
 }
-
-#endif

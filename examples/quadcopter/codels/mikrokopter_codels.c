@@ -1,6 +1,3 @@
-/* Every component of this folder compiles all its sources: those of others are empty. */
-#if __has_include("acmikrokopter.h")
-
 #include "acmikrokopter.h"
 
 #include "mikrokopter_c_types.h"
@@ -58,5 +55,3 @@ mk_stop(const mikrokopter_line_s *line, bool *spinning,
   *spinning = false;
   return genom_ok;
 }
-
-#endif

@@ -1,6 +1,3 @@
-/* Every component of this folder compiles all its sources: those of others are empty. */
-#if __has_include("acmikrokopter.h")
-
 #include "acmikrokopter.h"
 
 #include "mikrokopter_c_types.h"
@@ -46,7 +43,7 @@ mk_comm_poll(const mikrokopter_line_s *line, const genom_context self)
   long wait = 320L * 1000000000L / baud;
   struct timespec pause = {.tv_nsec = wait < 700000 ? wait : 700000};
   nanosleep(&pause, NULL);
-  return line ? mikrokopter_recv : mikrokopter_poll;
+  return mikrokopter_recv;  /* which finds nothing, if no line is open */
 }
 
 
@@ -192,5 +189,3 @@ mk_disconnect_stop(mikrokopter_line_s **old, const genom_context self)
   *old = NULL;
   return mikrokopter_ether;
 }
-
-#endif

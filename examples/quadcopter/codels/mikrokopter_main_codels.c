@@ -1,6 +1,3 @@
-/* Every component of this folder compiles all its sources: those of others are empty. */
-#if __has_include("acmikrokopter.h")
-
 #include "acmikrokopter.h"
 
 #include "mikrokopter_c_types.h"
@@ -333,5 +330,3 @@ mk_calibrate_done(const mikrokopter_calibration_s *sum,
                                          sum->accel_bias.az / n - 9.81};
   return mikrokopter_ether;
 }
-
-#endif

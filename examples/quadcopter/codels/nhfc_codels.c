@@ -1,6 +1,3 @@
-/* Every component of this folder compiles all its sources: those of others are empty. */
-#if __has_include("acnhfc.h")
-
 #include "acnhfc.h"
 
 #include "nhfc_c_types.h"
@@ -47,5 +44,3 @@ hfc_check_body(const nhfc_ids_body_s *body, const genom_context self)
   if (!(body->drag > 0.)) return out_of_range("drag is not positive", self);
   return genom_ok;
 }
-
-#endif

@@ -1,6 +1,3 @@
-/* Every component of this folder compiles all its sources: those of others are empty. */
-#if __has_include("acnhfc.h")
-
 #include "acnhfc.h"
 
 #include "nhfc_c_types.h"
@@ -285,5 +282,3 @@ hfc_hold_start(const nhfc_state *state,
   *integral = (or_t3d_pos){0., 0., 0.};
   return nhfc_ether;
 }
-
-#endif

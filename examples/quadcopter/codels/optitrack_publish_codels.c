@@ -1,6 +1,3 @@
-/* Every component of this folder compiles all its sources: those of others are empty. */
-#if __has_include("acoptitrack.h")
-
 #include "acoptitrack.h"
 
 #include "optitrack_c_types.h"
@@ -175,5 +172,3 @@ ot_disconnect_start(optitrack_session_s **session,
   if (*session) (*session)->joined = false;
   return optitrack_ether;
 }
-
-#endif

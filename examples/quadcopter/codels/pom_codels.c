@@ -1,6 +1,3 @@
-/* Every component of this folder compiles all its sources: those of others are empty. */
-#if __has_include("acpom.h")
-
 #include "acpom.h"
 
 #include "pom_c_types.h"
@@ -24,5 +21,3 @@ pom_check_noise(const pom_ids_process_noise_s *process_noise,
   }
   return genom_ok;
 }
-
-#endif

@@ -1,6 +1,3 @@
-/* Every component of this folder compiles all its sources: those of others are empty. */
-#if __has_include("acpom.h")
-
 #include "acpom.h"
 
 #include "pom_c_types.h"
@@ -234,5 +231,3 @@ pom_reset_stop(pom_filter_s **filter, const genom_context self)
   (void)self;
   return pom_ether;
 }
-
-#endif

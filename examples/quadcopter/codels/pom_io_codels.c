@@ -1,6 +1,3 @@
-/* Every component of this folder compiles all its sources: those of others are empty. */
-#if __has_include("acpom.h")
-
 #include "acpom.h"
 
 #include "pom_c_types.h"
@@ -88,5 +85,3 @@ pom_io_stop(sequence32_pom_input_s *inputs, const genom_context self)
   inputs->_length = 0;
   return pom_ether;
 }
-
-#endif

@@ -1,6 +1,3 @@
-/* Every component of this folder compiles all its sources: those of others are empty. */
-#if __has_include("acsimulator.h")
-
 #include "acsimulator.h"
 
 #include "simulator_c_types.h"
@@ -26,5 +23,3 @@ sim_check_wind(const or_t3d_vel *wind, const genom_context self)
   }
   return genom_ok;
 }
-
-#endif

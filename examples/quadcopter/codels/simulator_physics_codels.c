@@ -1,6 +1,3 @@
-/* Every component of this folder compiles all its sources: those of others are empty. */
-#if __has_include("acsimulator.h")
-
 #include "acsimulator.h"
 
 #include "simulator_c_types.h"
@@ -164,5 +161,3 @@ sim_step(const simulator_command *command,
   (void)publish(rigid, *ticks, seed, turning, inertia, body, self);
   return simulator_pause_step;
 }
-
-#endif
