@@ -109,6 +109,12 @@ export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
           start: { line: message.line, character: message.character },
           end: { line: message.endLine, character: message.endCharacter },
         });
+      case 'repair': {
+        const { uri, line, character } = message;
+        await reveal(uri, { start: { line, character }, end: { line, character } });
+        await vscode.commands.executeCommand('editor.action.quickFix');
+        return;
+      }
       case 'check':
         this.subject = { ...this.subject, check: message.check };
         this.pinned = null;
