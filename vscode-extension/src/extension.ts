@@ -39,7 +39,7 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
   const runs = new RunPanel(it, measured, context.extensionUri);
   const debugging = new Debugging(runs);
   const preview = new DiagramPreview(it, context.extensionUri, context.workspaceState, runs.onDidChange);
-  const inline = new InlineDiagrams(it, context.globalState);
+  const inline = new InlineDiagrams(it);
   const verification = new VerificationPanel(it, context.extensionUri);
   const traces = new TraceViewer(it, context.extensionUri);
   const headers = new CodelHeaders(it, context.workspaceState);
