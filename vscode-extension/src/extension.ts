@@ -2,6 +2,7 @@
 import * as vscode from 'vscode';
 import { Server } from './client';
 import { CodelHeaders } from './codels/headers';
+import { Changes } from './commands/changes';
 import { showReferences } from './commands/references';
 import { IncludingRoot } from './commands/includingRoot';
 import { MacroExpansion } from './commands/expandMacro';
@@ -20,6 +21,7 @@ import { ReleaseStatus } from './commands/release';
 import { MeasuredTimes } from './run/measured';
 import { Debugging } from './run/debug';
 import { RunPanel, type RunTarget } from './run/panel';
+import type { Changed } from './review';
 import { statusItem } from './status';
 import { TraceViewer, type TraceTarget } from './trace/panel';
 import { VerificationPanel, type VerificationTarget } from './verification/panel';
@@ -37,11 +39,12 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
   const runs = new RunPanel(it, measured, context.extensionUri);
   const debugging = new Debugging(runs);
   const preview = new DiagramPreview(it, context.extensionUri, context.workspaceState, runs.onDidChange);
-  const inline = new InlineDiagrams(it, context.globalState);
+  const inline = new InlineDiagrams(it);
   const verification = new VerificationPanel(it, context.extensionUri);
   const traces = new TraceViewer(it, context.extensionUri);
   const headers = new CodelHeaders(it, context.workspaceState);
   const generate = new GenerateCommands(it);
+  const changes = new Changes();
   context.subscriptions.push(
     generate,
     vscode.commands.registerCommand('dotgen.generateFiles', (target?: GenerateTarget) => generate.generate(target)),
@@ -71,6 +74,8 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
     vscode.commands.registerCommand('dotgen.writeCodelHeaders', () => headers.write()),
     vscode.commands.registerCommand('dotgen.showDiagram', (target?: Target) => preview.show('fsm', target)),
     vscode.commands.registerCommand('dotgen.showReferences', showReferences),
+    changes,
+    vscode.commands.registerCommand('dotgen.tellChanges', (title: string, changed: Changed[]) => changes.tell(title, changed)),
     vscode.commands.registerCommand('dotgen.showSystemDiagram', () => preview.show('system')),
     vscode.commands.registerCommand('dotgen.showLockDiagram', () => preview.show('locks')),
     vscode.commands.registerCommand('dotgen.toggleInlineDiagram', (target?: Target) => inline.toggle(target)),

@@ -3,6 +3,7 @@ import * as vscode from 'vscode';
 import type { Server } from './client';
 import { notRunning } from './commands/server';
 import { interfaces, newComponent, type InterfaceInfo, type NewTask } from './protocol';
+import { questions, titleOf } from './questions';
 
 /** `exec 10 ms`, `plan`: names with periods, between commas. */
 export function parseTasks(text: string): NewTask[] {
@@ -19,7 +20,7 @@ interface InterfaceItem extends vscode.QuickPickItem {
 }
 
 /** Asks which interfaces it provides or uses; `undefined` when the user gives up. */
-async function askInterfaces(known: InterfaceInfo[]): Promise<readonly InterfaceItem[] | undefined> {
+async function askInterfaces(known: InterfaceInfo[], title: string): Promise<readonly InterfaceItem[] | undefined> {
   if (known.length === 0) {
     return [];
   }
@@ -33,7 +34,7 @@ async function askInterfaces(known: InterfaceInfo[]): Promise<readonly Interface
     })),
   );
   return vscode.window.showQuickPick(items, {
-    title: 'New Component: ports (4/4)',
+    title,
     ignoreFocusOut: true,
     placeHolder: 'Check the interfaces whose ports it has; none is an answer too',
     canPickMany: true,
@@ -42,13 +43,12 @@ async function askInterfaces(known: InterfaceInfo[]): Promise<readonly Interface
 }
 
 /** The folder in which the folder of the component goes. */
-async function askFolder(): Promise<vscode.Uri | undefined> {
-  const open = (vscode.workspace.workspaceFolders ?? []).filter((it) => it.uri.scheme === 'file');
+async function askFolder(open: vscode.WorkspaceFolder[], title: string): Promise<vscode.Uri | undefined> {
   const items = [
     ...open.map((it) => ({ label: it.name, description: it.uri.fsPath, uri: it.uri as vscode.Uri | undefined })),
     { label: '$(folder-opened) Another Folder…', description: '', uri: undefined },
   ];
-  const picked = open.length === 1 ? items[0] : await vscode.window.showQuickPick(items, { title: 'New Component: folder (1/4)', ignoreFocusOut: true, placeHolder: 'Where its folder goes' });
+  const picked = open.length === 1 ? items[0] : await vscode.window.showQuickPick(items, { title, ignoreFocusOut: true, placeHolder: 'Where its folder goes' });
   if (picked === undefined || picked.uri !== undefined) {
     return picked?.uri;
   }
@@ -61,22 +61,31 @@ export async function createComponent(server: Server): Promise<void> {
     await notRunning(server);
     return;
   }
-  const parent = await askFolder();
+  const open = (vscode.workspace.workspaceFolders ?? []).filter((it) => it.uri.scheme === 'file');
+  let known: InterfaceInfo[];
+  try {
+    known = await client.sendRequest(interfaces, { folder: open[0]?.uri.toString() ?? '' });
+  } catch (error) {
+    void vscode.window.showErrorMessage(error instanceof Error ? error.message : String(error));
+    return;
+  }
+  const asked = questions(open.length, known.length);
+  const parent = await askFolder(open, titleOf('folder', asked));
   if (parent === undefined) {
     return;
   }
   const name = await vscode.window.showInputBox({
-    title: 'New Component: name (2/4)',
+    title: titleOf('name', asked),
     // Other parts of the window may take the focus, and answers would be lost.
     ignoreFocusOut: true,
-    prompt: 'A name in C: letters, digits and `_`',
-    validateInput: (text) => (/^[A-Za-z_]\w*$/.test(text) ? undefined : 'A letter or `_`, then letters, digits and `_`'),
+    prompt: 'A name in C: letters, digits and _',
+    validateInput: (text) => (/^[A-Za-z_]\w*$/.test(text) ? undefined : 'A letter or _, then letters, digits and _'),
   });
   if (name === undefined) {
     return;
   }
   const tasks = await vscode.window.showInputBox({
-    title: 'New Component: tasks (3/4)',
+    title: titleOf('tasks', asked),
     ignoreFocusOut: true,
     prompt: 'Tasks between commas, each with its period unless it has none',
     value: 'exec 10 ms',
@@ -86,8 +95,7 @@ export async function createComponent(server: Server): Promise<void> {
   }
   const folder = vscode.Uri.joinPath(parent, name);
   try {
-    const known = await client.sendRequest(interfaces, { folder: folder.toString() });
-    const ports = await askInterfaces(known);
+    const ports = await askInterfaces(known, titleOf('ports', asked));
     if (ports === undefined) {
       return;
     }

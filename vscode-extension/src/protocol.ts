@@ -228,6 +228,8 @@ export interface VerificationAnswer {
   checks: VerificationCheck[];
   bounds: { task: string; bound: string }[];
   minimumCores: number | null;
+  /** Changes that repair all that is missed, in sentences, the smallest first. */
+  repairs: string[];
   assumptions: string[];
   notes: string[];
   blocking: { codel: string; location: Place | null; by: { codel: string; location: Place | null; time: string; through: string }[] }[];

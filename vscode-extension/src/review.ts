@@ -30,8 +30,34 @@ export function ticked(edit: WorkspaceEdit): WorkspaceEdit {
   };
 }
 
+/** Says what an action has changed in files that are not in sight. */
+export const TELL_CHANGES = 'dotgen.tellChanges';
+
+/** Argument of [[TELL_CHANGES]]: the files that an edit changes and how many changes are in each. */
+export interface Changed {
+  uri: string;
+  edits: number;
+}
+
+/** What an edit changes, by file. */
+export function changed({ documentChanges, changes }: WorkspaceEdit): Changed[] {
+  const all = new Map<string, number>();
+  const add = (uri: string, edits: number) => edits > 0 && all.set(uri, (all.get(uri) ?? 0) + edits);
+  for (const it of documentChanges ?? []) if ('textDocument' in it) add(it.textDocument.uri, it.edits.length);
+  for (const [uri, edits] of Object.entries(changes ?? {})) add(uri, edits.length);
+  return [...all].map(([uri, edits]) => ({ uri, edits }));
+}
+
 function ofAction<T extends CodeAction | Command>(action: T): T {
-  return 'edit' in action && action.edit !== undefined ? { ...action, edit: ticked(action.edit) } : action;
+  if (!('edit' in action) || action.edit === undefined) {
+    return action;
+  }
+  const edit = ticked(action.edit);
+  const told = changed(action.edit);
+  // An action with a command goes to its change by itself.
+  return action.command !== undefined || told.length === 0
+    ? { ...action, edit }
+    : { ...action, edit, command: { title: action.title, command: TELL_CHANGES, arguments: [action.title, told] } };
 }
 
 /** The answer to a request, with [[ticked]] edits. */

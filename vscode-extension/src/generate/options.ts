@@ -1,5 +1,6 @@
 // Choosing the options of a template: a list with check marks, then a question for each value.
 import * as vscode from 'vscode';
+import { isWorthAsking, label } from '../questions';
 import type { TemplateOption, TemplateUsage } from './protocol';
 
 /** The words of a command line; quotes keep blanks together. */
@@ -29,21 +30,24 @@ export async function askArguments(template: string, { options, usage }: Templat
   if (options.length === 0) {
     const line = await vscode.window.showInputBox({
       title: `Generate: options of ${template}`,
-      prompt: usage.split('\n', 1)[0] || 'Options for the template, if it takes any',
+      prompt: usage.split('\n', 1)[0] || 'Options as on its command line; Enter alone runs the template without any',
       value: before.join(' '),
     });
     return line === undefined ? undefined : words(line);
   }
   const known = chosen(options, before);
-  const items = options.map((option): OptionItem => ({
-    label: option.flags.join(', ') + (option.value === null ? '' : ` ${option.value}`),
-    description: option.help,
+  const asked = options.filter((it) => known.has(it) || isWorthAsking(it));
+  if (asked.length === 0) {
+    return [];
+  }
+  const items = asked.map((option): OptionItem => ({
+    ...label(option),
     picked: known.has(option),
     option,
   }));
   const picked = await vscode.window.showQuickPick(items, {
-    title: `Generate: options of ${template}`,
-    placeHolder: 'Check the options to use, then press OK',
+    title: `Generate: how ${template} works`,
+    placeHolder: 'Check what applies, then press OK; nothing is an answer too',
     canPickMany: true,
     matchOnDescription: true,
   });
@@ -58,8 +62,8 @@ export async function askArguments(template: string, { options, usage }: Templat
       continue;
     }
     const value = await vscode.window.showInputBox({
-      title: `Generate: ${flag} of ${template}`,
-      prompt: option.help,
+      title: `Generate: ${label(option).label}`,
+      prompt: `${option.value}, for ${flag} of ${template}`,
       placeHolder: option.value,
       value: known.get(option) ?? '',
     });

@@ -5,6 +5,11 @@ import type { FileChange, Plan } from './protocol';
 
 const SCHEME = 'dotgen-generated';
 
+/** `all`: every file may be written at once; `some`: files that act later have to be chosen. */
+const CONTEXT = 'dotgen.preview';
+
+type Answer = 'write' | 'choose' | 'discard';
+
 interface FileItem extends vscode.QuickPickItem {
   file: FileChange;
 }
@@ -13,10 +18,20 @@ interface FileItem extends vscode.QuickPickItem {
 export class Review implements vscode.TextDocumentContentProvider, vscode.Disposable {
   private texts = new Map<string, string>();
   private number = 0;
-  private readonly registration = vscode.workspace.registerTextDocumentContentProvider(SCHEME, this);
+  /** Answers the question that is open. */
+  private answer: ((it: Answer) => void) | undefined;
+  private readonly registrations = vscode.Disposable.from(
+    vscode.workspace.registerTextDocumentContentProvider(SCHEME, this),
+    vscode.commands.registerCommand('dotgen.writeGenerated', () => this.answer?.('write')),
+    vscode.commands.registerCommand('dotgen.chooseGenerated', () => this.answer?.('choose')),
+    vscode.commands.registerCommand('dotgen.discardGenerated', () => this.answer?.('discard')),
+    // To close the preview is an answer too.
+    vscode.window.tabGroups.onDidChangeTabs(({ closed }) => closed.some(isOurs) && !tabs().some(isOurs) && this.answer?.('discard')),
+  );
 
   dispose(): void {
-    this.registration.dispose();
+    this.answer?.('discard');
+    this.registrations.dispose();
   }
 
   provideTextDocumentContent(uri: vscode.Uri): string {
@@ -31,12 +46,11 @@ export class Review implements vscode.TextDocumentContentProvider, vscode.Dispos
     const counts = [created > 0 ? `${created} new` : '', changed > 0 ? `${changed} changed` : ''].filter((it) => it !== '').join(', ');
     const marked = plan.files.filter((it) => it.concern).map((it) => `${vscode.workspace.asRelativePath(vscode.Uri.parse(it.uri))} is ${it.concern}. `);
     const question = `${title}: ${counts}. ${marked.join('')}Nothing is written yet.`;
-    const choices = [...(marked.length > 0 ? [] : ['Write']), 'Choose Files…', 'Discard'];
-    const answer = await vscode.window.showInformationMessage(question, ...choices);
+    const answer = await this.ask(question, marked.length > 0);
     let files: FileChange[] | undefined;
-    if (answer === 'Write') {
+    if (answer === 'write') {
       files = plan.files;
-    } else if (answer === 'Choose Files…') {
+    } else if (answer === 'choose') {
       files = await choose(title, plan.files);
     }
     await this.close();
@@ -44,6 +58,26 @@ export class Review implements vscode.TextDocumentContentProvider, vscode.Dispos
       return false;
     }
     return write(title, files);
+  }
+
+  /** The buttons are in the title of the preview and in the message. A message that is closed answers nothing. */
+  private async ask(question: string, choose: boolean): Promise<Answer> {
+    this.answer?.('discard');
+    const answered = new Promise<Answer>((resolve) => (this.answer = resolve));
+    const mine = this.answer;
+    await vscode.commands.executeCommand('setContext', CONTEXT, choose ? 'some' : 'all');
+    const choices: (vscode.MessageItem & { answer: Answer })[] = [
+      ...(choose ? [] : [{ title: 'Write', answer: 'write' as const }]),
+      { title: 'Choose Files…', answer: 'choose' },
+      { title: 'Discard', answer: 'discard' },
+    ];
+    void vscode.window.showInformationMessage(question, ...choices).then((it) => it !== undefined && mine?.(it.answer));
+    const answer = await answered;
+    if (this.answer === mine) {
+      this.answer = undefined;
+      await vscode.commands.executeCommand('setContext', CONTEXT, undefined);
+    }
+    return answer;
   }
 
   private async show(title: string, files: FileChange[]): Promise<void> {
@@ -63,14 +97,19 @@ export class Review implements vscode.TextDocumentContentProvider, vscode.Dispos
   }
 
   private async close(): Promise<void> {
-    const generated = (uri: vscode.Uri | undefined): boolean => uri?.scheme === SCHEME;
-    const ours = vscode.window.tabGroups.all
-      .flatMap((group) => group.tabs)
-      .filter(({ input, label }) =>
-        input instanceof vscode.TabInputTextDiff ? generated(input.modified) : input instanceof vscode.TabInputText ? generated(input.uri) : label.startsWith('Generate: '),
-      );
-    await vscode.window.tabGroups.close(ours);
+    await vscode.window.tabGroups.close(tabs().filter(isOurs));
   }
+}
+
+function tabs(): vscode.Tab[] {
+  return vscode.window.tabGroups.all.flatMap((group) => [...group.tabs]);
+}
+
+/** A tab of a preview. */
+function isOurs({ input, label }: vscode.Tab): boolean {
+  if (input instanceof vscode.TabInputTextDiff) return input.modified.scheme === SCHEME;
+  if (input instanceof vscode.TabInputText) return input.uri.scheme === SCHEME;
+  return label.startsWith('Generate: ');
 }
 
 async function choose(title: string, files: FileChange[]): Promise<FileChange[] | undefined> {

@@ -7,9 +7,10 @@ import { diagram, LANGUAGE, type DiagramAnswer } from '../protocol';
 import { isDark, type Target } from './target';
 
 const TYPING_PAUSE_MS = 250;
+/** Without a limit of VS Code. */
 const HIGHEST = 420;
-/** Remembers that the question about the list of comments was asked. */
-const ASKED = 'inlineDiagrams.askedAboutComments';
+/** VS Code scrolls a comment higher than 20 em, unless `comments.maxHeight` is off. */
+const HIGHEST_WITHOUT_SCROLLING = 236;
 
 interface Zone {
   thread: vscode.CommentThread;
@@ -26,10 +27,7 @@ export class InlineDiagrams implements vscode.Disposable {
   private readonly subscriptions: vscode.Disposable;
   private timer: NodeJS.Timeout | undefined;
 
-  constructor(
-    private readonly server: Server,
-    private readonly memory: vscode.Memento,
-  ) {
+  constructor(private readonly server: Server) {
     this.subscriptions = vscode.Disposable.from(
       vscode.workspace.onDidChangeTextDocument(({ document }) => {
         if (document.languageId === LANGUAGE) {
@@ -71,28 +69,12 @@ export class InlineDiagrams implements vscode.Disposable {
       this.remove(known);
       return;
     }
-    await this.askAboutList();
     const thread = this.controller.createCommentThread(uri, at(answer.place), []);
     thread.canReply = false;
     thread.collapsibleState = vscode.CommentThreadCollapsibleState.Expanded;
     const zone = { thread, uri, component, owner };
     this.zones.push(zone);
     fill(zone, answer);
-  }
-
-  /** VS Code lists everything between the lines in its Comments view, and opens that. Whether it may is asked once. */
-  private async askAboutList(): Promise<void> {
-    const comments = vscode.workspace.getConfiguration('comments');
-    const set = comments.inspect<string>('openView');
-    if (this.memory.get(ASKED, false) || set?.globalValue !== undefined || set?.workspaceValue !== undefined) {
-      return;
-    }
-    await this.memory.update(ASKED, true);
-    const keep = 'Keep the List Closed';
-    const question = 'VS Code would open its list of comments beside a picture between the lines. Keep that list closed (`comments.openView`)?';
-    if ((await vscode.window.showInformationMessage(question, keep, 'Let It Open')) === keep) {
-      await comments.update('openView', 'never', vscode.ConfigurationTarget.Global);
-    }
   }
 
   private remove(zones: Zone[]): void {
@@ -135,6 +117,7 @@ export class InlineDiagrams implements vscode.Disposable {
     return client.sendRequest(diagram, {
       textDocument: { uri: uri.toString() },
       kind: 'fsm',
+      // An image cannot see the theme of the editor around it.
       theme: isDark() ? 'dark-clear' : 'light-clear',
       ...(position === undefined ? {} : { position: client.code2ProtocolConverter.asPosition(position) }),
       ...(component === undefined ? {} : { component }),
@@ -143,7 +126,6 @@ export class InlineDiagrams implements vscode.Disposable {
   }
 }
 
-/** An image cannot see the theme of the editor around it. */
 /** Under the line of the name. */
 function at({ selectionRange: { start } }: NonNullable<DiagramAnswer['place']>): vscode.Range {
   return new vscode.Range(start.line, 0, start.line, 0);
@@ -160,12 +142,14 @@ function fill(zone: Zone, answer: DiagramAnswer): void {
   }
   zone.shown = state;
   const data = Buffer.from(answer.picture, 'utf8').toString('base64');
-  const height = Math.round(Math.min(answer.height, HIGHEST));
+  const isLimited = vscode.workspace.getConfiguration('comments').get('maxHeight', true);
+  const height = Math.round(Math.min(answer.height, isLimited ? HIGHEST_WITHOUT_SCROLLING : HIGHEST));
   const width = Math.round((answer.width * height) / answer.height);
   const body = new vscode.MarkdownString(`![state machine ${answer.title}](data:image/svg+xml;base64,${data}|width=${width},height=${height})`);
   if (answer.stale !== null) {
     body.appendMarkdown('\n\nThe text has an error; this is the last good picture.');
   }
+  // The one header: a comment without an author has none.
   thread.label = answer.title;
-  thread.comments = [{ body, mode: vscode.CommentMode.Preview, author: { name: 'dotgen' } }];
+  thread.comments = [{ body, mode: vscode.CommentMode.Preview, author: { name: '' } }];
 }

@@ -22,6 +22,8 @@ export interface Shown {
   nodes: DiagramNode[];
   /** What is known of the way, once it has two ends. */
   told: string | undefined;
+  /** Chains of data are to be shown, and no scenario asks for one. */
+  withoutChains: boolean;
   /** Something was opened, closed or moved by hand. */
   arranged: boolean;
 }
@@ -55,6 +57,10 @@ export type FromPage =
   | { type: 'move'; id: string; by: [number, number] }
   /** Everything where it is laid out, as much of it as at first. */
   | { type: 'arrange' }
+  /** A scenario is to be written, to ask for a chain of data. */
+  | { type: 'scenario' }
+  /** How chains are asked for. */
+  | { type: 'aboutChains' }
   | { type: 'way'; states: string[] }
   | { type: 'select'; id: string }
   | { type: 'kind'; kind: DiagramKind }

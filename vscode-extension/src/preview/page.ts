@@ -17,6 +17,7 @@ input[type=search] { width: 8em; }
 .part:hover, .part:focus { text-decoration: underline; outline: none; }
 .moving { opacity: .7; cursor: grabbing; }
 button[aria-pressed=true] { color: var(--vscode-button-foreground); background: var(--vscode-button-background); outline: 1px solid var(--vscode-contrastActiveBorder, transparent); }
+#chainless { display: flex; flex-wrap: wrap; gap: 4px 8px; align-items: center; padding: 4px 10px; border-bottom: 1px solid var(--vscode-panel-border, var(--vscode-contrastBorder, transparent)); }
 #told { padding: 4px 10px; border-bottom: 1px solid var(--vscode-panel-border, var(--vscode-contrastBorder, transparent)); }
 #legend { display: flex; flex-wrap: wrap; gap: 2px 16px; padding: 4px 10px; font-size: .9em; color: var(--vscode-descriptionForeground); border-top: 1px solid var(--vscode-panel-border, var(--vscode-contrastBorder, transparent)); }
 #legend i { display: inline-block; box-sizing: border-box; width: 16px; height: 11px; margin-right: 5px; vertical-align: -1px; border: 1px solid currentColor; border-radius: 2px; }
@@ -56,6 +57,7 @@ const BODY = `<header aria-label="Diagram"><h1 class="unseen">Diagram</h1>
 </header>
 <div id="notice" role="status" aria-live="polite" hidden></div>
 <div id="told" role="status" aria-live="polite" hidden></div>
+<div id="chainless" role="status" aria-live="polite" hidden><span>No scenario asks for a chain of data. A check in a scenario does: <code>check reaction sensor.scan -&gt; motor.speed &lt;= 20 ms;</code></span><button id="scenario">Write Scenario…</button><button id="aboutChains">Manual</button></div>
 <main id="view" aria-label="Picture"></main>
 <footer id="legend" aria-label="Legend"><span><i class="disc"></i>begins</span><span><i class="ring"></i>goes on here when interrupted</span><span><i class="end"></i>ether, the end</span><span><i class="pause"></i>in the next period</span><span><i class="async"></i>async</span><span><i class="missing"></i>no codel</span><span><i class="faint"></i>never reached</span><span>warm colour: share of the period</span><span id="ran" hidden><i></i>a run is here; numbers: how often it went so, and how long it took at most</span></footer>
 <section id="details" aria-live="polite" aria-label="Details" hidden></section>`;

@@ -6,11 +6,14 @@ import { diagram, LANGUAGE, type Arrangement, type DiagramAnswer, type DiagramKi
 import { SidePanel } from '../panel/panel';
 import { range, reveal } from '../panel/reveal';
 import type { Ran } from '../run/messages';
+import { writeOut } from '../verification/writeOut';
 import type { FromPage, Live, Subject, ToPage } from './messages';
 import { page } from './page';
 import { isDark, type Target } from './target';
 
 const TYPING_PAUSE_MS = 120;
+/** Class of nodes on a chain of data. */
+const MARKED = 'marked';
 /** Where the workspace keeps what was made of its system. */
 const ARRANGEMENT = 'diagram.arrangement';
 
@@ -27,12 +30,12 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
 
   constructor(
     private readonly server: Server,
-    extension: vscode.Uri,
+    private readonly extensionUri: vscode.Uri,
     private readonly memory: vscode.Memento,
     /** What runs, whenever that has come further. */
     runs: vscode.Event<Ran | undefined>,
   ) {
-    super({ type: 'dotgen.diagram', title: 'Diagram', find: false, page }, extension);
+    super({ type: 'dotgen.diagram', title: 'Diagram', find: false, page }, extensionUri);
     this.subscriptions = vscode.Disposable.from(
       vscode.workspace.onDidChangeTextDocument(({ document }) => {
         if (document.languageId === LANGUAGE && this.panel !== undefined) {
@@ -103,6 +106,10 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
         });
       case 'arrange':
         return this.arrange(() => ({ opened: {}, moved: {} }));
+      case 'scenario':
+        return this.subject === undefined ? undefined : writeOut(vscode.Uri.parse(this.subject.uri));
+      case 'aboutChains':
+        return void vscode.commands.executeCommand('markdown.showPreview', vscode.Uri.joinPath(this.extensionUri, 'docs', 'verification.md').with({ fragment: 'chains' }));
       case 'way':
         if (this.subject !== undefined) {
           this.subject = { ...this.subject, way: message.states };
@@ -204,7 +211,8 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
     const told = answer.kind === 'fsm' && (way?.length ?? 0) > 1 ? answer.notes.at(-1) : undefined;
     const { opened, moved } = this.arrangement;
     const arranged = Object.keys(opened).length + Object.keys(moved).length > 0;
-    this.send({ type: 'picture', shown: { subject: this.subject, title, svg, width, height, nodes, told, arranged } });
+    const withoutChains = answer.kind === 'system' && this.subject.options.chains === true && !nodes.some((it) => it.classes.includes(MARKED));
+    this.send({ type: 'picture', shown: { subject: this.subject, title, svg, width, height, nodes, told, withoutChains, arranged } });
     const stale = answer.stale === null ? undefined : `The text has an error (${answer.stale}); this is the last good picture.`;
     const incomplete = answer.incomplete === null ? undefined : `The text has an error (${answer.incomplete}); something may be missing.`;
     this.send({ type: 'notice', text: stale ?? incomplete });

@@ -28,6 +28,8 @@ export type FromPage =
   | { type: 'link'; index: number }
   | { type: 'place'; uri: string; line: number; character: number; endLine: number; endCharacter: number }
   | { type: 'check'; check: number }
+  /** The changes that are offered where a check is written. */
+  | { type: 'repair'; uri: string; line: number; character: number }
   /** Step through the run on show. */
   | { type: 'trace' }
   | { type: 'dismiss' }

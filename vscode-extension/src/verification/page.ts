@@ -11,26 +11,32 @@ table { border-collapse: collapse; max-width: 100%; }
 th { text-align: left; font-weight: normal; color: var(--vscode-descriptionForeground); }
 th, td { padding: 2px 14px 2px 0; vertical-align: top; }
 #checks td:first-child, #checks td:last-child:not([colspan]) { white-space: nowrap; }
+td, th, li, .run-head h2 { overflow-wrap: anywhere; }
+#checks .verdict, td.number, label { overflow-wrap: normal; }
+.remedies a { margin-left: 8px; white-space: nowrap; }
 #codels td { vertical-align: middle; }
 code { font-family: var(--vscode-editor-font-family); }
 td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
-tr.shown td { background: var(--vscode-list-inactiveSelectionBackground); }
+/* A background would leave its texts without the contrast that they have on the page. */
+tr.shown td:first-child { box-shadow: inset 3px 0 var(--vscode-focusBorder); padding-left: 8px; }
 a { color: var(--vscode-textLink-foreground); text-decoration: none; cursor: pointer; }
 a:hover { text-decoration: underline; }
 a:focus-visible { outline: 1px solid var(--vscode-focusBorder); }
 .state { font-weight: 600; border-radius: 3px; padding: 1px 8px; border: 1px solid currentColor; }
 .proved { color: color-mix(in srgb, var(--vscode-charts-green) 75%, var(--vscode-editor-foreground)); }
-.refuted, .blocked { color: var(--vscode-editorError-foreground); }
-.gave-up, .nothing { color: var(--vscode-editorWarning-foreground); }
+.refuted, .blocked { color: color-mix(in srgb, var(--vscode-editorError-foreground) 85%, var(--vscode-editor-foreground)); }
+.gave-up, .nothing { color: color-mix(in srgb, var(--vscode-editorWarning-foreground) 55%, var(--vscode-editor-foreground)); }
 .stale, .running { color: var(--vscode-descriptionForeground); }
 .faint { color: var(--vscode-descriptionForeground); }
 .run-head { display: flex; flex-wrap: wrap; gap: 4px 8px; align-items: center; margin-top: 14px; }
 .run-head h2 { margin: 0; flex: 1; }
 #view { border: 1px solid var(--vscode-panel-border, var(--vscode-contrastBorder, transparent)); max-height: 60vh; margin-top: 4px; }
 #view svg { margin: 0; }
+#view .names text { paint-order: stroke; stroke: var(--vscode-editor-background); stroke-width: 5px; }
 #view [data-link] { cursor: pointer; }
 #view.old { opacity: .6; }
-#events { font-family: var(--vscode-editor-font-family); white-space: pre; overflow-x: auto; margin: 4px 0; }
+#events { font-family: var(--vscode-editor-font-family); white-space: pre-wrap; overflow-wrap: anywhere; margin: 4px 0; }
+#events div { padding-left: 2em; text-indent: -2em; }
 details summary { cursor: pointer; margin-top: 14px; font-weight: 600; }
 details summary:focus-visible { outline: 1px solid var(--vscode-focusBorder); }
 form { display: flex; flex-wrap: wrap; gap: 6px 12px; align-items: center; }
@@ -44,6 +50,20 @@ input.cores { width: 4em; }
 .limits { display: flex; flex-wrap: wrap; gap: 4px 8px; align-items: center; margin: 4px 0; }
 progress { width: 10em; accent-color: var(--vscode-progressBar-background); }
 ul { margin: 2px 0; padding-left: 1.4em; }
+/* Beside an editor of half a window: rows become blocks, and each value says what it is. */
+@media (max-width: 520px) {
+  table.stacks, table.stacks tr, table.stacks td { display: block; }
+  table.stacks tr { display: flex; flex-wrap: wrap; gap: 0 10px; margin-bottom: 4px; }
+  table.stacks tr.heads { display: none; }
+  table.stacks td { padding-right: 0; }
+  table.stacks td:empty { display: none; }
+  table.stacks td.what { flex: 1 1 65%; }
+  table.stacks td[colspan] { flex: 1 1 100%; }
+  table.stacks tr.note { margin-top: -4px; }
+  table.stacks tr.shown { box-shadow: inset 3px 0 var(--vscode-focusBorder); padding-left: 8px; }
+  table.stacks tr.shown td:first-child { box-shadow: none; padding-left: 0; }
+  table.stacks td[data-of]::before { content: attr(data-of) ' '; color: var(--vscode-descriptionForeground); }
+}
 `;
 
 const BODY = `<header aria-label="Verification">
@@ -56,12 +76,13 @@ const BODY = `<header aria-label="Verification">
 <div id="notice" role="status" aria-live="polite" hidden></div>
 <main>
 <h2>Checks</h2>
-<table id="checks"></table>
+<table id="checks" class="stacks" role="table" aria-label="Checks"></table>
+<section id="repairs" class="remedies" hidden><h2>What repairs it</h2><ul></ul></section>
 <section id="run" hidden>
 <div class="run-head"><h2 id="runTitle"></h2>${ZOOM_BUTTONS}<button id="trace" title="Step through this run, below">Step Through</button><button id="dismiss" title="Close this run" hidden>Dismiss</button></div>
 <div id="view" tabindex="0" role="group" aria-label="Timeline"></div>
 <div class="legend"><span><i class="run"></i>executes</span><span><i class="lock"></i>waits for a lock</span><span><i class="core"></i>waits for a core</span><span>↑ period begins</span><span>↓ job ends</span><span>▾ request</span><span class="refuted">✕ too late</span></div>
-<details><summary>The run in words</summary><div id="events"></div></details>
+<details><summary>The run in words</summary><ul id="reasons"></ul><div id="events"></div></details>
 </section>
 <details id="variation"><summary>What if</summary>
 <form id="whatIf">
@@ -76,9 +97,9 @@ const BODY = `<header aria-label="Verification">
 <p class="limits"><button id="findLimits" title="Look for the smallest number of cores, the largest WCET of each codel and the smallest period of each task with which every deadline is met">Find limits</button><button id="stopLimits" hidden>Stop</button>
 <progress id="limitsDone" max="100" value="0" aria-label="Progress of the search" hidden></progress>
 <span id="limitsText" class="faint" role="status" aria-live="polite"></span></p>
-<table id="limits"></table>
+<table id="limits" class="stacks" role="table" aria-label="Limits"></table>
 <details id="blocked"><summary>Blocking</summary>
-<table id="blocking"></table>
+<table id="blocking" class="stacks" role="table" aria-label="Blocking"></table>
 </details>
 <details id="assumed"><summary>Assumptions</summary>
 <ul id="assumptions"></ul>

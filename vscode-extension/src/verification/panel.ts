@@ -10,9 +10,9 @@ import { LANGUAGE, SCENARIO, sensitivity, verification, type VerificationAnswer,
 import type { TraceTarget } from '../trace/panel';
 import type { FromPage, Limits, Subject, ToPage } from './messages';
 import { page } from './page';
+import { writeOut } from './writeOut';
 
 const NO_LIMITS: Limits = { state: 'none', text: '' };
-const WRITE_OUT = 'Write the verification scenario to ';
 
 /** Argument of the command, as lenses and code actions give it. */
 export interface VerificationTarget {
@@ -109,6 +109,12 @@ export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
           start: { line: message.line, character: message.character },
           end: { line: message.endLine, character: message.endCharacter },
         });
+      case 'repair': {
+        const { uri, line, character } = message;
+        await reveal(uri, { start: { line, character }, end: { line, character } });
+        await vscode.commands.executeCommand('editor.action.quickFix');
+        return;
+      }
       case 'check':
         this.subject = { ...this.subject, check: message.check };
         this.pinned = null;
@@ -134,7 +140,7 @@ export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
         return this.ask();
       }
       case 'writeOut':
-        return this.writeOut();
+        return writeOut(vscode.Uri.parse(this.answer?.uri ?? this.subject?.uri ?? ''));
     }
   }
 
@@ -232,23 +238,6 @@ export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
     if (this.searching === searching) {
       this.endSearch(found);
     }
-  }
-
-  private async writeOut(): Promise<void> {
-    const uri = vscode.Uri.parse(this.answer?.uri ?? this.subject?.uri ?? '');
-    const document = await vscode.workspace.openTextDocument(uri);
-    const heading = /\bcomponent\s+\w/.exec(document.getText());
-    const at = document.positionAt(heading === null ? 0 : heading.index + heading[0].length);
-    const actions = await vscode.commands.executeCommand<vscode.CodeAction[]>('vscode.executeCodeActionProvider', uri, new vscode.Range(at, at), vscode.CodeActionKind.RefactorRewrite.value);
-    const action = actions.find((it) => it.title.startsWith(WRITE_OUT));
-    if (action?.edit === undefined) {
-      void vscode.window.showInformationMessage('The scenario cannot be written: there is one already, or the specification has errors.');
-      return;
-    }
-    await vscode.workspace.applyEdit(action.edit);
-    const [entry] = action.edit.entries();
-    const target = entry?.[0] ?? uri.with({ path: uri.path.replace(/\.gen$/, '.scn') });
-    await vscode.window.showTextDocument(target, { viewColumn: vscode.ViewColumn.One });
   }
 }
 

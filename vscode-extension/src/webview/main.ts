@@ -66,6 +66,7 @@ function draw(next: Shown): void {
   kind.value = next.subject.kind;
   for (const name of OPTIONS) element<HTMLInputElement>(name).checked = next.subject.options[name] ?? SHOWN_AT_FIRST.includes(name);
   for (const tool of document.querySelectorAll<HTMLElement>('.fsm, .system')) tool.hidden = !tool.classList.contains(ofKind);
+  element('chainless').hidden = !next.withoutChains;
   element('arrange').hidden ||= !next.arranged;
   if (ofKind !== 'fsm') choosing = false;
   tell();
@@ -217,7 +218,7 @@ function describe(diagnostics: string[]): void {
   } else {
     row('states', [node.codel.states.join(', ') + (node.codel.async ? ' (async)' : '')]);
     row('parameters', node.codel.params);
-    row('wcet', node.codel.wcet === null ? [] : [`≤ ${node.codel.wcet}`]);
+    row('wcet', node.codel.wcet === null || node.codel.wcet === '∞' ? [] : [`≤ ${node.codel.wcet}`]);
     row('excludes', node.codel.excludes);
   }
   row('problems', diagnostics);
@@ -311,7 +312,7 @@ element('way').addEventListener('click', () => {
   choosing = true;
   tell();
 });
-element('arrange').addEventListener('click', () => host.postMessage({ type: 'arrange' }));
+for (const type of ['arrange', 'scenario', 'aboutChains'] as const) element(type).addEventListener('click', () => host.postMessage({ type }));
 document.addEventListener('keydown', (event) => {
   if (event.target instanceof HTMLInputElement || event.target instanceof HTMLSelectElement) return;
   const target = event.target instanceof SVGElement ? event.target : undefined;

@@ -72,12 +72,27 @@ function jump({ uri, range: { start, end } }: Place): void {
   host.postMessage({ type: 'place', uri, line: start.line, character: start.character, endLine: end.line, endCharacter: end.character });
 }
 
-function row(cells: (Node | string)[], numbers: number[] = []): HTMLTableRowElement {
-  return node('tr', cells.map((it, i) => node('td', [it], numbers.includes(i) ? 'number' : '')));
+/** `names` are said before cells where there is no room for columns. Roles stay when rows become blocks. */
+function row(cells: (Node | string)[], numbers: number[] = [], names: string[] = []): HTMLTableRowElement {
+  const it = node('tr', cells.map((cell, i) => {
+    const made = node('td', cell === '' ? [] : [cell], numbers.includes(i) ? 'number' : '');
+    made.setAttribute('role', 'cell');
+    const name = names[i] ?? '';
+    if (name !== '') made.dataset['of'] = name;
+    return made;
+  }));
+  it.setAttribute('role', 'row');
+  return it;
 }
 
 function heads(names: string[]): HTMLTableRowElement {
-  return node('tr', names.map((it) => node(it === '' ? 'td' : 'th', it)));
+  const it = node('tr', names.map((name) => {
+    const made = node(name === '' ? 'td' : 'th', name);
+    made.setAttribute('role', name === '' ? 'cell' : 'columnheader');
+    return made;
+  }), 'heads');
+  it.setAttribute('role', 'row');
+  return it;
 }
 
 function showHead(it: VerificationAnswer): void {
@@ -118,19 +133,69 @@ function showChecks(it: VerificationAnswer): void {
   const rows = it.checks.flatMap((check, i) => {
     const title = check.name === null ? `${check.check} ${check.of}` : `${check.name}: ${check.check} ${check.of}`;
     const run: Node | string = check.hasRun ? link(check.verdict === 'refuted' ? 'show why' : 'show run', null, () => host.postMessage({ type: 'check', check: i }), `run ${i}`) : '';
-    const notes = [check.cause, check.remedy, check.worth, check.note, ...check.reason].filter((note) => note !== null).join('; ');
-    const verdict = node('span', check.verdict === 'open' ? 'verifying …' : check.verdict, CLASSES[check.verdict]);
-    const lines = [row([verdict, link(title, check.location, undefined, `check ${i}`), ...columns.map((name) => check[name] ?? ''), run], columns.map((_, at) => at + 2))];
-    if (notes !== '') {
-      // Whole sentences have a line of their own.
-      const note = node('td', rich(notes), 'faint');
-      note.colSpan = columns.length + 2;
-      lines.push(node('tr', [node('td'), note]));
-    }
+    // Where there is a cause, the reasons are the same at length: they are told with the run.
+    const notes = [check.cause, check.worth, check.note, ...(check.cause === null ? check.reason : [])].filter((note) => note !== null);
+    const verdict = node('span', check.verdict === 'open' ? 'verifying …' : check.verdict, `verdict ${CLASSES[check.verdict]}`);
+    const lines = [row([verdict, link(title, check.location, undefined, `check ${i}`), ...columns.map((name) => check[name] ?? ''), run], columns.map((_, at) => at + 2), ['', '', ...columns])];
+    lines[0]?.children[1]?.classList.add('what');
+    if (notes.length > 0) lines.push(sentence(rich(notes.join('; ')), columns.length + 2));
+    if (check.remedy !== null) lines.push(sentence([...rich(check.remedy), ...repair(check.location, `repair ${i}`)], columns.length + 2, 'remedies'));
     for (const line of lines) line.classList.toggle('shown', it.timeline?.check === i);
     return lines;
   });
   update(table, [heads(['verdict', 'check', ...columns, '']), ...rows]);
+}
+
+/** A whole sentence has a line of its own. */
+function sentence(content: (Node | string)[], columns: number, className = ''): HTMLTableRowElement {
+  const cells = [node('td'), node('td', content, `faint ${className}`)] as const;
+  for (const it of cells) it.setAttribute('role', 'cell');
+  cells[1].colSpan = columns;
+  const it = node('tr', [...cells], 'note');
+  it.setAttribute('role', 'row');
+  return it;
+}
+
+/** Leads to the changes that are offered at a place. */
+function repair(at: Place | null, name: string): Node[] {
+  if (at === null) return [];
+  const { line, character } = at.range.start;
+  return [link('Repair…', null, () => host.postMessage({ type: 'repair', uri: at.uri, line, character }), name)];
+}
+
+/** What repairs all that is missed, unless that is said at the checks already. */
+function showRepairs(it: VerificationAnswer): void {
+  const said = it.checks.map((check) => check.remedy);
+  const all = it.repairs.filter((text) => !said.includes(text));
+  const at = it.checks.find((check) => check.cause !== null)?.location ?? null;
+  const section = element('repairs');
+  section.hidden = all.length === 0;
+  update(section.querySelector('ul') as Element, all.map((text, i) => node('li', [...rich(text), ...repair(at, `repair all ${i}`)])));
+}
+
+/** Height of the title in the picture of a run: the title stands above the picture. */
+const TITLE = 24;
+
+/** The picture of a run without its title, with its width and height. */
+function untitled(svg: string): [string, number, number] {
+  const [, width = '800', height = '200'] = /width="([\d.]+)" height="([\d.]+)"/.exec(svg) ?? [];
+  const less = svg.replace(/<text class="title"[^>]*>[^<]*<\/text>/, '');
+  const [w, h] = [Number(width), Number(height)];
+  if (less === svg) return [svg, w, h];
+  return [less.replace(/viewBox="[^"]*"/, `viewBox="0 ${TITLE} ${w} ${h - TITLE}"`), w, h - TITLE];
+}
+
+/** Names of lanes stay in sight, above what is scrolled below them. */
+function keepNames(): void {
+  const names = document.createElementNS('http://www.w3.org/2000/svg', 'g');
+  names.classList.add('names');
+  names.append(...view.querySelectorAll('g.lane > text:first-of-type'));
+  view.querySelector('svg')?.append(names);
+  moveNames();
+}
+
+function moveNames(): void {
+  view.querySelector('.names')?.setAttribute('transform', `translate(${view.scrollLeft / canvas.factor}, 0)`);
 }
 
 function showRun(it: VerificationAnswer, pinned: boolean): void {
@@ -143,12 +208,18 @@ function showRun(it: VerificationAnswer, pinned: boolean): void {
   }
   view.classList.toggle('old', pinned);
   element('dismiss').hidden = !pinned;
-  element('runTitle').textContent = pinned ? `${timeline.title} (of an earlier text)` : timeline.title;
+  // The row of its check is marked: what the run is of is said there.
+  const [, what = timeline.title] = /: (an? .*)$/.exec(timeline.title) ?? [];
+  element('runTitle').textContent = pinned ? `${timeline.title} (of an earlier text)` : what.charAt(0).toUpperCase() + what.slice(1);
+  const check = it.checks[timeline.check];
+  update(element('reasons'), (check?.cause == null ? [] : check.reason).map((reason) => node('li', rich(reason))));
   if (drawn === timeline.svg) return;
-  element('events').textContent = timeline.events.join('\n');
+  element('events').replaceChildren(...timeline.events.map((event) => node('div', event)));
   drawn = timeline.svg;
-  const [, width = '800', height = '200'] = /width="([\d.]+)" height="([\d.]+)"/.exec(timeline.svg) ?? [];
-  canvas.show(timeline.svg, Number(width), Number(height));
+  canvas.show(...untitled(timeline.svg));
+  keepNames();
+  // It fails at its end.
+  if (check?.verdict === 'refuted') view.scrollLeft = view.scrollWidth;
   for (const bar of view.querySelectorAll<SVGGElement>('[data-link]')) {
     bar.addEventListener('click', () => follow(bar));
   }
@@ -177,7 +248,7 @@ function showWhatIf(it: VerificationAnswer): void {
     field.dataset['codel'] = codel.path;
     field.dataset['was'] = codel.wcet === null ? '' : String(codel.wcet);
     field.setAttribute('aria-label', `WCET of ${codel.path} in microseconds`);
-    return row([link(codel.path, codel.location), node('span', [field, ' us'])], [1]);
+    return row([link(codel.path, codel.location), node('span', [field, ' µs'])], [1]);
   });
   update(element('codels'), [heads(['codel', 'WCET']), ...rows]);
   for (const field of document.querySelectorAll<HTMLInputElement>('input.wcet')) field.value = field.dataset['was'] ?? '';
@@ -206,7 +277,7 @@ function changes(): WhatIf | undefined {
 
 function showBlocking(it: VerificationAnswer): void {
   const rows = it.blocking.flatMap(({ codel, location, by }) =>
-    by.map((other, i) => row([i === 0 ? link(codel, location) : '', link(other.codel, other.location), other.time, node('span', rich(other.through))], [2])),
+    by.map((other, i) => row([i === 0 ? link(codel, location) : '', link(other.codel, other.location), other.time, node('span', rich(other.through))], [2], ['', 'may wait for', 'at most', 'through'])),
   );
   update(
     element('blocking'),
@@ -232,7 +303,7 @@ function showLimits(limits: Limits): void {
   if (found.errors.length > 0) return table.replaceChildren();
   const rows = [row(['smallest number of cores', '', '', found.cores === null ? 'no number is enough' : String(found.cores)], [2, 3])];
   for (const [what, all] of [['largest WCET', found.wcet], ['smallest period', found.period]] as const) {
-    rows.push(...all.map((it) => row([what, link(it.of, it.location), it.now, it.extreme, node('span', it.remark, 'faint')], [2, 3])));
+    rows.push(...all.map((it) => row([what, link(it.of, it.location), it.now, it.extreme, it.remark === '' ? '' : node('span', it.remark, 'faint')], [2, 3], ['', '', 'now', 'limit'])));
   }
   table.replaceChildren(heads(['', 'of', 'now', 'limit', '']), ...rows);
 }
@@ -243,6 +314,7 @@ function show(next: VerificationAnswer, of: Subject, pinned: boolean): void {
   host.setState(of);
   showHead(next);
   showChecks(next);
+  showRepairs(next);
   showRun(next, pinned);
   showWhatIf(next);
   showBlocking(next);
@@ -276,6 +348,7 @@ element('dismiss').addEventListener('click', () => host.postMessage({ type: 'dis
 element('findLimits').addEventListener('click', () => host.postMessage({ type: 'findLimits' }));
 element('stopLimits').addEventListener('click', () => host.postMessage({ type: 'stopLimits' }));
 element('writeOut').addEventListener('click', () => host.postMessage({ type: 'writeOut' }));
+view.addEventListener('scroll', moveNames);
 view.addEventListener('keydown', (event) => {
   const bar = event.target instanceof Element ? event.target.closest<SVGGElement>('[data-link]') : null;
   if ((event.key === 'Enter' || event.key === ' ') && bar !== null) {

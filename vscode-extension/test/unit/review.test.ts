@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import type { WorkspaceEdit } from 'vscode-languageclient';
-import { reviewed, ticked } from '../../src/review';
+import { changed, reviewed, ticked } from '../../src/review';
 
 const range = { start: { line: 0, character: 0 }, end: { line: 0, character: 0 } };
 const change = (uri: string, annotationId: string) => ({ textDocument: { uri, version: null }, edits: [{ range, newText: 'x', annotationId }] });
@@ -42,4 +42,15 @@ test('rename, actions and resolved actions are reviewed alike', () => {
   assert.deepEqual(command, { title: 'c', command: 'c' });
   assert.ok(opens(action.edit));
   assert.ok(opens((reviewed('codeAction/resolve', { title: 'a', edit: several }) as { edit: WorkspaceEdit }).edit));
+});
+
+test('an action says what it changes, by file, unless it has a command of its own', () => {
+  const edit: WorkspaceEdit = { documentChanges: [{ kind: 'create', uri: 'file:///b.c' }, change('file:///b.c', 'a'), change('file:///b.c', 'a'), change('file:///c.c', 'a')] };
+  const told = [{ uri: 'file:///b.c', edits: 2 }, { uri: 'file:///c.c', edits: 1 }];
+  assert.deepEqual(changed(edit), told);
+  assert.deepEqual(changed({ changes: { 'file:///b.c': [{ range, newText: 'x' }], 'file:///c.c': [] } }), [{ uri: 'file:///b.c', edits: 1 }]);
+  const own = { title: 'Stub', command: 'dotgen.showCodel' };
+  const [plain, goes] = reviewed('textDocument/codeAction', [{ title: 'Fix', edit }, { title: 'Stub', edit, command: own }]) as { command: object }[];
+  assert.deepEqual(plain?.command, { title: 'Fix', command: 'dotgen.tellChanges', arguments: ['Fix', told] });
+  assert.deepEqual(goes?.command, own);
 });

@@ -16,7 +16,6 @@ export function checks(wb) {
   const at = (name) => join(wb.folder, name);
   const rows = (text) => page.locator('.quick-input-list .monaco-list-row', { hasText: text });
   const notification = (text) => page.locator('.notification-toast', { hasText: text }).last();
-  const button = (text, name) => notification(text).locator('a.monaco-button, .monaco-text-button', { hasText: name }).first();
   const ready = () => wb.statusItem.locator('.codicon-check').waitFor();
 
   const more = [
@@ -33,9 +32,9 @@ export function checks(wb) {
     }],
     ['the options are those of the template', async () => {
       await rows('skeleton').first().click();
-      await rows('-C, --directory').first().waitFor();
+      await rows('Write below DIR').first().waitFor();
       await wb.shot('generate-3-options.png');
-      await rows('-t, --terse').first().click();
+      await rows('Leave out documentation').first().click();
       await page.locator('.quick-input-count', { hasText: '1 Selected' }).waitFor();
       await page.locator('.quick-input-action a', { hasText: 'OK' }).click();
     }],
@@ -46,7 +45,8 @@ export function checks(wb) {
       assert.ok(!existsSync(at('codels')));
     }],
     ['the files are written and the choice is remembered', async () => {
-      await button('Nothing is written yet', 'Write').click();
+      // The button in the title of the preview.
+      await page.locator('.editor-actions .action-item', { hasText: /^Write$/ }).first().click();
       await until('the files exist', () => existsSync(at('codels/Makefile.am')) && existsSync(at('bootstrap.sh')));
       await until('the choice is in dotgen.toml', () => readFileSync(at('dotgen.toml'), 'utf8').includes('[[generate]]'));
       await notification('written').waitFor();

@@ -22,13 +22,13 @@ export function checks(wb) {
     }],
     ['a component is asked for and written', async () => {
       await wb.command('dotgen: New Component');
-      await titled('name (2/4)').waitFor();
+      await titled('name (1/3)').waitFor();
       await input.fill('nav');
       await page.keyboard.press('Enter');
-      await titled('tasks (3/4)').waitFor();
+      await titled('tasks (2/3)').waitFor();
       await input.fill('track 20 ms, plan');
       await page.keyboard.press('Enter');
-      await titled('ports (4/4)').waitFor();
+      await titled('ports (3/3)').waitFor();
       await wb.shot('new-2-ports.png');
       await page.locator('.quick-input-list .monaco-list-row', { hasText: 'uses or_pose_estimator' }).first().click();
       // The click took the focus: a key may go nowhere.

@@ -26,7 +26,7 @@ function picture(kind, name, { subject = {}, open = {}, holds = {}, change = (sv
     holds: holds[id] ?? [],
     codel: null,
   }));
-  const shown = { subject: { uri: 'file:///a.gen', kind, options: {}, ...subject }, title: name, svg, width: Number(width), height: Number(height), nodes, arranged: false, ...more };
+  const shown = { subject: { uri: 'file:///a.gen', kind, options: {}, ...subject }, title: name, svg, width: Number(width), height: Number(height), nodes, withoutChains: false, arranged: false, ...more };
   return { type: 'picture', shown };
 }
 
@@ -222,5 +222,18 @@ test('a picture of much is as large as can be read, and all of it is seen on dem
   assert.ok((await scale()) >= 0.69, String(await scale()));
   await it.page.locator('#fit').click();
   assert.ok((await scale()) < 0.69, String(await scale()));
+  await it.page.close();
+});
+
+test('chains that no scenario asks for: how to ask is said, and a scenario is offered', async () => {
+  const it = await pages.open({ width: 380, height: 700 });
+  const about = it.page.locator('#chainless');
+  await it.send(picture('system', 'quadcopter'));
+  assert.equal(await about.isVisible(), false);
+  await it.send(picture('system', 'quadcopter', { subject: { options: { chains: true } }, withoutChains: true }));
+  assert.match(await about.innerText(), /check reaction sensor\.scan -> motor\.speed/);
+  assert.deepEqual(await violations(it.page), []);
+  await it.page.locator('#scenario').click();
+  assert.deepEqual(await last(it), { type: 'scenario' });
   await it.page.close();
 });

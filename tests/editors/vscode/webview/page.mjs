@@ -19,6 +19,7 @@ export const THEMES = {
     'charts-blue': '#0063d3', 'charts-orange': '#d18616', 'charts-yellow': '#895503', 'charts-purple': '#652d90', 'charts-green': '#388a34',
     'button-secondaryForeground': '#3b3b3b', 'button-secondaryBackground': '#e5e5e5', 'input-foreground': '#3b3b3b', 'input-background': '#ffffff',
     'editorHoverWidget-background': '#f8f8f8', 'editorHoverWidget-foreground': '#3b3b3b', 'editorHoverWidget-border': '#c8c8c8',
+    'list-inactiveSelectionBackground': '#e4e6f1', 'textLink-foreground': '#005fb8', 'editorWarning-foreground': '#bf8803',
   },
   dark: {
     kind: 'vscode-dark',
@@ -27,6 +28,7 @@ export const THEMES = {
     'charts-blue': '#59a4f9', 'charts-orange': '#d18616', 'charts-yellow': '#cca700', 'charts-purple': '#b180d7', 'charts-green': '#89d185',
     'button-secondaryForeground': '#cccccc', 'button-secondaryBackground': '#313131', 'input-foreground': '#cccccc', 'input-background': '#313131',
     'editorHoverWidget-background': '#202020', 'editorHoverWidget-foreground': '#cccccc', 'editorHoverWidget-border': '#454545',
+    'list-inactiveSelectionBackground': '#37373d', 'textLink-foreground': '#4daafc', 'editorWarning-foreground': '#cca700',
   },
   contrast: {
     kind: 'vscode-high-contrast',
@@ -35,6 +37,7 @@ export const THEMES = {
     'charts-blue': '#3794ff', 'charts-orange': '#d18616', 'charts-yellow': '#ffd700', 'charts-purple': '#b180d7', 'charts-green': '#89d185',
     'button-secondaryForeground': '#ffffff', 'button-secondaryBackground': '#000000', 'input-foreground': '#ffffff', 'input-background': '#000000',
     'editorHoverWidget-background': '#000000', 'editorHoverWidget-foreground': '#ffffff', 'editorHoverWidget-border': '#6fc3df',
+    'list-inactiveSelectionBackground': '#000000', 'textLink-foreground': '#21a6ff', 'editorWarning-foreground': '#ffd370',
   },
 };
 

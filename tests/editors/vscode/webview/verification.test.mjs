@@ -12,7 +12,7 @@ const check = (more) => ({ name: null, check: 'response', of: 'nav.exec', verdic
 const svg = '<svg xmlns="http://www.w3.org/2000/svg" width="300" height="60" viewBox="0 0 300 60"><style>text{fill:currentColor}</style><g class="bar" data-link="0" tabindex="0" role="graphics-symbol" aria-label="exec runs"><rect width="40" height="12"/></g></svg>';
 const answer = {
   uri: 'file:///a.gen', version: 1, status: 'refuted', earlier: false, howFar: null, scenario: 'nav', written: false, platform: 'free', cores: null, policy: 'fifo', durations: 'interval',
-  errors: [], warnings: [{ message: '2 codels have no `wcet`', location: place }], advice: 'write a scenario', bounds: [{ task: 'nav.exec', bound: '9 ms' }], minimumCores: 2, assumptions: ['any client'], notes: ['a note'],
+  errors: [], warnings: [{ message: '2 codels have no `wcet`', location: place }], advice: 'write a scenario', bounds: [{ task: 'nav.exec', bound: '9 ms' }], minimumCores: 2, repairs: ['holds with 3 cores', 'holds up to 4 ms'], assumptions: ['any client'], notes: ['a note'],
   checks: [check({}), check({ of: 'nav.plan', verdict: 'refuted', value: '12 ms', cause: 'waits for level', remedy: 'holds up to 4 ms', reason: ['waits 6 ms'], hasRun: true }), check({ check: 'deadlock', verdict: 'gave up', value: null, limit: null, note: 'gave up after 10 s' })],
   blocking: [{ codel: 'nav.a', location: place, by: [{ codel: 'nav.b', location: place, time: '2 ms', through: 'ids.level' }] }],
   codels: [{ path: 'nav.exec.a', wcet: 2000, location: place }, { path: 'nav.exec.b', wcet: null, location: null }],
@@ -47,5 +47,31 @@ test('the keyboard alone reaches everything that can be pressed', async () => {
   const missed = [];
   for (let i = 0; i < count; i++) if (!seen.has(String(i))) missed.push(await it.page.locator(`[data-test="${i}"]`).evaluate((one) => one.outerHTML.slice(0, 120)));
   assert.deepEqual(missed, []);
+  await it.page.close();
+});
+
+test('beside half a window nothing is cut, and remedies are reached', async () => {
+  for (const width of [380, 700]) {
+    const it = await pages.open({ width, height: 900 });
+    const long = check({ name: 'begins', check: 'within', of: 'operator_of_the_tank.request => pump.fill.wait_for_the_level', verdict: 'refuted', cause: '`control` waits', remedy: 'holds up to 4 ms', slack: '-11 %' });
+    await it.send({ type: 'answer', subject: { uri: 'file:///a.gen' }, answer: { ...answer, checks: [...answer.checks, long] }, pinned: false });
+    for (const closed of await it.page.locator('details').all()) await closed.evaluate((details) => (details.open = true));
+    const cut = await it.page.evaluate(() => [...document.querySelectorAll('body *')].filter((one) => !one.closest('#view') && one.getBoundingClientRect().right > innerWidth).map((one) => one.outerHTML.slice(0, 90)));
+    assert.deepEqual(cut, [], String(width));
+    await it.page.locator('#checks tr', { hasText: 'Repair' }).first().locator('a', { hasText: 'Repair' }).click();
+    assert.deepEqual((await it.said()).at(-1), { type: 'repair', uri: 'file:///a.gen', line: 1, character: 2 });
+    await it.page.close();
+  }
+});
+
+test('title, cause and expression are said once; what repairs everything is listed', async () => {
+  const it = await pages.open({ width: 700, height: 900 });
+  const titled = svg.replace('<g ', '<text class="title" y="20">response nav.plan: a run that refutes it</text><g ');
+  await it.send({ type: 'answer', subject: { uri: 'file:///a.gen' }, answer: { ...answer, timeline: { ...answer.timeline, title: 'response nav.plan: a run that refutes it', svg: titled } }, pinned: false });
+  assert.equal(await it.page.locator('#runTitle').innerText(), 'A run that refutes it');
+  const text = await it.page.evaluate(() => document.body.innerText + document.querySelector('#view').textContent);
+  for (const once of ['response nav.plan', 'waits for level', 'a run that refutes it']) assert.equal(text.toLowerCase().split(once).length - 1, 1, once);
+  assert.equal(await it.page.locator('#view svg').getAttribute('viewBox'), '0 24 300 36');
+  assert.deepEqual(await it.page.locator('#repairs li').allInnerTexts(), ['holds with 3 cores Repair…'].map((line) => line.replace(' Repair', 'Repair')));
   await it.page.close();
 });
