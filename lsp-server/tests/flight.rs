@@ -72,8 +72,8 @@ fn distance(from: &[f64; 3], to: &[f64; 3]) -> f64 {
     squares.sum::<f64>().sqrt()
 }
 
-/// Asserts that the body is at each of these points at the end of the rest there, and, after all of them, on the
-/// ground at last.
+/// Asserts that the body is at each of these points at the end of the rest there, and, after all of them, on
+/// the ground at last.
 fn check(points: &[[f64; 3]], desired: &[Sample], body: &[Sample]) {
     for point in points {
         let arrived = |it: &Sample| distance(&it.position, point) < 1e-6;

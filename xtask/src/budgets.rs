@@ -1,8 +1,10 @@
-//! `cargo xtask budgets`: instructions and memory of what users do, at three sizes, against a file of the repository.
+//! `cargo xtask budgets`: instructions and memory of what users do, at three sizes, against a file of the
+//! repository.
 //!
-//! Valgrind counts the instructions of the program of the tests, so the machine and its load do not matter. A change
-//! that takes more than [`SLACK`] of what the file says fails, and so does one that takes as much less: the file is
-//! written anew (`--write`), and the commit shows it. Twice the input may take [`DOUBLE`] times the instructions.
+//! Valgrind counts the instructions of the program of the tests, so the machine and its load do not matter.
+//! A change that takes more than [`SLACK`] of what the file says fails, and so does one that takes as much
+//! less: the file is written anew (`--write`), and the commit shows it. Twice the input may take [`DOUBLE`]
+//! times the instructions.
 
 mod operations;
 

@@ -1,5 +1,7 @@
 //! Unions (language reference, section 6).
 
+use rustc_hash::{FxHashMap, FxHashSet};
+
 use super::{
     DefKind,
     context::Elaborator,
@@ -34,7 +36,7 @@ impl<'a> Elaborator<'a> {
                 _ => None,
             };
             let mut members: Vec<TypeId> = Vec::new();
-            let mut used: Vec<(Label, TypeId)> = Vec::new();
+            let mut used: FxHashMap<LabelKey, TypeId> = FxHashMap::default();
             this.for_each(cases, |this, item| match item {
                 Item::Case {
                     labels,
@@ -118,9 +120,10 @@ impl<'a> Elaborator<'a> {
         labels: &'a [CaseLabel],
         switch: TypeId,
         member: Option<(&Name, Option<TypeId>)>,
-        used: &mut Vec<(Label, TypeId)>,
+        used: &mut FxHashMap<LabelKey, TypeId>,
     ) -> Vec<Label> {
         let mut own: Vec<Label> = Vec::new();
+        let mut keys: FxHashSet<LabelKey> = FxHashSet::default();
         let at = member.map(|(name, _)| self.src(name.ptr));
         let mut clash = None;
         for label in labels {
@@ -140,14 +143,16 @@ impl<'a> Elaborator<'a> {
                     }
                 }
             };
-            if own.iter().any(|it| same_label(it, &value)) {
+            let key = LabelKey::of(&value);
+            if keys.contains(&key) {
                 let at = self.src(label.ptr);
                 self.error(at, Valuing::LabelTwice);
                 continue;
             }
-            if let Some((_, other)) = used.iter().find(|(it, _)| same_label(it, &value)) {
+            if let Some(other) = used.get(&key) {
                 clash = clash.or(Some((*other, self.src(label.ptr))));
             }
+            keys.insert(key);
             own.push(value);
         }
         if let (Some((other, label)), Some(at)) = (clash, at) {
@@ -165,7 +170,10 @@ impl<'a> Elaborator<'a> {
             );
         }
         if let Some((_, Some(id))) = member {
-            used.extend(own.iter().map(|it| (it.clone(), id)));
+            for key in keys {
+                // The first member that has a label is the one that is named.
+                used.entry(key).or_insert(id);
+            }
         }
         own
     }
@@ -190,16 +198,30 @@ impl<'a> Elaborator<'a> {
     }
 }
 
-/// Returns true if two labels are equal; a character may be written in single or double quotes.
-fn same_label(a: &Label, b: &Label) -> bool {
-    fn text(label: &Label) -> Option<&str> {
+/// What labels are compared by: equal labels have equal keys.
+#[derive(PartialEq, Eq, Hash)]
+enum LabelKey {
+    Default,
+    /// A character or a string: a character may be written in single or double quotes.
+    Text(String),
+    Bool(bool),
+    Uint(u64),
+    Int(i64),
+    /// The bits of a floating point number.
+    Float(u64),
+    Enum(TypeId),
+}
+
+impl LabelKey {
+    fn of(label: &Label) -> LabelKey {
         match label {
-            Label::Case(Value::Char(text) | Value::String(text)) => Some(text),
-            _ => None,
+            Label::Default => LabelKey::Default,
+            Label::Case(Value::Char(text) | Value::String(text)) => LabelKey::Text(text.clone()),
+            Label::Case(Value::Bool(it)) => LabelKey::Bool(*it),
+            Label::Case(Value::Uint(it)) => LabelKey::Uint(*it),
+            Label::Case(Value::Int(it)) => LabelKey::Int(*it),
+            Label::Case(Value::Float(it)) => LabelKey::Float(it.to_bits()),
+            Label::Case(Value::Enum(it)) => LabelKey::Enum(*it),
         }
-    }
-    match (text(a), text(b)) {
-        (Some(a), Some(b)) => a == b,
-        _ => a == b,
     }
 }

@@ -165,8 +165,8 @@ struct Boards {
 }
 
 impl Children {
-    /// Hosts of the components of a system that have a shared object, with the names of all, and the component and
-    /// name of each task.
+    /// Hosts of the components of a system that have a shared object, with the names of all, and the
+    /// component and name of each task.
     pub(crate) fn new(
         libraries: Vec<Option<Utf8PathBuf>>,
         names: Vec<String>,

@@ -93,9 +93,9 @@ impl<'j, 'p> Judge<'j, 'p> {
         self.judged(edit, &mends)
     }
 
-    /// Judges edits, each with the code of the finding that it is for. They are tried together first: many edits that
-    /// are whole together cost one analysis. Otherwise they are tried in halves, or, if edits are refused one after
-    /// the other, by themselves.
+    /// Judges edits, each with the code of the finding that it is for. They are tried together first: many
+    /// edits that are whole together cost one analysis. Otherwise they are tried in halves, or, if edits are
+    /// refused one after the other, by themselves.
     pub fn verdicts(&mut self, edits: &[(Edit, &str)]) -> Vec<Verdict> {
         let mut out = Vec::with_capacity(edits.len());
         let mut refused = 0;

@@ -105,8 +105,9 @@ pub(crate) fn words(
 /// script, or the program that the environment names. `None` for the plain tool, without starting a process.
 pub(super) fn version(config: &PackageConfig, name: &str) -> Option<String> {
     let program = program();
-    let is_plain = program == PLAIN
-        && process::in_path(Path::new(PLAIN)).is_none_or(|it| process::is_machine_code(&it));
+    let is_plain = program == pkg_file::TOOL
+        && process::in_path(Path::new(pkg_file::TOOL))
+            .is_none_or(|it| process::is_machine_code(&it));
     if !config.may_run || is_plain {
         return None;
     }
@@ -114,13 +115,10 @@ pub(super) fn version(config: &PackageConfig, name: &str) -> Option<String> {
     first_line(&output).map(str::to_owned)
 }
 
-/// The name of the tool.
-pub(super) const PLAIN: &str = "pkg-config";
-
 /// The package tool.
 fn program() -> String {
     let named = std::env::var("PKG_CONFIG").ok().filter(|it| !it.is_empty());
-    named.unwrap_or_else(|| PLAIN.to_owned())
+    named.unwrap_or_else(|| pkg_file::TOOL.to_owned())
 }
 
 enum Failure {

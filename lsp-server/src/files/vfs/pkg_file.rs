@@ -8,6 +8,9 @@ use std::path::Path;
 use camino::{Utf8Path, Utf8PathBuf};
 use rustc_hash::{FxHashMap, FxHashSet};
 
+/// The name of the tool.
+pub(super) const TOOL: &str = "pkg-config";
+
 /// A `.pc` file, with variables replaced.
 #[derive(Debug, Default)]
 struct Package {
@@ -56,7 +59,7 @@ pub(super) fn search_path(configured: &[Utf8PathBuf]) -> Vec<Utf8PathBuf> {
 /// The directories of the installation that contains the tool: `/opt/robot/lib/pkgconfig` for
 /// `/opt/robot/bin/pkg-config`. They are built into the tool.
 fn beside_the_tool() -> Vec<Utf8PathBuf> {
-    let tool = crate::process::in_path(Path::new(super::pkg_config::PLAIN));
+    let tool = crate::process::in_path(Path::new(TOOL));
     let tool = tool.and_then(|it| Utf8PathBuf::from_path_buf(it).ok());
     let prefix = tool.as_deref().and_then(Utf8Path::parent);
     let Some(prefix) = prefix.and_then(Utf8Path::parent) else {
