@@ -1,5 +1,6 @@
 // A trace made ready to be drawn and walked, and the window of time that is shown. No drawing here.
 import type { Arrow, Mark, Span, Trace } from '../../trace/form';
+import { shownUnit } from '../unit';
 
 /** The first of some in order of which `is` holds; their number if it holds of none. */
 export function first<T>(all: readonly T[], is: (it: T) => boolean): number {
@@ -186,5 +187,5 @@ export function stride(least: number): number {
 export function time(at: number, unit: string, apart = 1e-3): string {
   const digits = Math.min(6, Math.max(0, -Math.floor(Math.log10(apart) + 1e-9)));
   const text = at.toFixed(digits);
-  return `${digits > 0 ? text.replace(/\.?0+$/, '') : text} ${unit}`;
+  return `${digits > 0 ? text.replace(/\.?0+$/, '') : text} ${shownUnit(unit)}`;
 }
