@@ -67,6 +67,8 @@ function resize(): void {
     canvas.style.width = `${width}px`;
     canvas.style.height = `${height}px`;
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    // What was looked at stays in sight.
+    revealLane(model?.trace.steps[step]?.lane ?? null);
   }
   redraw();
 }

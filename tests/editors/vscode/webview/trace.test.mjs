@@ -265,3 +265,15 @@ test('the search goes from one step to the next that has the text', async () => 
   assert.equal(await it.page.locator('#found').textContent(), 'none');
   await it.page.close();
 });
+
+test('the lane of the step stays in sight when the panel becomes small', async () => {
+  const it = await pages.open({ width: 1000, height: 600 });
+  await it.send({ type: 'trace', trace: trace(60, { tasks: 8 }) });
+  await it.page.setViewportSize({ width: 340, height: 290 });
+  await it.frame();
+  const lane = await it.page.locator('#names .current').boundingBox();
+  const view = await it.page.locator('#trace').boundingBox();
+  assert.ok(lane.y >= view.y && lane.y + lane.height <= view.y + view.height + 1, JSON.stringify([lane, view]));
+  if (process.env.SHOTS) await it.page.screenshot({ path: `${process.env.SHOTS}/trace-small.png` });
+  await it.page.close();
+});
