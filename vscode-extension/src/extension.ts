@@ -18,6 +18,7 @@ import { InlineDiagrams } from './preview/inline';
 import { DiagramPreview } from './preview/panel';
 import type { Target } from './preview/target';
 import { ReleaseStatus } from './commands/release';
+import { tellRestricted } from './restricted';
 import { MeasuredTimes } from './run/measured';
 import { Debugging } from './run/debug';
 import { RunPanel, type RunTarget } from './run/panel';
@@ -105,6 +106,7 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
   );
   // Commands about the workspace are shown where there is something to show.
   void vscode.commands.executeCommand('setContext', 'dotgen.active', true);
+  void tellRestricted(context.workspaceState);
   await it.start();
 }
 

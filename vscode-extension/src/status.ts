@@ -60,7 +60,7 @@ function tooltip(server: Server): vscode.MarkdownString {
     text.appendCodeblock(folder.uri.scheme === 'file' ? folder.uri.fsPath : folder.uri.toString(), 'text');
   }
   if (!vscode.workspace.isTrusted) {
-    text.appendMarkdown('$(shield) Restricted: pkg-config and templates are not run. [Manage trust](command:workbench.trust.manage)\n\n');
+    text.appendMarkdown('$(shield) Restricted: pkg-config, templates and components are not run. [Manage trust](command:workbench.trust.manage)\n\n');
   }
   const settings = encodeURIComponent(JSON.stringify(['dotgen']));
   text.appendMarkdown(

@@ -3,6 +3,7 @@ import * as vscode from 'vscode';
 import type { Server } from '../client';
 import { notRunning } from '../commands/server';
 import { LANGUAGE } from '../protocol';
+import { offerTrust } from '../restricted';
 import { askArguments } from './options';
 import type { Choice, Plan, TemplateInfo, Templates, TemplateUsage } from './protocol';
 import { Review } from './review';
@@ -61,6 +62,9 @@ export class GenerateCommands implements vscode.Disposable {
     if (uri === undefined) {
       void vscode.window.showInformationMessage('Open the .gen file to generate from first.');
       return;
+    }
+    if (!vscode.workspace.isTrusted) {
+      return offerTrust('Templates are programs: they are run in trusted folders only.');
     }
     if (this.server.running === undefined) {
       await notRunning(this.server);

@@ -5,6 +5,7 @@ import type { Server } from '../client';
 import { notRunning } from '../commands/server';
 import { explicitSettings, serverSettings } from '../config';
 import { SidePanel } from '../panel/panel';
+import { offerTrust } from '../restricted';
 import { LANGUAGE, SCENARIO } from '../protocol';
 import type { FromPage, Ran, RunView, ToPage } from './messages';
 import { MeasuredTimes } from './measured';
@@ -75,8 +76,7 @@ export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
       return;
     }
     if (!vscode.workspace.isTrusted) {
-      void vscode.window.showWarningMessage('Components are run in trusted folders only.');
-      return;
+      return offerTrust('Components are run and simulated in trusted folders only.');
     }
     const file = vscode.Uri.parse(uri);
     const { info } = this.server;

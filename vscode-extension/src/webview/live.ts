@@ -1,6 +1,7 @@
 // What a run does in the picture of a state machine: the states that activities are in, how often transitions were taken,
 // and the greatest time of their codels then.
 import type { Live } from '../preview/messages';
+import { shownUnit } from './unit';
 
 const MARKS = ['here', 'executes'] as const;
 
@@ -25,7 +26,7 @@ export function overlay(view: Element, live: Live | undefined): void {
     const taken = its.reduce((sum, it) => sum + it.taken, 0);
     edge.classList.toggle('never', taken === 0);
     const greatest = Math.max(...its.map((it) => it.greatest ?? -1));
-    const time = greatest < 0 ? '' : ` · ≤ ${Number(greatest.toPrecision(3))} ${live.unit}`;
+    const time = greatest < 0 ? '' : ` · ≤ ${Number(greatest.toPrecision(3))} ${shownUnit(live.unit)}`;
     if (taken > 0) write(edge, `${taken.toLocaleString('en').replaceAll(',', '\u202f')}${time}`);
   }
 }

@@ -1,6 +1,7 @@
 // The page of a run: draws what it is sent, and tells what is done to it.
 import type { FromPage, Port, Progress, Report, RunView, Service, ToPage, Violation } from '../run/messages';
 import { field } from './form';
+import { shownUnit } from './unit';
 import { update } from './update';
 
 /** What is typed into the forms of a run: the page is made anew when it is shown again, and this is what is kept. */
@@ -49,7 +50,8 @@ function list(id: string, lines: string[]): void {
   update(section.querySelector('ul') as Element, lines.map((it) => node('li', it)));
 }
 
-function violation(it: Violation, { unit, checks }: Report): string {
+function violation(it: Violation, { unit: written, checks }: Report): string {
+  const unit = shownUnit(written);
   const at = `${number(it.at.time)} ${unit}: `;
   switch (it.kind) {
     case 'check': {
@@ -77,7 +79,7 @@ function showHead({ name, clock, debug, state, report, progress, hasTrace, times
   // Screen readers tell every change of a live region, also to the same.
   if (badge.textContent !== word) badge.textContent = word;
   badge.className = `state ${violated || state === 'failed' ? 'violated' : state === 'ended' ? 'kept' : 'faint'}`;
-  const facts = report === null ? (progress === null ? [] : [`${number(progress.time)} ${progress.unit}`]) : [`${number(report.time)} ${report.unit}`, ENDS[report.end] ?? report.end, `seed ${report.seed}`];
+  const facts = report === null ? (progress === null ? [] : [`${number(progress.time)} ${shownUnit(progress.unit)}`]) : [`${number(report.time)} ${shownUnit(report.unit)}`, ENDS[report.end] ?? report.end, `seed ${report.seed}`];
   element('facts').textContent = facts.filter((it) => it !== '').join(' · ');
   const over = state === 'ended' || state === 'failed';
   element('stop').hidden = over;
@@ -90,7 +92,7 @@ function showHead({ name, clock, debug, state, report, progress, hasTrace, times
 
 function showReport(report: Report | null, progress: Progress | null): void {
   const known = report ?? progress;
-  const unit = known?.unit ?? '';
+  const unit = shownUnit(known?.unit ?? '');
   list('violations', (report?.violations ?? []).map((it) => violation(it, report as Report)));
   // The unit once, over all of its columns.
   for (const [id, title] of [['tasks', 'Tasks'], ['checks', 'Checks']] as const) (element(id).querySelector('h2') as Element).textContent = `${title}, times in ${unit}`;

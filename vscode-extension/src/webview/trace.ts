@@ -3,6 +3,8 @@ import type { Span, Trace } from '../trace/form';
 import type { FromPage, Machine, ToPage } from '../trace/messages';
 import { colours, Painter, RULER, words, type Scene, type Work } from './trace/draw';
 import { Model, opening, time, type Window } from './trace/model';
+import { Overview } from './trace/overview';
+import { hits, nextHit, sums } from './trace/sums';
 
 declare function acquireVsCodeApi(): { postMessage(message: FromPage): void };
 
@@ -20,6 +22,14 @@ let shown: Window | undefined;
 let step = 0;
 let hovered: Span | undefined;
 let scheduled = false;
+/** The part of time that is summed. */
+let range: [number, number] | undefined;
+const search = element<HTMLInputElement>('search');
+let found: number[] = [];
+const overview = new Overview(element<HTMLCanvasElement>('overview'), (at) => {
+  shown?.centre(at);
+  redraw();
+});
 let size = { width: 0, height: 0 };
 /** What was drawn, for tests. */
 const drawn: { frames: number; last: Work; window: { from: number; to: number } | undefined } = { frames: 0, last: { spans: 0, marks: 0, arrows: 0 }, window: undefined };
@@ -31,8 +41,9 @@ function redraw(): void {
   requestAnimationFrame(() => {
     scheduled = false;
     if (model === undefined || shown === undefined || size.width === 0) return;
-    const scene: Scene = { model, window: shown, scroll: view.scrollTop, ...size, step, hovered, font: font() };
+    const scene: Scene = { model, window: shown, scroll: view.scrollTop, ...size, step, hovered, range, font: font() };
     drawn.last = painter.draw(scene);
+    overview.draw(shown, painter.colours, model.trace.steps[step]?.at, range);
     drawn.frames++;
     drawn.window = shown;
   });
@@ -45,6 +56,7 @@ function font(): string {
 }
 
 function resize(): void {
+  overview.resize();
   const plane = element('plane');
   const [width, height] = [plane.clientWidth, view.clientHeight];
   const ratio = devicePixelRatio;
@@ -55,6 +67,8 @@ function resize(): void {
     canvas.style.width = `${width}px`;
     canvas.style.height = `${height}px`;
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    // What was looked at stays in sight.
+    revealLane(model?.trace.steps[step]?.lane ?? null);
   }
   redraw();
 }
@@ -81,7 +95,9 @@ function show(trace: Trace): void {
   shown = opening(trace);
   hovered = undefined;
   machineOf = -1;
-  element('run').hidden = false;
+  overview.show(trace);
+  select(undefined);
+  element('run').hidden = element('overview').hidden = false;
   element('empty').hidden = true;
   element('title').textContent = trace.title;
   element('title').title = [trace.title, ...trace.notes].join('\n');
@@ -97,14 +113,15 @@ function show(trace: Trace): void {
   );
   for (const button of document.querySelectorAll<HTMLButtonElement>('header button')) button.disabled = false;
   resize();
+  find();
   choose(trace.focus.step ?? Math.max(0, trace.steps.length - 1), false);
-  shown.centre(trace.focus.at);
-  redraw();
+  revealLane(trace.focus.lane);
 }
 
 function nothing(text: string): void {
   model = shown = undefined;
-  element('run').hidden = true;
+  overview.show(undefined);
+  element('run').hidden = element('overview').hidden = true;
   element('empty').hidden = false;
   element('why').textContent = text;
   element('title').textContent = 'Trace';
@@ -140,12 +157,56 @@ function choose(to: number, reveal = true): void {
   element<HTMLButtonElement>('go').disabled = place(to) === null;
   if (reveal) {
     shown?.reveal(it.at);
-    const [top, bottom] = [model.tops[it.lane] ?? 0, model.tops[it.lane + 1] ?? 0];
-    if (top < view.scrollTop) view.scrollTop = top;
-    else if (bottom + RULER > view.scrollTop + view.clientHeight) view.scrollTop = bottom + RULER - view.clientHeight;
+    revealLane(it.lane);
   }
   host.postMessage({ type: 'step', step: to });
   redraw();
+}
+
+/** Scrolls no further than needed for a lane to be seen. */
+function revealLane(lane: number | null): void {
+  if (lane === null || model === undefined) return;
+  const [top, bottom] = [model.tops[lane] ?? 0, model.tops[lane + 1] ?? 0];
+  if (top < view.scrollTop) view.scrollTop = top;
+  else if (bottom + RULER > view.scrollTop + view.clientHeight) view.scrollTop = bottom + RULER - view.clientHeight;
+}
+
+/** Sums a part of time, or nothing any more. */
+function select(next: [number, number] | undefined): void {
+  range = next === undefined ? undefined : [Math.min(...next), Math.max(...next)];
+  const section = element('range');
+  section.hidden = range === undefined;
+  if (range !== undefined && model !== undefined) section.replaceChildren(...told(model.trace, ...range));
+  redraw();
+}
+
+/** The sums of a part of time. */
+function told(trace: Trace, one: number, other: number): Node[] {
+  const { from, to, loads, waits } = sums(trace, one, other);
+  const list = (rows: [string, string][]) => node('dl', rows.flatMap(([name, value]) => [node('dt', [name]), node('dd', [value])]));
+  const apart = Math.max((to - from) / 1000, 1e-6);
+  const length = (it: number) => time(it, trace.unit, apart);
+  return [
+    node('h2', [`${length(to - from)} selected`]),
+    node('p', [`${length(from)} to ${length(to)}. Escape ends the selection.`], 'what-rule'),
+    node('h3', ['Load']),
+    list(loads.map((it) => [it.name, `${(100 * it.share).toFixed(1)} %, ${length(it.busy)}`])),
+    node('h3', ['Waits']),
+    waits.length === 0 ? node('p', ['none']) : list(waits.map((it) => [it.cause, `${length(it.time)}${it.count > 1 ? ` in ${it.count}` : ''}`])),
+  ];
+}
+
+function find(): void {
+  found = model === undefined ? [] : hits(model.trace, search.value);
+  const at = found.indexOf(step);
+  element('found').textContent = search.value.trim() === '' ? '' : found.length === 0 ? 'none' : at < 0 ? String(found.length) : `${at + 1} of ${found.length}`;
+}
+
+/** To the next step that is found. */
+function go(by: 1 | -1): void {
+  const next = nextHit(found, step, by);
+  if (next !== undefined) choose(next);
+  find();
 }
 
 function place(of: number): unknown {
@@ -236,6 +297,7 @@ function press(down: PointerEvent): void {
   if (down.button !== 0 || shown === undefined) return;
   view.focus({ preventScroll: true });
   canvas.setPointerCapture(down.pointerId);
+  if (down.shiftKey) return mark(down);
   let [x, y, moved] = [down.clientX, down.clientY, false];
   const move = (event: PointerEvent) => {
     moved ||= Math.abs(event.clientX - down.clientX) + Math.abs(event.clientY - down.clientY) > 3;
@@ -258,6 +320,19 @@ function press(down: PointerEvent): void {
   };
   canvas.addEventListener('pointermove', move);
   canvas.addEventListener('pointerup', up, { once: true });
+}
+
+/** A drag with Shift selects a part of time. */
+function mark(down: PointerEvent): void {
+  const from = under(down)?.at;
+  if (from === undefined) return;
+  leave();
+  const move = (event: PointerEvent) => {
+    const to = under(event)?.at;
+    if (to !== undefined) select([from, to]);
+  };
+  canvas.addEventListener('pointermove', move);
+  canvas.addEventListener('pointerup', () => canvas.removeEventListener('pointermove', move), { once: true });
 }
 
 function wheel(event: WheelEvent): void {
@@ -301,15 +376,32 @@ const ACTIONS: Record<string, () => void> = {
     if (trace === undefined) return;
     shown = opening(trace);
     choose(trace.focus.step ?? last(), false);
+    revealLane(trace.focus.lane);
   },
+  left: () => {
+    shown?.pan(shown.length * -0.1);
+    redraw();
+  },
+  right: () => {
+    shown?.pan(shown.length * 0.1);
+    redraw();
+  },
+  /** What the step is about, or what is shown. */
+  select: () => {
+    const span = model?.span(step);
+    if (shown !== undefined) select(span !== undefined && span.to > span.from ? [span.from, span.to] : [shown.from, shown.to]);
+  },
+  deselect: () => select(undefined),
+  find: () => search.focus(),
   go: () => {
     if (place(step) !== null) host.postMessage({ type: 'go', step });
   },
 };
-const KEYS: Record<string, string> = { ArrowLeft: 'previous', ArrowRight: 'next', Home: 'first', End: 'last', '-': 'out', '+': 'in', '=': 'in', '0': 'fit', f: 'focus', F: 'focus', Enter: 'go' };
+const KEYS: Record<string, string> = { ArrowLeft: 'previous', ArrowRight: 'next', Home: 'first', End: 'last', '-': 'out', '+': 'in', '=': 'in', '0': 'fit', f: 'focus', F: 'focus', Enter: 'go', w: 'in', s: 'out', a: 'left', d: 'right', m: 'select', Escape: 'deselect', '/': 'find' };
 
 function key(event: KeyboardEvent): void {
   if (event.ctrlKey || event.metaKey || event.altKey || model === undefined || shown === undefined) return;
+  if (event.target === search) return;
   // Buttons keep their own keys, and the side its scrolling.
   const inside = event.target === view;
   if (event.target instanceof HTMLButtonElement && (event.key === 'Enter' || event.key === ' ')) return;
@@ -347,7 +439,17 @@ window.addEventListener('message', ({ data }: MessageEvent<ToPage>) => {
   }
 });
 
-for (const [id, action] of Object.entries(ACTIONS)) element(id).addEventListener('click', action);
+for (const [id, action] of Object.entries(ACTIONS)) document.getElementById(id)?.addEventListener('click', action);
+search.addEventListener('input', () => {
+  find();
+  const next = found.includes(step) ? undefined : nextHit(found, step - 1, 1);
+  if (next !== undefined) choose(next);
+  find();
+});
+search.addEventListener('keydown', (event) => {
+  if (event.key === 'Enter') go(event.shiftKey ? -1 : 1);
+  else if (event.key === 'Escape') view.focus();
+});
 for (const button of document.querySelectorAll<HTMLButtonElement>('header button')) button.disabled = true;
 element('open').addEventListener('click', () => host.postMessage({ type: 'open' }));
 element('refresh').addEventListener('click', () => host.postMessage({ type: 'refresh' }));
@@ -360,6 +462,7 @@ canvas.addEventListener('dblclick', () => ACTIONS['go']?.());
 view.addEventListener('scroll', redraw);
 new ResizeObserver(resize).observe(view);
 new ResizeObserver(resize).observe(element('plane'));
+new ResizeObserver(resize).observe(element('overview'));
 // The theme of the editor stands in the classes and the style of the page.
 const themes = new MutationObserver(() => {
   painter.colours = colours();

@@ -29,12 +29,12 @@ for (const theme of Object.keys(THEMES)) {
   });
 }
 
-test('it opens where the run fails, in the middle', async () => {
+test('it opens where the run fails, and little of the picture is empty', async () => {
   const it = await pages.open();
   const run = trace(400);
   await it.send({ type: 'trace', trace: run });
   const { from, to } = await drawn(it);
-  assert.ok(Math.abs((from + to) / 2 - run.focus.at) < (to - from) / 100, `${from} ${to} ${run.focus.at}`);
+  assert.ok(from < run.focus.at && to > run.focus.at && (to - run.end) < (to - from) / 6, `${from} ${to} ${run.focus.at}`);
   assert.equal(await position(it), `step ${run.steps.length} of ${run.steps.length}`);
   await it.page.close();
 });
@@ -103,7 +103,7 @@ test('the mouse: a click chooses, the wheel zooms at the pointer, a drag moves t
   const run = trace(60);
   await it.send({ type: 'trace', trace: run });
   await key(it, '0');
-  const box = await it.page.locator('canvas').boundingBox();
+  const box = await it.page.locator('#canvas').boundingBox();
   const whole = await drawn(it);
   const x = (at) => box.x + ((at - whole.from) / (whole.to - whole.from)) * box.width;
   const span = run.spans.filter((one) => one.lane === 2 && one.kind === 'run')[1];
@@ -165,7 +165,7 @@ test('what is drawn is held to what the screen can show, however long the run is
     await it.send({ type: 'trace', trace: trace(steps) });
     await key(it, '0');
     const all = await drawn(it);
-    const { width } = await it.page.locator('canvas').boundingBox();
+    const { width } = await it.page.locator('#canvas').boundingBox();
     assert.ok(all.spans <= (rows * width) / 1.5, `${all.spans} spans in ${rows} rows of ${width} pixels`);
     await key(it, 'f');
     const near = await drawn(it);
@@ -175,5 +175,105 @@ test('what is drawn is held to what the screen can show, however long the run is
   }
   const [short, long] = work;
   assert.ok(long.near <= short.near * 1.5 && long.all <= short.all * 3, JSON.stringify(work));
+  await it.page.close();
+});
+
+test('the lane that fails is in sight beside half a window', async () => {
+  const it = await pages.open({ width: 700, height: 320 });
+  const run = trace(200, { tasks: 30 });
+  run.focus.lane = 28;
+  await it.send({ type: 'trace', trace: run });
+  for (const again of [false, true]) {
+    if (again) await it.page.locator('#focus').click();
+    const lane = await it.page.locator('#names li').nth(28).boundingBox();
+    const view = await it.page.locator('#trace').boundingBox();
+    assert.ok(lane.y >= view.y && lane.y + lane.height <= view.y + view.height + 1, JSON.stringify([lane, view]));
+    await it.page.locator('#trace').evaluate((one) => (one.scrollTop = 0));
+  }
+  await it.page.close();
+});
+
+test('a part of the run is selected with Shift, and its sums are told', async () => {
+  const it = await pages.open();
+  const run = trace(60);
+  await it.send({ type: 'trace', trace: run });
+  const box = await it.page.locator('#canvas').boundingBox();
+  const { from, to } = await drawn(it);
+  await it.page.keyboard.down('Shift');
+  await it.page.mouse.move(box.x + box.width * 0.25, box.y + 60);
+  await it.page.mouse.down();
+  await it.page.mouse.move(box.x + box.width * 0.75, box.y + 60, { steps: 3 });
+  await it.page.mouse.up();
+  await it.page.keyboard.up('Shift');
+  const same = await drawn(it);
+  assert.deepEqual([same.from, same.to], [from, to], 'time does not move');
+  const text = await it.page.locator('#range').innerText();
+  const half = Number(/([\d.]+) ms selected/.exec(text)[1]);
+  assert.ok(Math.abs(half - (to - from) / 2) < (to - from) / 50, text);
+  assert.match(text, /core 1\s+[\d.]+ %/);
+  assert.match(text, /lock held by t\d\.main\s+1 ms/);
+  assert.deepEqual(await violations(it.page), []);
+  await it.page.locator('#trace').focus();
+  await key(it, 'Escape');
+  assert.ok(await it.page.locator('#range').isHidden());
+  await key(it, 'm');
+  assert.match(await it.page.locator('#range').innerText(), /selected/);
+  await it.page.close();
+});
+
+test('w, a, s and d zoom and move; the overview leads elsewhere', async () => {
+  const it = await pages.open();
+  await it.send({ type: 'trace', trace: trace(400) });
+  await it.page.locator('#trace').focus();
+  await key(it, '0');
+  const whole = await drawn(it);
+  await key(it, 'w', 3);
+  const near = await drawn(it);
+  assert.ok(near.to - near.from < (whole.to - whole.from) / 4);
+  await key(it, 'a');
+  const left = await drawn(it);
+  assert.ok(left.from < near.from);
+  await key(it, 'd');
+  assert.ok((await drawn(it)).from > left.from);
+  await key(it, 's');
+  const far = await drawn(it);
+  assert.ok(far.to - far.from > near.to - near.from);
+  const strip = await it.page.locator('#overview').boundingBox();
+  await it.page.mouse.click(strip.x + strip.width / 4, strip.y + 10);
+  await it.frame();
+  const there = await drawn(it);
+  assert.ok(Math.abs((there.from + there.to) / 2 - (whole.from + whole.to) / 4) < (there.to - there.from) / 10, JSON.stringify(there));
+  await it.page.close();
+});
+
+test('the search goes from one step to the next that has the text', async () => {
+  const it = await pages.open();
+  const run = trace(60);
+  await it.send({ type: 'trace', trace: run });
+  await it.page.locator('#trace').focus();
+  await key(it, 'Home');
+  await key(it, '/');
+  await it.page.keyboard.type('t3.main waits');
+  const all = run.steps.flatMap((step, i) => (step.what.includes('t3.main waits') ? [i] : []));
+  assert.equal(await position(it), `step ${all[0] + 1} of ${run.steps.length}`);
+  assert.equal(await it.page.locator('#found').textContent(), `1 of ${all.length}`);
+  await key(it, 'Enter');
+  assert.equal(await position(it), `step ${all[1] + 1} of ${run.steps.length}`);
+  await key(it, 'Shift+Enter');
+  assert.equal(await position(it), `step ${all[0] + 1} of ${run.steps.length}`);
+  await it.page.keyboard.type(' nowhere');
+  assert.equal(await it.page.locator('#found').textContent(), 'none');
+  await it.page.close();
+});
+
+test('the lane of the step stays in sight when the panel becomes small', async () => {
+  const it = await pages.open({ width: 1000, height: 600 });
+  await it.send({ type: 'trace', trace: trace(60, { tasks: 8 }) });
+  await it.page.setViewportSize({ width: 340, height: 290 });
+  await it.frame();
+  const lane = await it.page.locator('#names .current').boundingBox();
+  const view = await it.page.locator('#trace').boundingBox();
+  assert.ok(lane.y >= view.y && lane.y + lane.height <= view.y + view.height + 1, JSON.stringify([lane, view]));
+  if (process.env.SHOTS) await it.page.screenshot({ path: `${process.env.SHOTS}/trace-small.png` });
   await it.page.close();
 });

@@ -48,6 +48,8 @@ export interface Scene {
   height: number;
   step: number;
   hovered: Span | undefined;
+  /** The part of time that is summed. */
+  range: readonly [number, number] | undefined;
   font: string;
 }
 
@@ -74,6 +76,10 @@ export class Painter {
     private readonly context: CanvasRenderingContext2D,
     private theme: Colours,
   ) {}
+
+  get colours(): Colours {
+    return this.theme;
+  }
 
   set colours(theme: Colours) {
     this.theme = theme;
@@ -183,6 +189,7 @@ export class Painter {
       c.globalAlpha = 1;
     }
     c.restore();
+    if (scene.range !== undefined) this.range(x(scene.range[0]), x(scene.range[1]), height);
     this.ruler(scene, x);
     return work;
   }
@@ -413,6 +420,15 @@ export class Painter {
       c.fillStyle = theme.text;
       c.fillText(text, left + 5, RULER / 2);
     }
+  }
+
+  private range(from: number, to: number, height: number): void {
+    const { context: c, theme } = this;
+    c.globalAlpha = 0.18;
+    c.fillStyle = theme.select;
+    c.fillRect(from, 0, to - from, height);
+    c.globalAlpha = 1;
+    for (const at of [from, to]) this.upright(at, height, theme.select, []);
   }
 
   private upright(x: number, height: number, colour: string, dash: number[]): void {

@@ -1,5 +1,6 @@
 // A trace made ready to be drawn and walked, and the window of time that is shown. No drawing here.
 import type { Arrow, Mark, Span, Trace } from '../../trace/form';
+import { shownUnit } from '../unit';
 
 /** The first of some in order of which `is` holds; their number if it holds of none. */
 export function first<T>(all: readonly T[], is: (it: T) => boolean): number {
@@ -111,6 +112,11 @@ export class Model {
   }
 }
 
+/** Share of the picture that is beside the run at either end, at most. */
+const BESIDE = 0.1;
+/** The longest picture, of a whole run. */
+const WIDEST = 1 / (1 - 2 * BESIDE);
+
 /** The part of time that is shown. */
 export class Window {
   constructor(
@@ -126,7 +132,7 @@ export class Window {
   /** Zooms; `at`, a time, stays where it is. */
   zoom(factor: number, at: number): void {
     const whole = Math.max(this.trace.end - this.trace.start, 1e-6);
-    const length = Math.min(Math.max(this.length / factor, whole / 1e6), whole * 3);
+    const length = Math.min(Math.max(this.length / factor, whole / 1e6), whole * WIDEST);
     const share = (at - this.from) / this.length;
     this.from = at - share * length;
     this.to = this.from + length;
@@ -155,25 +161,29 @@ export class Window {
     this.to = this.trace.end + room;
   }
 
-  /** Something of the run stays in sight. */
-  private keep(): void {
+  /** Little beside the run is in sight: a tenth of what is shown at either end. */
+  keep(): void {
     const { start, end } = this.trace;
-    const by = Math.max(0, start - (this.from + this.to) / 2) - Math.max(0, (this.from + this.to) / 2 - end);
-    this.from += by;
-    this.to += by;
+    const room = this.length * BESIDE;
+    const [least, most] = [start - room, end + room - this.length];
+    const from = most < least ? (start + end - this.length) / 2 : Math.min(Math.max(this.from, least), most);
+    this.to += from - this.from;
+    this.from = from;
   }
 }
 
 /** Steps before the one that is looked at first that are to be seen with it. */
 const BEFORE = 30;
 
-/** The window at the beginning: what is looked at first is in its middle. */
+/** The window at the beginning: what is looked at first is in its middle, unless half of the picture were empty then. */
 export function opening(trace: Trace): Window {
   const { at, step } = trace.focus;
   const earliest = trace.steps[Math.max(0, (step ?? trace.steps.length - 1) - BEFORE)]?.at ?? trace.start;
   const whole = Math.max(trace.end - trace.start, 1e-6);
-  const half = Math.max((at - earliest) * 1.1, whole / 2000, 1e-6);
-  return new Window(trace, at - half, at + half);
+  const half = Math.min(Math.max((at - earliest) * 0.6, whole / 4000, 1e-6), (whole * WIDEST) / 2);
+  const it = new Window(trace, at - half, at + half);
+  it.keep();
+  return it;
 }
 
 /** A distance between the lines of a scale: 1, 2 or 5 with zeros, at least as long as asked for. */
@@ -186,5 +196,5 @@ export function stride(least: number): number {
 export function time(at: number, unit: string, apart = 1e-3): string {
   const digits = Math.min(6, Math.max(0, -Math.floor(Math.log10(apart) + 1e-9)));
   const text = at.toFixed(digits);
-  return `${digits > 0 ? text.replace(/\.?0+$/, '') : text} ${unit}`;
+  return `${digits > 0 ? text.replace(/\.?0+$/, '') : text} ${shownUnit(unit)}`;
 }
