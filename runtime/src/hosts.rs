@@ -160,7 +160,7 @@ pub enum Message {
     },
     /// A connection of ports, from outside. It replaces the present one.
     Connect(Connection),
-    /// New data of another machine for an input port.
+    /// New data from outside for an input port: of another machine, or of a client.
     Fed {
         /// Component.
         component: usize,
@@ -194,7 +194,7 @@ pub trait Hosts {
     /// Passes new data of an output port to its readers.
     fn share(&mut self, from: Source<'_>, readers: &[Reader<'_>], data: &[u8]);
 
-    /// Passes new data of another machine to an input port.
+    /// Passes new data from outside to an input port.
     fn feed(&mut self, reader: Reader<'_>, data: &[u8]);
 
     /// Waits for the next message, until a time in nanoseconds since the start. Returns `None` at that time,

@@ -5,7 +5,6 @@ use std::io::{self, BufReader, Write as _};
 use std::path::PathBuf;
 use std::process::{ChildStdin, ExitStatus};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-#[cfg(feature = "zenoh")]
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -44,14 +43,12 @@ enum Arrival {
     /// Its output has ended.
     Closed(usize, u64),
     Outside(Message),
-    /// An input port has data from another machine.
-    #[cfg(feature = "zenoh")]
+    /// An input port has data from outside.
     Fed(Arc<Newest>),
 }
 
-/// The newest data of another machine for an input port, until the engine takes it: what comes faster than
-/// that replaces what was there.
-#[cfg(feature = "zenoh")]
+/// The newest data from outside for an input port, until the engine takes it: what comes faster than that
+/// replaces what was there.
 pub(crate) struct Newest {
     component: usize,
     port: u32,
@@ -59,7 +56,6 @@ pub(crate) struct Newest {
     data: Mutex<Option<Vec<u8>>>,
 }
 
-#[cfg(feature = "zenoh")]
 impl Newest {
     /// For a port of a component, which knows the source by a name.
     pub(crate) fn new(component: usize, port: u32, name: String) -> Newest {
@@ -97,13 +93,10 @@ impl Door {
         self.0.send(Arrival::Outside(message)).is_ok()
     }
 
-    /// Brings data for an input port.
-    #[cfg(feature = "zenoh")]
-    pub(crate) fn feed(&self, newest: &Arc<Newest>, data: Vec<u8>) {
-        if newest.swap(Some(data)).is_none() {
-            // Where nobody hears it any more, the run has ended.
-            let _ = self.0.send(Arrival::Fed(newest.clone()));
-        }
+    /// Brings data for an input port. Returns whether there is still somebody to hear it.
+    pub(crate) fn feed(&self, newest: &Arc<Newest>, data: Vec<u8>) -> bool {
+        let waits = newest.swap(Some(data)).is_some();
+        waits || self.0.send(Arrival::Fed(newest.clone())).is_ok()
     }
 }
 
@@ -147,7 +140,7 @@ pub(crate) struct Children {
 enum Origin {
     /// Component, output port and instance.
     Output(usize, u32, String),
-    /// Another machine; with the component, the input port and the name of the source.
+    /// Somebody outside; with the component, the input port and the name of the source.
     Elsewhere(usize, u32, String),
 }
 
@@ -444,7 +437,6 @@ impl Children {
                 Some(Message::Lost { component, why })
             }
             Arrival::Outside(message) => Some(message),
-            #[cfg(feature = "zenoh")]
             Arrival::Fed(newest) => Some(Message::Fed {
                 component: newest.component,
                 port: newest.port,

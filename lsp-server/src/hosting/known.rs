@@ -18,6 +18,8 @@ pub(crate) struct Known {
     pub(crate) component: u32,
     /// The services of the system, by index among those of the component.
     pub(crate) services: Vec<Option<usize>>,
+    /// A host executes its codels.
+    pub(crate) executed: bool,
 }
 
 impl Known {
@@ -74,6 +76,8 @@ pub(super) fn describe(known: &Known) -> Value {
         json!({
             "name": it.name.as_str(),
             "direction": if it.dir == PortDir::In { "in" } else { "out" },
+            "multiple": it.multiple,
+            "schema": schema::of_type(&known.spec, it.data),
             "doc": it.doc,
         })
     });

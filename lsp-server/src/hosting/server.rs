@@ -3,6 +3,7 @@
 mod data;
 mod find;
 mod followers;
+mod inputs;
 mod token;
 
 use std::collections::{BTreeMap, HashMap};
@@ -12,19 +13,19 @@ use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard};
 
-use dotgen_analysis::model::PortDir;
 use dotgen_codegen::codels::value::Values;
-use dotgen_runtime::hosts::{Answer, Connection, Message, Wanted};
+use dotgen_runtime::hosts::{Answer, Message, Wanted};
+use dotgen_runtime::live::Feed;
 use rustix::fs::Mode;
 use rustix::process::umask;
 use serde_json::{Map, Value, json};
 
-use super::children::{Door, Outside};
+use super::children::{Door, Newest, Outside};
 use super::clients::{Client, LONGEST, Line, MOST_CLIENTS, MOST_WAITING, read_line, skip_line};
 use super::known::{CONNECT, Known, describe, detail_of};
 use super::stream::Stream;
 use crate::files::disk::Passing;
-use find::{component, port};
+use find::{component, output};
 use followers::{Followers, Lookers};
 use token::Token;
 
@@ -96,9 +97,14 @@ impl Server {
 struct Shared {
     /// By component of the system.
     known: BTreeMap<usize, Known>,
+    /// Flows between ports as the run begins.
+    feeds: Vec<Feed>,
     door: Door,
     state: Mutex<State>,
 }
+
+/// An input port, by component and number, and the name by which it finds a source.
+type Place = (usize, u32, String);
 
 #[derive(Default)]
 struct State {
@@ -115,6 +121,10 @@ struct State {
     lookers: Vec<(Client, Value)>,
     /// The newest data of output ports.
     data: HashMap<(usize, u32, String), Vec<u8>>,
+    /// Input ports that clients have connected: the component, output port and instance of each.
+    connected: HashMap<Place, (usize, u32, String)>,
+    /// Input ports that clients have written, with what the engine has not taken yet.
+    written: HashMap<Place, Arc<Newest>>,
     /// Components that are gone, and how they ended.
     gone: HashMap<usize, String>,
 }
@@ -147,6 +157,7 @@ impl Shared {
 pub(crate) fn listen(
     path: &Path,
     known: BTreeMap<usize, Known>,
+    feeds: Vec<Feed>,
     door: Door,
 ) -> Result<(Server, Box<dyn Outside>), String> {
     let shown = path.display();
@@ -172,6 +183,7 @@ pub(crate) fn listen(
     let shared = Arc::new(Shared {
         state: Mutex::default(),
         known,
+        feeds,
         door,
     });
     let accepting = shared.clone();
@@ -319,7 +331,7 @@ fn answer(
         return call(shared, client, path, request.get("input"), id).map(|()| None);
     }
     if let Some(path) = text("watch") {
-        let (component, port) = port(shared, path)?;
+        let (component, port) = output(shared, path)?;
         let mut state = shared.state();
         if let Some(why) = state.gone.get(&component) {
             return Ok(Some(lost(&shared.known[&component], why)));
@@ -343,12 +355,15 @@ fn answer(
         return Ok(None);
     }
     if let Some(path) = text("read") {
-        let (component, port) = port(shared, path)?;
+        let (component, port) = output(shared, path)?;
         let instances = data::newest(shared, &shared.state(), component, port);
         let value = instances.get("").cloned().unwrap_or(Value::Null);
         return Ok(Some(
             json!({"event": "data", "value": value, "instances": instances}),
         ));
+    }
+    if let Some(path) = text("write") {
+        return inputs::write(shared, path, request).map(Some);
     }
     if let Some(of) = request.get("abort") {
         let state = shared.state();
@@ -380,7 +395,7 @@ fn answer(
         let all: Vec<Value> = shared.known.values().map(describe).collect();
         return Ok(Some(json!({"event": "description", "components": all})));
     }
-    let known = "`call`, `abort`, `watch`, `read`, `profile`, `progress` or `describe`";
+    let known = "`call`, `abort`, `watch`, `read`, `write`, `profile`, `progress` or `describe`";
     Err(format!("a request has {known}"))
 }
 
@@ -403,7 +418,7 @@ fn call(
     let services = &known.component().services;
     let found = services.iter().position(|it| it.name == service);
     if found.is_none() && service == CONNECT {
-        client.say(connect(shared, at, input)?, id);
+        client.say(inputs::connect(shared, at, input)?, id);
         return Ok(());
     }
     let Some(index) = found else {
@@ -451,53 +466,6 @@ fn call(
             shared.state().requests.remove(&number);
             Err("the run has ended".to_owned())
         }
-    }
-}
-
-/// Connects an input port of a component, as the service of that name does in servers: `local` is the port,
-/// with its instance after a slash if it is `multiple`, `remote` is `COMPONENT/PORT`, likewise.
-fn connect(shared: &Shared, at: usize, input: Option<&Value>) -> Result<Value, String> {
-    let text = |key: &str| {
-        let given = input.and_then(|it| it.get(key)).and_then(Value::as_str);
-        given.ok_or_else(|| format!("`{CONNECT}` needs `local` and `remote`; `{key}` is no text"))
-    };
-    let (local, remote) = (text("local")?, text("remote")?);
-    let failed = |exception: &str| {
-        let exception = format!("::genom::{exception}");
-        Ok(json!({"event": "failed", "exception": exception, "detail": null}))
-    };
-    let find = |at: usize, dir: PortDir, path: &str| {
-        let (port, instance) = path.split_once('/').unwrap_or((path, ""));
-        let known = shared.known.get(&at)?;
-        let mut ports = (0u32..).zip(&known.component().ports);
-        let (number, port) = ports.find(|(_, it)| it.name == port && it.dir == dir)?;
-        let fits = port.multiple != instance.is_empty();
-        let layout = Values::new(&known.spec).layout(port.data);
-        fits.then(|| (number, instance.to_owned(), layout))
-    };
-    let Some((to, name, wanted)) = find(at, PortDir::In, local) else {
-        return failed("no_such_inport");
-    };
-    let (component, path) = remote.split_once('/').unwrap_or((remote, ""));
-    let mut all = shared.known.iter();
-    let from = all.find(|(_, it)| it.component().name == component);
-    let from = from.and_then(|(&from, _)| Some((from, find(from, PortDir::Out, path)?)));
-    let Some((from, (port, id, written))) = from else {
-        return failed("no_such_outport");
-    };
-    // Servers refuse by the name of the type; here it is what it holds.
-    if wanted != written {
-        return failed("port_io");
-    }
-    let connection = Connection {
-        from: (from, port),
-        to: (at, to),
-        id,
-        name,
-    };
-    match shared.door.bring(Message::Connect(connection)) {
-        true => Ok(json!({"event": "done", "output": {}})),
-        false => Err("the run has ended".to_owned()),
     }
 }
 

@@ -65,6 +65,7 @@ pub(super) fn start(
         let services = (0..count).map(|it| built.services.get(&(name, it)).copied());
         let known_here = Known {
             services: services.collect(),
+            executed: parts.of(at).is_some(),
             component,
             spec,
         };
@@ -74,14 +75,13 @@ pub(super) fn start(
     let _network = join(arguments, &known, parts, children)?;
     #[cfg(not(feature = "zenoh"))]
     if arguments.has_network() {
-        let _ = parts;
         anyhow::bail!(
             "this build of dotgen has no Zenoh: install it with `cargo install --path lsp-server --features \
              zenoh`"
         );
     }
     let (mut server, outside) =
-        listen(&path, known, children.door()).map_err(anyhow::Error::msg)?;
+        listen(&path, known, parts.feeds.clone(), children.door()).map_err(anyhow::Error::msg)?;
     children.tell(outside);
     if let Some(port) = arguments.listen {
         let clients = match arguments.listen_anyone {

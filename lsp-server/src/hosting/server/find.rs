@@ -18,17 +18,33 @@ pub(super) fn component(shared: &Shared, name: &str) -> Result<usize, String> {
     })
 }
 
-pub(super) fn port(shared: &Shared, path: &str) -> Result<(usize, u32), String> {
+/// An output port: its component, and its number there.
+pub(super) fn output(shared: &Shared, path: &str) -> Result<(usize, u32), String> {
+    port(shared, path, PortDir::Out)
+}
+
+/// An input port, likewise.
+pub(super) fn input(shared: &Shared, path: &str) -> Result<(usize, u32), String> {
+    port(shared, path, PortDir::In)
+}
+
+fn port(shared: &Shared, path: &str, dir: PortDir) -> Result<(usize, u32), String> {
     let (name, port) = path.split_once('/').ok_or("write COMPONENT/PORT")?;
     let at = component(shared, name)?;
     let ports = &shared.known[&at].component().ports;
-    let found = (0u32..)
-        .zip(ports)
-        .find(|(_, it)| it.name == port && it.dir == PortDir::Out);
+    let mut all = (0u32..).zip(ports);
+    let found = all.find(|(_, it)| it.name == port && it.dir == dir);
     found.map(|(port, _)| (at, port)).ok_or_else(|| {
-        let outputs = ports.iter().filter(|it| it.dir == PortDir::Out);
-        let outputs: Vec<&str> = outputs.map(|it| it.name.as_str()).collect();
-        missing(&format!("`{name}`"), "output port", port, &outputs)
+        if dir == PortDir::In && ports.iter().any(|it| it.name == port) {
+            return format!("`{path}` is an output port: only codels of `{name}` write it");
+        }
+        let kind = match dir {
+            PortDir::In => "input port",
+            PortDir::Out => "output port",
+        };
+        let others = ports.iter().filter(|it| it.dir == dir);
+        let others: Vec<&str> = others.map(|it| it.name.as_str()).collect();
+        missing(&format!("`{name}`"), kind, port, &others)
     })
 }
 
