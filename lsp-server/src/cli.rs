@@ -23,11 +23,15 @@ mod report;
 mod run;
 mod session;
 mod suggestion;
+#[cfg(unix)]
+mod table;
 mod trace;
 mod tree;
 mod verify;
 mod wcet;
 mod width;
+#[cfg(unix)]
+mod write;
 
 use std::process::ExitCode;
 
@@ -70,6 +74,8 @@ enum Command {
     Call(call::Call),
     #[cfg(unix)]
     Watch(call::Watch),
+    #[cfg(unix)]
+    Write(write::Arguments),
     Monitor(monitor::Arguments),
     Replay(replay::Arguments),
     Wcet(wcet::Arguments),
@@ -178,6 +184,8 @@ pub fn main() -> ExitCode {
         Command::Call(arguments) => call::call(&arguments),
         #[cfg(unix)]
         Command::Watch(arguments) => call::watch(&arguments),
+        #[cfg(unix)]
+        Command::Write(arguments) => write::run(&arguments),
         Command::Monitor(arguments) => monitor::run(&arguments),
         Command::Replay(arguments) => replay::run(&arguments),
         Command::Wcet(arguments) => wcet::run(&arguments),

@@ -11,6 +11,7 @@ mod faults;
 mod flight;
 mod hosted;
 mod hostile;
+mod inputs;
 mod interfaces;
 mod listening;
 mod manners;

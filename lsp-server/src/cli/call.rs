@@ -96,6 +96,28 @@ impl Talk {
         }
         Ok(Some(it))
     }
+
+    /// The components of the run, as it describes them.
+    pub(super) fn components(&mut self) -> anyhow::Result<Vec<Value>> {
+        self.say(&json!({"id": 1, "describe": null}))?;
+        match self.hear()? {
+            Some(mut it) => match it["components"].take() {
+                Value::Array(all) => Ok(all),
+                _ => bail!("the run does not describe its components"),
+            },
+            None => bail!("the run has ended"),
+        }
+    }
+
+    /// The JSON Schema of the values of a port, given as COMPONENT/PORT. An empty one if there is no such port.
+    pub(super) fn schema(&mut self, path: &str) -> anyhow::Result<Value> {
+        let (component, port) = path.split_once('/').unwrap_or((path, ""));
+        let mut all = self.components()?;
+        let found = all.iter_mut().find(|it| it["name"] == component);
+        let ports = found.and_then(|it| it["ports"].as_array_mut());
+        let port = ports.and_then(|all| all.iter_mut().find(|it| it["name"] == port));
+        Ok(port.map_or(json!({}), |it| it["schema"].take()))
+    }
 }
 
 pub(super) fn call(arguments: &Call) -> anyhow::Result<Outcome> {

@@ -1,0 +1,235 @@
+//! `dotgen write`: an input port of a run gets values.
+
+use std::io::BufRead as _;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, bail};
+use camino::Utf8PathBuf;
+use clap::Args;
+use serde_json::{Value, json};
+
+use super::call::Talk;
+use super::{Outcome, failure, report, table};
+
+/// Write a value to an input port of a component that runs (`dotgen run --clock real`)
+///
+/// No output port of the run may be connected to the input port. Each value is acknowledged by the run before
+/// the next one is sent. Codels that read the port get the newest value.
+///
+/// Exit status: 0 if all values were written, 1 if lines of standard input were refused, 2 if the value, or
+/// a row of FILE, could not be written.
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// Input port to write, as COMPONENT/PORT
+    port: String,
+
+    /// Value, as JSON; `-` reads values from standard input, one per line, and writes each as it comes
+    #[arg(
+        value_name = "JSON",
+        allow_negative_numbers = true,
+        required_unless_present = "csv"
+    )]
+    value: Option<String>,
+
+    /// Write the rows of a table: its header names members (`pos.x,pos.y`), its first column can be `time`,
+    /// in seconds
+    #[arg(long, value_name = "FILE", conflicts_with = "value")]
+    csv: Option<Utf8PathBuf>,
+
+    /// Write HZ values per second: the same value until Ctrl-C, or the lines or rows
+    #[arg(long, value_name = "HZ", value_parser = rate)]
+    rate: Option<f64>,
+
+    /// Instance to write, if the port is `multiple`
+    #[arg(long, value_name = "NAME")]
+    instance: Option<String>,
+
+    /// Socket of the run [default: the only run on this machine]
+    #[arg(long, value_name = "PATH")]
+    socket: Option<Utf8PathBuf>,
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(it) if (1e-6..=1e6).contains(&it) => Ok(it),
+        _ => Err("write a number of values per second, for example 50".to_owned()),
+    }
+}
+
+/// Waits for the moments at which values are due.
+#[derive(Debug)]
+pub(super) struct Pace {
+    begin: Instant,
+    latest: Duration,
+}
+
+/// Delays that are reported.
+const LATE: Duration = Duration::from_millis(100);
+
+impl Pace {
+    pub(super) fn begin() -> Pace {
+        Pace {
+            begin: Instant::now(),
+            latest: Duration::ZERO,
+        }
+    }
+
+    /// Waits until a time after the beginning.
+    pub(super) fn wait(&mut self, until: Duration) {
+        let now = self.begin.elapsed();
+        match until.checked_sub(now) {
+            Some(left) => std::thread::sleep(left),
+            None => self.latest = self.latest.max(now - until),
+        }
+    }
+
+    /// Reports values that were written late.
+    pub(super) fn end(&self) {
+        if self.latest > LATE {
+            let millis = self.latest.as_millis();
+            report::note(&format!("values were written up to {millis} ms late"));
+        }
+    }
+}
+
+/// An input port of a run.
+pub(super) struct Input<'t> {
+    pub(super) talk: &'t mut Talk,
+    pub(super) port: String,
+    pub(super) instance: Option<String>,
+}
+
+impl Input<'_> {
+    /// Writes a value. Returns false if the run has ended. A value that does not fit is an error.
+    pub(super) fn write(&mut self, value: &Value) -> anyhow::Result<bool> {
+        let mut request = json!({"id": 1, "write": self.port, "value": value});
+        if let Some(instance) = &self.instance {
+            request["instance"] = instance.as_str().into();
+        }
+        if self.talk.say(&request).is_err() {
+            return Ok(false);
+        }
+        while let Some(answer) = self.talk.hear()? {
+            if answer["event"] == "written" {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+}
+
+/// Returns the error for values that were not written, because the run has ended.
+fn ended(which: &str) -> anyhow::Error {
+    anyhow::anyhow!("the run has ended: {which} was not written")
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    let value = match arguments.value.as_deref() {
+        None | Some("-") => None,
+        Some(text) => Some(parse(text)?),
+    };
+    let mut talk = Talk::begin(arguments.socket.as_ref())?;
+    if let Some(path) = &arguments.csv {
+        let bytes = std::fs::read(path).with_context(|| format!("cannot read `{path}`"))?;
+        let schema = talk.schema(&arguments.port)?;
+        let rows = table::read(&bytes, &schema).map_err(|it| anyhow::anyhow!("`{path}`: {it}"))?;
+        return write_rows(arguments, &mut input(arguments, &mut talk), path, &rows);
+    }
+    let mut input = input(arguments, &mut talk);
+    match value {
+        Some(value) => write_value(arguments, &mut input, &value),
+        None => write_lines(arguments, &mut input),
+    }
+}
+
+fn input<'t>(arguments: &Arguments, talk: &'t mut Talk) -> Input<'t> {
+    Input {
+        talk,
+        port: arguments.port.clone(),
+        instance: arguments.instance.clone(),
+    }
+}
+
+fn parse(text: &str) -> anyhow::Result<Value> {
+    serde_json::from_str(text)
+        .context("the value is no JSON: write for example 2, '{\"x\": 1.5}' or '\"a text\"'")
+}
+
+fn write_value(
+    arguments: &Arguments,
+    input: &mut Input<'_>,
+    value: &Value,
+) -> anyhow::Result<Outcome> {
+    if !input.write(value)? {
+        return Err(ended("the value"));
+    }
+    let Some(rate) = arguments.rate else {
+        return Ok(Outcome::Fine);
+    };
+    let period = Duration::from_secs_f64(1.0 / rate);
+    loop {
+        // It is the same value: what is late is not made up for.
+        std::thread::sleep(period);
+        if !input.write(value)? {
+            return Ok(Outcome::Fine);
+        }
+    }
+}
+
+fn write_lines(arguments: &Arguments, input: &mut Input<'_>) -> anyhow::Result<Outcome> {
+    let period = arguments.rate.map(|it| 1.0 / it);
+    let mut outcome = Outcome::Fine;
+    let mut pace = Pace::begin();
+    let mut count = 0.0;
+    for (number, line) in (1u64..).zip(std::io::stdin().lock().lines()) {
+        let line = line.context("cannot read standard input")?;
+        if line.trim().is_empty() {
+            continue;
+        }
+        if let Some(period) = period {
+            pace.wait(Duration::from_secs_f64(count * period));
+            count += 1.0;
+        }
+        match parse(&line).and_then(|it| input.write(&it)) {
+            Ok(true) => {}
+            Ok(false) => return Err(ended(&format!("line {number}"))),
+            Err(error) => {
+                failure(&error.context(format!("line {number} was not written")));
+                outcome = Outcome::Errors;
+            }
+        }
+    }
+    Ok(outcome)
+}
+
+fn write_rows(
+    arguments: &Arguments,
+    input: &mut Input<'_>,
+    path: &Utf8PathBuf,
+    rows: &[table::Row],
+) -> anyhow::Result<Outcome> {
+    let timed = rows.iter().any(|it| it.time.is_some());
+    if timed && arguments.rate.is_some() {
+        bail!("`{path}` has a column `time`: leave --rate out, or the column");
+    }
+    let first = rows.first().and_then(|it| it.time).unwrap_or(0.0);
+    let mut pace = Pace::begin();
+    for (number, row) in rows.iter().enumerate() {
+        let seconds = match (row.time, arguments.rate) {
+            (Some(time), _) => time - first,
+            (None, Some(rate)) => number as f64 / rate,
+            (None, None) => 0.0,
+        };
+        if seconds > 0.0 {
+            pace.wait(Duration::try_from_secs_f64(seconds)?);
+        }
+        let which = || format!("line {} of `{path}`", row.line);
+        let written = input.write(&row.value);
+        let written = written.with_context(|| format!("{} was not written", which()))?;
+        if !written {
+            return Err(ended(&which()));
+        }
+    }
+    pace.end();
+    Ok(Outcome::Fine)
+}
