@@ -317,6 +317,7 @@ const DATA: &str = "module m {
 component c {
   version \"1\"; lang \"c\";
   port out m::all state { doc \"All of it.\"; };
+  port in m::all wanted;
   function f(in m::all x, in long y = 3 : \"How many\", out m::value z) {
     codel g(in x, in y, out z); throw m::e_bad;
   };

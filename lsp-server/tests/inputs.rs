@@ -3,7 +3,8 @@
 
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::os::unix::net::UnixStream;
-use std::process::{Output, Stdio};
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
 
 use serde_json::{Value, json};
 
@@ -121,6 +122,25 @@ fn codels_read_what_clients_write() {
         each["schema"]["type"]
     ]);
     assert_eq!(known, json!(["each", "in", true, "integer"]));
+}
+
+#[test]
+fn the_client_in_python_writes_input_ports() {
+    let mut python = Command::new("python3");
+    if python.arg("--version").output().is_err() {
+        return;
+    }
+    let Some((directory, _run)) = alone() else {
+        return;
+    };
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut python = Command::new("python3");
+    python.arg(here.join("tests/hosted/inputs.py")).arg("s");
+    python.current_dir(directory.path());
+    python.env("PYTHONPATH", here.join("../clients/python"));
+    python.env("PYTHONDONTWRITEBYTECODE", "1");
+    let output = python.output().expect("it runs");
+    assert!(output.status.success(), "{}", stderr(&output));
 }
 
 #[test]

@@ -40,6 +40,7 @@ import dotgen
 from typing import Optional, TYPE_CHECKING
 if TYPE_CHECKING:
     from echo import Echo
+    from reader import Reader
 
 echo: Echo = dotgen.connect().load(\"echo\")
 seen: int = echo.count(n=2)
@@ -53,6 +54,9 @@ value = echo.mirror(echo.mirror())
 name: str = value[\"name\"]
 for each in echo.each:
     seen = each
+reader: Reader = dotgen.connect().load(\"reader\")
+reader.trail.write([{\"x\": 1, \"y\": 2}])
+reader.each.write(3, instance=\"a\")
 ";
 
 #[test]
@@ -64,6 +68,10 @@ fn stubs_are_strict_and_find_what_is_wrong() {
     let gen_file = include_str!("hosted/echo.gen").replace("LANG", "c");
     let directory = Directory::new(&[
         ("echo.gen", gen_file.as_str()),
+        (
+            "reader.gen",
+            &include_str!("hosted/reader.gen").replace("LANG", "c") as &str,
+        ),
         ("types.idl", include_str!("hosted/types.idl")),
         ("good.py", USE),
     ]);
@@ -78,20 +86,26 @@ fn stubs_are_strict_and_find_what_is_wrong() {
         "echo.each()['b']",
         "echo.count(callback=1)",
         "words: str = counting.result",
+        "reader.trail.write([{'x': 'far', 'y': 2}])",
+        "reader.each.write('many', 'a')",
+        "reader.each()",
     ];
     directory.write(
         "bad.py",
         (USE.to_owned() + &wrong.join("\n") + "\n").as_bytes(),
     );
-    let generated = directory.run(&["generate", "python", "echo.gen"]);
-    assert_eq!(status(&generated), 0, "{}", stderr(&generated));
+    for name in ["echo.gen", "reader.gen"] {
+        let generated = directory.run(&["generate", "python", name]);
+        assert_eq!(status(&generated), 0, "{}", stderr(&generated));
+    }
     let client = Path::new(env!("CARGO_MANIFEST_DIR")).join("../clients/python/dotgen");
     mypy.current_dir(directory.path()).args([
         "--strict",
         "--cache-dir=cache",
         "--no-error-summary",
     ]);
-    mypy.args(["good.py", "bad.py", "echo.pyi"]).arg(client);
+    mypy.args(["good.py", "bad.py", "echo.pyi", "reader.pyi"])
+        .arg(client);
     let output = mypy.output().expect("it runs");
     let said = stdout(&output);
     let lines: Vec<String> = said

@@ -1,4 +1,4 @@
-"""Sends requests to components that `dotgen run --clock real` runs, and reads their ports.
+"""Sends requests to components that `dotgen run --clock real` runs, and reads and writes their ports.
 
     import dotgen
     robot = dotgen.connect()
@@ -8,6 +8,7 @@
     filling.abort()
     filling.wait()                       # raises dotgen.Failed: it was interrupted
     pump.level()                         # the newest data of an output port
+    pump.flow.write(1.5)                 # to an input port that no output port is connected to
 
 `dotgen.aio` is the same for asyncio, `dotgen.genomix` runs scripts of genomix. Only the standard library is
 needed. docs/socket.md describes the protocol.
@@ -19,6 +20,7 @@ from .client import (
     Connection,
     Error,
     Failed,
+    InputPort,
     Lost,
     Port,
     Service,
@@ -32,6 +34,7 @@ __all__ = [
     "Connection",
     "Error",
     "Failed",
+    "InputPort",
     "Lost",
     "Port",
     "Service",

@@ -19,11 +19,14 @@ from .protocol import (
     Described,
     Error,
     Failed,
+    Inlet,
     Lost,
     Receive,
     Requests,
     Signature,
     Wrong,
+    inlet,
+    inlets,
     known,
     only,
     outputs,
@@ -39,6 +42,7 @@ __all__ = [
     "Connection",
     "Error",
     "Failed",
+    "InputPort",
     "Lost",
     "Port",
     "Service",
@@ -202,6 +206,24 @@ class Port(Generic[_T]):
             self._connection._unwatch(self._path, exchange.put)
 
 
+class InputPort(Generic[_T]):
+    """An input port. `write` gives it a value, if no output port of the run is connected to it."""
+
+    def __init__(self, connection: Connection, inlet: Inlet) -> None:
+        self._connection = connection
+        self._inlet = inlet
+
+    def __repr__(self) -> str:
+        return f"<InputPort {self._inlet.path}>"
+
+    def write(self, value: _T, instance: str = "") -> None:
+        """Writes a value, to an instance if the port is `multiple`. Codels read the newest one.
+
+        Raises `Wrong` if the value does not fit, or an output port is connected.
+        """
+        self._connection._ask(self._inlet.request(value, instance))
+
+
 class Service:
     """A service. A call sends a request, with inputs in order, by name, or in one dictionary."""
 
@@ -234,16 +256,22 @@ class Service:
 
 
 class Component(Described):
-    """A component: its services are functions, its output ports are `Port`s."""
+    """A component: its services are functions, its ports are `Port`s and `InputPort`s."""
 
     def __init__(self, connection: Connection, description: dict[str, Any]) -> None:
         self._connection = connection
         super().__init__(description)
         name = description["name"]
+        for each in inlets(description):
+            setattr(self, each.name, InputPort[Any](connection, each))
         for port in ports(description, "out"):
             setattr(self, port, Port[Any](connection, f"{name}/{port}"))
         for service in description["services"]:
             setattr(self, service["name"], Service(connection, Signature(name, service)))
+
+    def port(self, name: str) -> InputPort[Any]:
+        """Returns an input port. It is also an attribute, unless a service has its name."""
+        return InputPort[Any](self._connection, inlet(self._description, name))
 
 
 class Connection:

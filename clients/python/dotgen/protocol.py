@@ -203,6 +203,22 @@ class Input:
         return self.name if self.default is None else f"{self.name}={self.default!r}"
 
 
+class Inlet:
+    """An input port as the run describes it."""
+
+    def __init__(self, component: str, description: dict[str, Any]) -> None:
+        #: Name of the port, and its path: `pump/flow`.
+        self.name: str = description["name"]
+        self.path = f"{component}/{self.name}"
+        #: JSON Schema of its values.
+        self.schema: dict[str, Any] = description.get("schema") or {}
+
+    def request(self, value: Any, instance: str) -> dict[str, Any]:
+        """Returns the request that writes a value."""
+        named = {"instance": instance} if instance else {}
+        return {"write": self.path, "value": fit(value, self.schema), **named}
+
+
 class Signature:
     """A service as the run describes it: its inputs and outputs."""
 
@@ -338,6 +354,24 @@ def ports(description: dict[str, Any], direction: str) -> list[str]:
     return [each["name"] for each in description["ports"] if each["direction"] == direction]
 
 
+def inlets(description: dict[str, Any]) -> list[Inlet]:
+    """Returns the input ports of a component."""
+    own = [each for each in description["ports"] if each["direction"] == "in"]
+    return [Inlet(description["name"], each) for each in own]
+
+
+def inlet(description: dict[str, Any], name: str) -> Inlet:
+    """Returns an input port of a component."""
+    own = inlets(description)
+    for each in own:
+        if each.name == name:
+            return each
+    component = description["name"]
+    if name in ports(description, "out"):
+        raise Wrong(f"`{component}/{name}` is an output port: only its component writes it")
+    raise Wrong(f"`{component}` has no input port `{name}`; {_all([each.name for each in own])}")
+
+
 def missing(description: dict[str, Any], name: str, names: list[str]) -> str:
     """Returns the message for an attribute that a component does not have."""
     component = description["name"]
@@ -356,8 +390,9 @@ def _all(names: list[str]) -> str:
 def summary(description: dict[str, Any]) -> str:
     """Returns a component in one line."""
     services = ", ".join(each["name"] for each in description["services"])
-    out = ", ".join(ports(description, "out"))
-    return f"<Component {description['name']}: services {services}{'; ports ' + out if out else ''}>"
+    own = (("ports", ports(description, "out")), ("input ports", ports(description, "in")))
+    rest = "".join(f"; {kind} {', '.join(names)}" for kind, names in own if names)
+    return f"<Component {description['name']}: services {services}{rest}>"
 
 
 class Described:

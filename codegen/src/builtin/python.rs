@@ -21,6 +21,7 @@ const TAKEN: &[&str] = &[
     "Any",
     "Callable",
     "Dict",
+    "InputPort",
     "List",
     "Literal",
     "Optional",
@@ -50,9 +51,20 @@ pub(super) fn stub(spec: &Spec, component: &Component) -> String {
             types.service(service, &mut members);
         }
     }
-    for port in component.ports.iter().filter(|it| it.dir == PortDir::Out) {
-        if !KEYWORDS.contains(&port.name.as_str()) {
-            members += &format!("    {}: Port[{}]\n", port.name, types.of(port.data));
+    let services: HashSet<&str> = component
+        .services
+        .iter()
+        .map(|it| it.name.as_str())
+        .collect();
+    for port in &component.ports {
+        let class = match port.dir {
+            PortDir::In => "InputPort",
+            PortDir::Out => "Port",
+        };
+        // A service of the same name is the attribute.
+        let name = port.name.as_str();
+        if !KEYWORDS.contains(&name) && !services.contains(name) {
+            members += &format!("    {name}: {class}[{}]\n", types.of(port.data));
         }
     }
     if members.is_empty() {
@@ -61,7 +73,7 @@ pub(super) fn stub(spec: &Spec, component: &Component) -> String {
     format!(
         "# What `load(\"{}\")` returns. Written by `dotgen generate python`.\n\
          from typing import Any, Callable, Dict, List, Literal, Optional, TypedDict, overload\n\n\
-         from dotgen import Activity, Port\n\n\
+         from dotgen import Activity, InputPort, Port\n\n\
          {}class {class}:\n{members}",
         component.name, types.text
     )

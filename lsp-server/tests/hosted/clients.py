@@ -92,7 +92,11 @@ def synchronous(path):
     assert str(inspect.signature(echo.count)) == "(n=2, *, ack=False)"
     assert repr(echo.each) == "<Port echo/each>"
     raises(AttributeError, lambda: echo.nothing, "`echo` has no `nothing`")
-    raises(AttributeError, lambda: robot.load("reader").trail, "input port")
+    reader = robot.load("reader")
+    assert repr(reader.trail) == repr(reader.port("trail")) == "<InputPort reader/trail>", reader.trail
+    raises(dotgen.Wrong, lambda: reader.trail.write([]), "is connected to `echo/trail`")
+    raises(dotgen.Wrong, lambda: reader.port("trial"), "there are `trail`, `each`")
+    raises(dotgen.Wrong, lambda: reader.port("seen"), "is an output port")
 
     counting = echo.count(3, ack=True)
     assert counting.wait() == 3 and counting.result == 3
