@@ -109,7 +109,8 @@ impl Talk {
         }
     }
 
-    /// The JSON Schema of the values of a port, given as COMPONENT/PORT. An empty one if there is no such port.
+    /// The JSON Schema of the values of a port, given as COMPONENT/PORT. An empty one if there is no such
+    /// port.
     pub(super) fn schema(&mut self, path: &str) -> anyhow::Result<Value> {
         let (component, port) = path.split_once('/').unwrap_or((path, ""));
         let mut all = self.components()?;
