@@ -17,6 +17,8 @@ mod model;
 mod monitor;
 mod new;
 mod outputs;
+#[cfg(unix)]
+mod play;
 mod release;
 mod replay;
 mod report;
@@ -76,6 +78,8 @@ enum Command {
     Watch(call::Watch),
     #[cfg(unix)]
     Write(write::Arguments),
+    #[cfg(unix)]
+    Play(play::Arguments),
     Monitor(monitor::Arguments),
     Replay(replay::Arguments),
     Wcet(wcet::Arguments),
@@ -186,6 +190,8 @@ pub fn main() -> ExitCode {
         Command::Watch(arguments) => call::watch(&arguments),
         #[cfg(unix)]
         Command::Write(arguments) => write::run(&arguments),
+        #[cfg(unix)]
+        Command::Play(arguments) => play::run(&arguments),
         Command::Monitor(arguments) => monitor::run(&arguments),
         Command::Replay(arguments) => replay::run(&arguments),
         Command::Wcet(arguments) => wcet::run(&arguments),

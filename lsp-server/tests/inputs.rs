@@ -289,6 +289,72 @@ genom_event NAME_go(const NAME_NAME_in *from, const NAME_NAME_out *to, const gen
 }
 
 #[test]
+fn a_recording_is_played_into_input_ports() {
+    if !compilers() {
+        return;
+    }
+    let directory = components();
+    let recorded = "run echo.gen --bounds none --until 300ms --record run.mcap";
+    let recorded: Vec<&str> = recorded.split(' ').collect();
+    let output = directory.run(&recorded);
+    assert_eq!(status(&output), 0, "{}", stderr(&output));
+    let _run = run(&directory, &["alone/reader.gen"], &[]);
+    let play =
+        |words: &[&str]| directory.run(&[&["play", "run.mcap", "--socket", "s"], words].concat());
+    let output = play(&["--speed", "10"]);
+    assert_eq!(status(&output), 0, "{}", stderr(&output));
+    insta::assert_snapshot!(stdout(&output));
+    // The newest data of the other run, backwards.
+    let recorded = std::fs::read(directory.path().join("run.mcap")).expect("it is there");
+    let data = dotgen_recording::record::read_data(&recorded).expect("a recording");
+    let newest = |topic: &str| -> Value {
+        let mut all = data.messages.iter();
+        let last = all.rfind(|it| data.topics[&it.channel] == topic);
+        let last: Value = serde_json::from_slice(&last.expect("data").text).expect("JSON");
+        last["value"].clone()
+    };
+    let mut last = newest("/echo/trail").as_array().expect("a list").clone();
+    last.reverse();
+    let number = newest("/echo/each/a").as_i64().expect("a number");
+    reads(&directory, "reader/sum", &json!(number + 1));
+    reads(&directory, "reader/seen", &json!(last));
+    // Another instance; what does not fit is told.
+    let output = play(&[
+        "--topic",
+        "echo/each/a=reader/each/b",
+        "--topic",
+        "/echo/trail=reader/each/t",
+        "--speed",
+        "10",
+    ]);
+    assert_eq!(status(&output), 1, "{}", stderr(&output));
+    insta::assert_snapshot!(stdout(&output));
+    let told = |words: &[&str], what: &str| {
+        let output = play(words);
+        assert_eq!(status(&output), 2, "{}", stdout(&output));
+        assert!(stderr(&output).contains(what), "{}", stderr(&output));
+    };
+    told(
+        &["--topic", "echo/trial=reader/trail"],
+        "did you mean `echo/trail`?",
+    );
+    told(
+        &["--topic", "echo/trail=reader/trial"],
+        "did you mean `reader/trail`?",
+    );
+    told(&["--topic", "echo/trail"], "write FROM=TO");
+    told(&["--speed", "0"], "write a number from");
+    directory.write("text.mcap", b"some text");
+    let output = directory.run(&["play", "text.mcap", "--socket", "s"]);
+    assert_eq!(status(&output), 2);
+    assert!(
+        stderr(&output).contains("no MCAP file"),
+        "{}",
+        stderr(&output)
+    );
+}
+
+#[test]
 fn lines_and_rows_are_values() {
     let Some((directory, mut run)) = alone() else {
         return;

@@ -242,5 +242,53 @@ pub fn read(bytes: &[u8]) -> Result<Read, String> {
     Ok(out)
 }
 
+/// The data of ports of a recording.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Data {
+    /// Topics by channel: `/pump/level`, with a third word for the instance of a `multiple` port.
+    pub topics: BTreeMap<u16, String>,
+    /// Messages in the order of the file.
+    pub messages: Vec<Message>,
+    /// The reason why the recording breaks off; `None` if it is whole.
+    pub broken: Option<String>,
+}
+
+/// New data of a port.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Message {
+    /// Channel, of [`Data::topics`].
+    pub channel: u16,
+    /// Time in nanoseconds.
+    pub at: u64,
+    /// Value as JSON. A value that is not an object is the member `value` of one.
+    pub text: Vec<u8>,
+}
+
+/// Reads the data of ports. If the recording breaks off, everything before is read.
+///
+/// # Errors
+///
+/// Returns a message if the bytes are not a recording.
+pub fn read_data(bytes: &[u8]) -> Result<Data, String> {
+    let mut out = Data::default();
+    out.broken = records::each(bytes, &mut |record| {
+        match record {
+            Record::Channel(channel) if channel.topic != STEPS => {
+                out.topics.insert(channel.id, channel.topic);
+            }
+            Record::Message { header, data } if out.topics.contains_key(&header.channel_id) => {
+                out.messages.push(Message {
+                    channel: header.channel_id,
+                    at: header.log_time,
+                    text: data.into_owned(),
+                });
+            }
+            _ => {}
+        }
+        ControlFlow::Continue(())
+    })?;
+    Ok(out)
+}
+
 #[cfg(test)]
 mod tests;
