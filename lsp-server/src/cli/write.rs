@@ -113,6 +113,9 @@ impl Input<'_> {
             if answer["event"] == "written" {
                 return Ok(true);
             }
+            if answer["event"] == "lost" {
+                return Ok(false);
+            }
         }
         Ok(false)
     }
