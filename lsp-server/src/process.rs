@@ -8,6 +8,9 @@
 //! - A helper ([`watcher`]) holds a pipe to this process and knows its groups and temporary folders. When the
 //!   pipe breaks, the helper kills the groups and removes the folders. It also completes writes of several
 //!   files.
+//!
+//! The exception is a tool that is machine code and answers one question ([`ask`]): it reads files, writes
+//! to a pipe of this process, and ends.
 
 pub(crate) mod confine;
 pub(crate) mod folders;
@@ -176,12 +179,20 @@ fn find(name: &Path, directory: &Path) -> io::Result<PathBuf> {
     found.ok_or_else(|| io::ErrorKind::NotFound.into())
 }
 
-/// The first file of this name in the directories of `PATH`.
+/// The first program of this name in the directories of `PATH`.
 pub(crate) fn in_path(name: &Path) -> Option<PathBuf> {
     let path = std::env::var_os("PATH").unwrap_or_default();
     std::env::split_paths(&path)
         .map(|it| it.join(name))
-        .find(|it| it.is_file())
+        .find(|it| it.is_file() && is_executable(it))
+}
+
+/// The system lets this process execute the file.
+fn is_executable(file: &Path) -> bool {
+    #[cfg(unix)]
+    return rustix::fs::access(file, rustix::fs::Access::EXEC_OK).is_ok();
+    #[cfg(not(unix))]
+    file.is_file()
 }
 
 /// True if the file is an ELF program, not a script.

@@ -2,12 +2,13 @@
 #![cfg(target_os = "linux")]
 
 use std::io::{BufRead as _, BufReader, Read as _};
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
 use crate::directory::{status, stderr};
-use crate::running::{Listening, compilers, ended, processes, soon, with_body};
+use crate::running::{Listening, compilers, ended, hosts, processes, soon, with_body};
 
 fn has_gdb() -> bool {
     let mut command = Command::new("gdb");
@@ -121,29 +122,19 @@ fn processes_and_threads_have_the_names_of_components_and_tasks() {
         "s",
     ];
     let _run = Listening::start(&directory, &arguments);
-    let path = directory.path().to_str().expect("text").to_owned();
-    let name = |path: std::path::PathBuf| {
+    let name = |path: &Path| {
         let name = std::fs::read_to_string(path.join("comm")).unwrap_or_default();
         name.trim().to_owned()
     };
     let names = || {
-        let all = std::fs::read_dir("/proc").expect("Linux has it").flatten();
-        let mine = all.filter(|it| {
-            let words = std::fs::read(it.path().join("cmdline")).unwrap_or_default();
-            let words = String::from_utf8_lossy(&words).into_owned();
-            words.contains("-run.so") && words.contains(&path)
-        });
-        let mut found: Vec<(String, Vec<String>)> = mine
-            .map(|it| {
-                let threads = std::fs::read_dir(it.path().join("task"))
-                    .into_iter()
-                    .flatten();
-                let mut threads: Vec<String> =
-                    threads.flatten().map(|it| name(it.path())).collect();
-                threads.sort();
-                (name(it.path()), threads)
-            })
-            .collect();
+        let of_host = |host: u32| {
+            let path = PathBuf::from(format!("/proc/{host}"));
+            let threads = std::fs::read_dir(path.join("task")).into_iter().flatten();
+            let mut threads: Vec<String> = threads.flatten().map(|it| name(&it.path())).collect();
+            threads.sort();
+            (name(&path), threads)
+        };
+        let mut found: Vec<_> = hosts(&directory).into_iter().map(of_host).collect();
         found.sort();
         found
     };

@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use crate::directory::{Directory, status, stderr, stdout};
 use crate::running::{
-    Listening, compilers, ended, json_of, processes, signal, soon, violation, with_body,
+    Listening, compilers, ended, hosts, json_of, processes, signal, soon, violation, with_body,
 };
 
 const REAL: &[&str] = &["run", "good/good.gen", "--clock", "real", "--socket", "s"];
@@ -180,19 +180,6 @@ fn a_host_that_is_killed_is_told_and_the_others_go_on() {
     );
     run.signal("-TERM");
     assert_eq!(ended(&mut run.0).code(), Some(1));
-}
-
-/// The numbers of the processes that run components of a directory.
-fn hosts(directory: &Directory) -> Vec<u32> {
-    let path = directory.path().to_str().expect("it is text");
-    let all = std::fs::read_dir("/proc").expect("Linux has it").flatten();
-    let numbers = all.filter_map(|it| it.file_name().to_str()?.parse().ok());
-    let is_host = |it: &u32| {
-        let words = std::fs::read(format!("/proc/{it}/cmdline")).unwrap_or_default();
-        let words = String::from_utf8_lossy(&words).into_owned();
-        words.contains("-run.so") && words.contains(path)
-    };
-    numbers.filter(is_host).collect()
 }
 
 #[test]

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 
 use crate::directory::{Directory, status, stderr, stdout};
-use crate::running::{Listening, compilers, ended, json_of, processes, violation, with_body};
+use crate::running::{Listening, compilers, ended, json_of, processes, talk, violation, with_body};
 
 const TYPES: &str = include_str!("hosted/types.idl");
 const ECHO: &str = include_str!("hosted/echo.gen");
@@ -82,18 +82,6 @@ fn codels_in_c_and_in_cxx_run_on_the_virtual_clock() {
         assert_eq!(first, second);
         assert_eq!(processes(&directory), Vec::<String>::new());
     }
-}
-
-/// Runs a script of `tests/hosted` with the Python client. The run listens at `s` in the directory.
-fn talk(directory: &Directory, script: &str) {
-    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let mut command = Command::new("python3");
-    command.arg(here.join("tests/hosted").join(script)).arg("s");
-    command.current_dir(directory.path());
-    command.env("PYTHONPATH", here.join("../clients/python"));
-    command.env("PYTHONDONTWRITEBYTECODE", "1");
-    let output = command.output().expect("it runs");
-    assert!(output.status.success(), "{script}: {}", stderr(&output));
 }
 
 #[test]

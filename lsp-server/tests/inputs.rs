@@ -3,13 +3,12 @@
 
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::os::unix::net::UnixStream;
-use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
 use serde_json::{Value, json};
 
 use crate::directory::{Directory, status, stderr, stdout};
-use crate::running::{Listening, compilers, ended, json_of, soon};
+use crate::running::{Listening, compilers, ended, json_of, soon, talk};
 
 const TYPES: &str = include_str!("hosted/types.idl");
 
@@ -133,14 +132,7 @@ fn the_client_in_python_writes_input_ports() {
     let Some((directory, _run)) = alone() else {
         return;
     };
-    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let mut python = Command::new("python3");
-    python.arg(here.join("tests/hosted/inputs.py")).arg("s");
-    python.current_dir(directory.path());
-    python.env("PYTHONPATH", here.join("../clients/python"));
-    python.env("PYTHONDONTWRITEBYTECODE", "1");
-    let output = python.output().expect("it runs");
-    assert!(output.status.success(), "{}", stderr(&output));
+    talk(&directory, "inputs.py");
 }
 
 #[test]

@@ -13,6 +13,9 @@ const LOG: &str = "run.out";
 const RECORDING: &str = "run.mcap";
 const TRACE: &str = "run.pftrace";
 
+/// Number of the first words of [`RUN`], which record nothing.
+const SIMULATED: usize = 6;
+
 /// A run of the example that records everything.
 const RUN: &[&str] = &[
     "run",
@@ -192,16 +195,7 @@ fn a_full_disk_ends_the_files_and_not_the_run() {
     ] {
         let path = directory.path().join(name);
         std::os::unix::fs::symlink("/dev/full", &path).expect("a link");
-        let run = [
-            "run",
-            "pump.scn",
-            "--simulate",
-            "all",
-            "--bounds",
-            "none",
-            option,
-            name,
-        ];
+        let run = [&RUN[..SIMULATED], &[option, name]].concat();
         let output = directory.run(&run);
         assert_eq!(status(&output), 2, "{}", stderr(&output));
         let told = format!("cannot write `{name}`: No space left on device");

@@ -201,18 +201,23 @@ fn memory_of_requests_is_given_back_in_c() {
     let specification = r#"
 struct load { string text; sequence<string> names; sequence<sequence<octet> > rows; };
 component store { version "1"; lang "c"; ids { load last; };
+  port out load first; port out load second;
   task main { period 10 ms; };
   function take(in load it, out long pages) { codel take_it(in it, out pages); };
-  function keep(in load it) { codel keep_it(in it, out last); };
+  activity keep(in load it) { task main;
+    codel<start> keep_it(in it, out last, port out first, port out second) yield ether; };
   attribute kept(out last); };
 "#;
     let source = r#"#include "acstore.h"
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include "store_c_types.h"
-genom_event keep_it(const load *it, load *last, const genom_context self) {
-  *last = *it;
-  return genom_ok;
+genom_event keep_it(const load *it, load *last, const store_first *first, const store_second *second,
+                    const genom_context self) {
+  *last = *first->data(self) = *second->data(self) = *it;
+  if (first->write(self) || second->write(self)) abort();
+  return store_ether;
 }
 genom_event take_it(const load *it, int32_t *pages, const genom_context self) {
   long all = 0, mine = -1;
@@ -233,10 +238,15 @@ genom_event take_it(const load *it, int32_t *pages, const genom_context self) {
     let mut lines = BufReader::new(&client).lines();
     let mut output = |request: &Value| -> Value {
         writeln!(&client, "{request}").expect("it reads");
-        let answer: Value =
-            serde_json::from_str(&lines.next().expect("a line").expect("text")).expect("JSON");
-        assert_eq!(answer["event"], "done", "{answer}");
-        answer["output"].clone()
+        loop {
+            let line = lines.next().expect("a line").expect("text");
+            let answer: Value = serde_json::from_str(&line).expect("JSON");
+            match answer["event"].as_str() {
+                Some("accepted") => {}
+                Some("done") => return answer["output"].clone(),
+                _ => panic!("{answer}"),
+            }
+        }
     };
     let mut pages = || {
         let pages = output(&request)["pages"].as_i64();
@@ -246,9 +256,13 @@ genom_event take_it(const load *it, int32_t *pages, const genom_context self) {
     let last = (0..60).map(|_| pages()).max().expect("sixty");
     // Pages of 4 kB: 50 MB would be 12,000.
     assert!(last - first < 1_000, "from {first} to {last} pages");
-    // What a codel assigns to the ids stays there after the request.
+    // What a codel assigns to the ids and to ports stays there after the request.
     output(&json!({"id": 2, "call": "store.keep", "input": input}));
     output(&request);
     let kept = output(&json!({"id": 3, "call": "store.kept"}));
     assert!(kept["last"] == input["it"]);
+    for port in ["store/first", "store/second"] {
+        let mut answers = ask(&directory, &json!({"id": 4, "read": port}));
+        assert!(answers.next().expect("an answer")["value"] == input["it"]);
+    }
 }

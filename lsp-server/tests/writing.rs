@@ -1,5 +1,5 @@
 //! What commands write: bytes and line ends that are not theirs stay, all files or none, and one that cannot
-//! be used keeps no other from being done.
+//! be used keeps no other from being done. What they offer to write was tried.
 
 use crate::directory::{Directory, status, stderr, stdout};
 
@@ -295,4 +295,35 @@ fn a_full_disk_changes_nothing() {
     }
     let names = String::from_utf8_lossy(&read(&it, "names")).into_owned();
     assert_eq!(names, "a.gen\nb.gen\nrest\n", "nothing is left over");
+}
+
+/// A fix that there is no room to try is not offered, as one that was tried and refused. Here every fix adds
+/// a codel without execution time, where the others have one.
+#[test]
+fn fixes_of_a_large_file_are_tried_or_left_out() {
+    let activity = |i: usize| {
+        format!(
+            "  activity a{i}() {{ task t; codel<start> s{i}(out v) yield pause::start, ether wcet 1 ms;
+                interrupt a{i}; }};\n"
+        )
+    };
+    let activities: String = (0..20).map(activity).collect();
+    for comment in [10, 300_000] {
+        let text = format!(
+            "/*{}*/\ncomponent c {{ version \"1\"; lang \"c\"; ids {{ long v; }}; task t {{ period 10 ms; }};\n\
+             {activities}  attribute get(out v); }};\n",
+            " ".repeat(comment)
+        );
+        let directory = Directory::new(&[("c.gen", &text)]);
+        let output = directory.run(&["check", "c.gen", "--format", "json"]);
+        let report: serde_json::Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+        let found = report["diagnostics"].as_array().expect("a list");
+        let of_code = found.iter().filter(|it| it["code"] == "fsm/missing-stop");
+        let fixes: Vec<&serde_json::Value> = of_code.map(|it| &it["fixes"]).collect();
+        assert_eq!(fixes.len(), 20, "{report:#}");
+        assert!(
+            fixes.iter().all(|it| **it == serde_json::json!([])),
+            "{fixes:#?}"
+        );
+    }
 }

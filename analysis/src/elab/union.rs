@@ -198,7 +198,7 @@ impl<'a> Elaborator<'a> {
     }
 }
 
-/// What labels are compared by: equal labels have equal keys.
+/// Key of a label, for comparisons: equal labels have equal keys.
 #[derive(PartialEq, Eq, Hash)]
 enum LabelKey {
     Default,

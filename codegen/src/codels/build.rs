@@ -305,9 +305,9 @@ fn dependencies(rule: &str) -> Vec<PathBuf> {
 /// The severity of a message, in the words of compilers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Weight {
-    /// There is no output.
+    /// The compiler writes no output.
     Error,
-    /// There is an output.
+    /// The compiler writes its output.
     Warning,
     /// Belongs to the preceding message.
     Note,

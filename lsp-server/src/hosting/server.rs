@@ -12,6 +12,7 @@ use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard};
+use std::time::Duration;
 
 use dotgen_codegen::codels::value::Values;
 use dotgen_runtime::hosts::{Answer, Message, Wanted};
@@ -28,6 +29,10 @@ use crate::files::disk::Passing;
 use find::{component, output};
 use followers::{Followers, Lookers};
 use token::Token;
+
+/// Maximum time in which a client of a TCP port sends a part of the token. Others of this machine cannot
+/// hold all connections without it.
+const FOR_TOKEN: Duration = Duration::from_secs(10);
 
 /// Listens until it is dropped; then its socket is gone.
 pub(crate) struct Server {
@@ -247,6 +252,9 @@ fn serve(shared: &Shared, stream: Stream, number: u64, token: Option<&Token>) {
 fn hear(shared: &Shared, stream: &Stream, client: &Client, mut token: Option<&Token>) -> bool {
     let mut input = BufReader::new(stream);
     let mut line = Vec::new();
+    if token.is_some() {
+        stream.limit_reads(Some(FOR_TOKEN));
+    }
     loop {
         match read_line(&mut input, &mut line) {
             Line::Whole => {}
@@ -257,7 +265,7 @@ fn hear(shared: &Shared, stream: &Stream, client: &Client, mut token: Option<&To
                 skip_line(&mut input);
                 continue;
             }
-            Line::End => return true,
+            Line::End => return token.is_none(),
         }
         let request: Value = match serde_json::from_slice(&line) {
             Ok(it) => it,
@@ -274,6 +282,7 @@ fn hear(shared: &Shared, stream: &Stream, client: &Client, mut token: Option<&To
         let id = request.get("id").cloned().unwrap_or(Value::Null);
         if let Some(wanted) = token.take() {
             if wanted.is_in(&request) {
+                stream.limit_reads(None);
                 continue;
             }
             let file = wanted.path().display();

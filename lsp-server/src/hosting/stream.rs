@@ -4,6 +4,7 @@ use std::io::{self, Read, Write};
 use std::net::{Shutdown, TcpStream};
 use std::os::fd::AsFd as _;
 use std::os::unix::net::UnixStream;
+use std::time::Duration;
 
 use rustix::event::{PollFd, PollFlags, poll};
 use rustix::io::Errno;
@@ -21,6 +22,14 @@ impl Stream {
     /// Whether only this user can have it.
     pub(super) fn is_private(&self) -> bool {
         matches!(self, Stream::Unix(_))
+    }
+
+    /// Limits the time of each read from a TCP port. A read that takes longer fails.
+    pub(super) fn limit_reads(&self, time: Option<Duration>) {
+        if let Stream::Tcp(it) = self {
+            // Fails for a time of zero only.
+            let _ = it.set_read_timeout(time);
+        }
     }
 
     /// Lets the client go.

@@ -65,15 +65,24 @@ pub(crate) fn json_of(output: &Output) -> Value {
 
 /// Processes whose words name something of a directory.
 pub(crate) fn processes(directory: &Directory) -> Vec<String> {
-    let path = directory.path().to_str().expect("it is text").to_owned();
-    let all = std::fs::read_dir("/proc")
-        .expect("Linux has it")
-        .filter_map(Result::ok);
-    let words = all.filter_map(|it| std::fs::read(it.path().join("cmdline")).ok());
-    let words = words.map(|it| String::from_utf8_lossy(&it).replace('\0', " "));
+    let hosts = hosts(directory).into_iter();
+    let words = hosts.filter_map(|it| std::fs::read(format!("/proc/{it}/cmdline")).ok());
     words
-        .filter(|it| it.contains("-run.so") && it.contains(&path))
+        .map(|it| String::from_utf8_lossy(&it).replace('\0', " "))
         .collect()
+}
+
+/// Process numbers of the hosts of a run of something in a directory.
+pub(crate) fn hosts(directory: &Directory) -> Vec<u32> {
+    let path = directory.path().to_str().expect("it is text");
+    let all = std::fs::read_dir("/proc").expect("Linux has it").flatten();
+    let numbers = all.filter_map(|it| it.file_name().to_str()?.parse().ok());
+    let is_host = |it: &u32| {
+        let words = std::fs::read(format!("/proc/{it}/cmdline")).unwrap_or_default();
+        let words = String::from_utf8_lossy(&words).into_owned();
+        words.contains("-run.so") && words.contains(path)
+    };
+    numbers.filter(is_host).collect()
 }
 
 pub(crate) fn violation<'r>(report: &'r Value, kind: &str) -> &'r Value {
@@ -152,4 +161,16 @@ pub(crate) fn signal(name: &str, process: u32) {
     let mut kill = Command::new("kill");
     let status = kill.args([name, &process.to_string()]).status();
     assert!(status.is_ok_and(|it| it.success()));
+}
+
+/// Runs a script of `tests/hosted` with the Python client. The run listens at `s` in the directory.
+pub(crate) fn talk(directory: &Directory, script: &str) {
+    let here = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut command = Command::new("python3");
+    command.arg(here.join("tests/hosted").join(script)).arg("s");
+    command.current_dir(directory.path());
+    command.env("PYTHONPATH", here.join("../clients/python"));
+    command.env("PYTHONDONTWRITEBYTECODE", "1");
+    let output = command.output().expect("it runs");
+    assert!(output.status.success(), "{script}: {}", stderr(&output));
 }

@@ -110,8 +110,9 @@ impl Glue<'_, '_> {
                 }
                 let of = self.known(port.data)?;
                 Ok(format!(
-                    "    struct glue_inst_{at} *it;\n    for (it = glue_first_{at}; it != NULL; it = it->next)\n\
-                     \x20     glue_keep_{of}(&it->value);\n"
+                    "    {{\n      struct glue_inst_{at} *it;\n\
+                     \x20     for (it = glue_first_{at}; it != NULL; it = it->next)\n\
+                     \x20       glue_keep_{of}(&it->value);\n    }}\n"
                 ))
             }
             _ => Ok(String::new()),

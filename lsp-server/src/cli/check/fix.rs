@@ -72,7 +72,7 @@ pub(super) fn mend(
     Ok(())
 }
 
-/// Keeps, of the fixes of findings, those that are whole. A fix that could not be tried is not plain.
+/// Keeps the fixes of findings that are whole. Those for which there is no room to try them are left out.
 pub(super) fn judge(session: &mut Session, changed: &Changed, found: &mut [Diagnostic]) {
     let is_open = |it: &Diagnostic| it.severity == Severity::Error || !it.fixes.is_empty();
     if !found.iter().any(is_open) {
@@ -90,21 +90,8 @@ pub(super) fn judge(session: &mut Session, changed: &Changed, found: &mut [Diagn
         judge.room = room;
         judge.limit(size);
         let allowed = judge.room;
-        // The first fixes of all findings together, then the second ones: alternatives do not go together.
-        let most = found[at..end].iter().map(|it| it.fixes.len()).max();
-        let mut verdicts = vec![Vec::new(); end - at];
-        for rank in 0..most.unwrap_or(0) {
-            let of_rank = found[at..end].iter().enumerate();
-            let of_rank =
-                of_rank.filter_map(|(number, it)| Some((number, it.fixes.get(rank)?, it.code)));
-            let (numbers, edits): (Vec<usize>, Vec<(Edit, &str)>) = of_rank
-                .map(|(number, fix, code)| (number, (Edit::of(&fix.edits), code)))
-                .unzip();
-            for (number, verdict) in std::iter::zip(numbers, judge.verdicts(&edits)) {
-                verdicts[number].push(verdict);
-            }
-        }
-        let mut verdicts = verdicts.into_iter().flatten();
+        let mut verdicts = verdicts(&mut judge, &found[at..end]).into_iter();
+        let had_room = judge.room > 0;
         let mut tried = 0;
         for number in at..end {
             let it = &mut found[number];
@@ -113,7 +100,8 @@ pub(super) fn judge(session: &mut Session, changed: &Changed, found: &mut [Diagn
                 if verdict != Verdict::Whole && fix.kind == FixKind::Plain {
                     fix.kind = FixKind::Guess;
                 }
-                matches!(verdict, Verdict::Whole | Verdict::Unknown)
+                // A fix of a file that many units include is offered untried.
+                verdict == Verdict::Whole || verdict == Verdict::Unknown && had_room
             });
             if it.severity == Severity::Error && it.fixes.is_empty() && tried < MOST_TRIED {
                 tried += 1;
@@ -128,6 +116,28 @@ pub(super) fn judge(session: &mut Session, changed: &Changed, found: &mut [Diagn
         room -= allowed - judge.room;
         at = end;
     }
+}
+
+/// Judges all fixes of findings of one file, in their order. The first fixes of all findings are tried
+/// together, then the second ones, since alternatives exclude each other; those of errors come before
+/// others.
+fn verdicts(judge: &mut Judge<'_, '_>, found: &[Diagnostic]) -> Vec<Verdict> {
+    let mut order: Vec<usize> = (0..found.len()).collect();
+    order.sort_by_key(|&it| found[it].severity);
+    let most = found.iter().map(|it| it.fixes.len()).max();
+    let mut verdicts = vec![Vec::new(); found.len()];
+    for rank in 0..most.unwrap_or(0) {
+        let fixes = order.iter().filter_map(|&number| {
+            let it = &found[number];
+            let fix = it.fixes.get(rank)?;
+            Some((number, (Edit::of(&fix.edits), it.code)))
+        });
+        let (numbers, edits): (Vec<usize>, Vec<(Edit, &str)>) = fixes.unzip();
+        for (number, verdict) in std::iter::zip(numbers, judge.verdicts(&edits)) {
+            verdicts[number].push(verdict);
+        }
+    }
+    verdicts.into_iter().flatten().collect()
 }
 
 /// Leaves out findings with which the sources of codels disagree.

@@ -66,7 +66,7 @@ fn replaced(config: &PackageConfig, arguments: &[String]) -> (Vec<String>, Vec<S
 /// The answer of the package tool.
 fn asked(config: &PackageConfig, arguments: &[String]) -> Result<PackageFlags, String> {
     if config.may_run {
-        match run(&program(), &config.paths, "--cflags", arguments) {
+        match run(&pkg_file::tool(), &config.paths, "--cflags", arguments) {
             Err(Failure::NotInstalled) => {}
             Err(Failure::Said(message)) => return Err(message),
             Ok(output) => return Ok(parse_flags(&output)),
@@ -88,7 +88,7 @@ pub(crate) fn words(
     if arguments.is_empty() {
         return Ok(Vec::new());
     }
-    let program = program();
+    let program = pkg_file::tool();
     match run(&program, &config.paths, question, arguments) {
         Ok(output) => shlex::split(&output).ok_or_else(|| {
             format!("`{program} {question}` answers with a quote that is not closed")
@@ -104,7 +104,7 @@ pub(crate) fn words(
 /// The version of a package, from a tool that may search more directories than [`pkg_file::search_path`]: a
 /// script, or the program that the environment names. `None` for the plain tool, without starting a process.
 pub(super) fn version(config: &PackageConfig, name: &str) -> Option<String> {
-    let program = program();
+    let program = pkg_file::tool();
     let is_plain = program == pkg_file::TOOL
         && process::in_path(Path::new(pkg_file::TOOL))
             .is_none_or(|it| process::is_machine_code(&it));
@@ -113,12 +113,6 @@ pub(super) fn version(config: &PackageConfig, name: &str) -> Option<String> {
     }
     let output = run(&program, &config.paths, "--modversion", &[name.to_owned()]).ok()?;
     first_line(&output).map(str::to_owned)
-}
-
-/// The package tool.
-fn program() -> String {
-    let named = std::env::var("PKG_CONFIG").ok().filter(|it| !it.is_empty());
-    named.unwrap_or_else(|| pkg_file::TOOL.to_owned())
 }
 
 enum Failure {

@@ -56,18 +56,28 @@ pub(super) fn search_path(configured: &[Utf8PathBuf]) -> Vec<Utf8PathBuf> {
     path
 }
 
+/// The package tool: the program that the environment variable `PKG_CONFIG` names, or [`TOOL`].
+pub(super) fn tool() -> String {
+    let named = std::env::var("PKG_CONFIG").ok().filter(|it| !it.is_empty());
+    named.unwrap_or_else(|| TOOL.to_owned())
+}
+
 /// The directories of the installation that contains the tool: `/opt/robot/lib/pkgconfig` for
-/// `/opt/robot/bin/pkg-config`. They are built into the tool.
+/// `/opt/robot/bin/pkg-config`, also if a link leads there. They are built into the tool.
 fn beside_the_tool() -> Vec<Utf8PathBuf> {
-    let tool = crate::process::in_path(Path::new(TOOL));
-    let tool = tool.and_then(|it| Utf8PathBuf::from_path_buf(it).ok());
-    let prefix = tool.as_deref().and_then(Utf8Path::parent);
-    let Some(prefix) = prefix.and_then(Utf8Path::parent) else {
-        return Vec::new();
-    };
-    ["lib/pkgconfig", "share/pkgconfig"]
-        .map(|it| prefix.join(it))
-        .to_vec()
+    let found = crate::process::in_path(Path::new(&tool()));
+    let real = found.as_deref().and_then(|it| it.canonicalize().ok());
+    let mut out = Vec::new();
+    for tool in found.into_iter().chain(real) {
+        let prefix = Utf8PathBuf::from_path_buf(tool).ok();
+        let prefix = prefix.as_deref().and_then(Utf8Path::parent);
+        if let Some(prefix) = prefix.and_then(Utf8Path::parent) {
+            // The last one is FreeBSD's.
+            let parts = ["lib/pkgconfig", "share/pkgconfig", "libdata/pkgconfig"];
+            out.extend(parts.map(|it| prefix.join(it)));
+        }
+    }
+    out
 }
 
 /// Names of the packages that have a `.pc` file on the search path, sorted.

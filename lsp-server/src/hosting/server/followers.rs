@@ -9,13 +9,13 @@ use serde_json::json;
 
 use super::Shared;
 
-/// Progress is told at most so often: eyes see no more, and telling takes time.
+/// Minimum time between two reports of progress: people see no more, and reports take time.
 const LOOK_EVERY: Duration = Duration::from_millis(100);
 
-/// See [`Server::lookers`].
+/// Tells clients how far the run has come.
 pub(crate) struct Lookers {
     pub(super) shared: Arc<Shared>,
-    /// When they were told last.
+    /// Time of the last report.
     pub(super) told: Option<Instant>,
 }
 
@@ -41,7 +41,7 @@ impl Follow for Lookers {
     }
 }
 
-/// See [`Server::followers`].
+/// Passes lines of the profile to clients.
 pub(crate) struct Followers(pub(super) Arc<Shared>);
 
 impl Write for Followers {

@@ -12,7 +12,7 @@ use super::{Place, Shared, State};
 use crate::hosting::children::Newest;
 use crate::hosting::known::CONNECT;
 
-/// Most instances of an input port that clients may write, so that they do not fill the memory.
+/// Maximum number of instances of an input port that clients may write, or connect.
 const INSTANCES: usize = 256;
 
 /// The error of a request that comes too late.
@@ -63,6 +63,11 @@ pub(super) fn connect(shared: &Shared, at: usize, input: Option<&Value>) -> Resu
     let source = (from, port, connection.id.clone());
     // Under the lock: writes and connections reach the engine in the order of their answers.
     let mut state = shared.state();
+    if is_full(state.connected.keys(), &place) {
+        return Err(format!(
+            "`{local}`: {INSTANCES} instances of the port are connected"
+        ));
+    }
     state.connected.insert(place, source);
     match shared.door.bring(Message::Connect(connection)) {
         true => Ok(json!({"event": "done", "output": {}})),
@@ -116,9 +121,7 @@ pub(super) fn write(shared: &Shared, path: &str, request: &Value) -> Result<Valu
             component.name
         ));
     }
-    let others = state.written.keys();
-    let others = others.filter(|it| (it.0, it.1) == (at, number)).count();
-    if others >= INSTANCES && !state.written.contains_key(&place) {
+    if is_full(state.written.keys(), &place) {
         return Err(format!(
             "`{path}` has {INSTANCES} instances; write one of them"
         ));
@@ -130,6 +133,16 @@ pub(super) fn write(shared: &Shared, path: &str, request: &Value) -> Result<Valu
         // Clients that write until the end tell it from a value that is refused.
         false => Ok(json!({"event": "lost", "message": ENDED})),
     }
+}
+
+/// A port has [`INSTANCES`] places among `all`, and a further one is not among them.
+fn is_full<'p>(all: impl Iterator<Item = &'p Place>, further: &Place) -> bool {
+    let mut of_port = all.filter(|it| (it.0, it.1) == (further.0, further.1));
+    let mut count = 0;
+    of_port.all(|it| {
+        count += 1;
+        it != further
+    }) && count >= INSTANCES
 }
 
 /// The output port of the run that an input port reads, or would read.
