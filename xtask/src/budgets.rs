@@ -279,7 +279,7 @@ mod tests {
         assert!(differences(&budget, &of([10.5, 15.5, 25.5], 24.0)).is_empty());
         // More, less, more memory, faster than the input, and unknown.
         for wrong in [
-            of([12.0, 15.0, 25.0], 20.0),
+            of([10.0, 17.0, 25.0], 20.0),
             of([10.0, 15.0, 20.0], 20.0),
             of([10.0, 15.0, 25.0], 26.0),
         ] {
