@@ -8,7 +8,7 @@ mod read;
 pub mod schema;
 mod settings;
 mod shown;
-pub(crate) mod style;
+pub mod style;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -18,8 +18,8 @@ use dotgen_analysis::release::{ReleaseChoice, ReleaseOrigin};
 use dotgen_codegen::codels::files::FilesConfig;
 use dotgen_diagram::system::Connection;
 
-use crate::files::vfs::PackageConfig;
 use dotgen_analysis::ide::{InlayConfig, LensConfig};
+use dotgen_platform::files::vfs::PackageConfig;
 pub use read::{Problem, ProblemKind, Read, from_editor, from_toml};
 pub use settings::{
     DefineValue, Format, FormatAlign, FormatUnit, Generate, Level, Settings, Verification,
@@ -331,9 +331,9 @@ fn resolve(path: &str, base: &Utf8Path) -> Utf8PathBuf {
         text.replace_range(start..=start + length, &value);
     }
     if let (Some(rest), Ok(home)) = (text.strip_prefix("~/"), std::env::var("HOME")) {
-        return crate::files::vfs::normalize(&Utf8Path::new(&home).join(rest));
+        return dotgen_platform::files::vfs::normalize(&Utf8Path::new(&home).join(rest));
     }
-    crate::files::vfs::normalize(&base.join(text))
+    dotgen_platform::files::vfs::normalize(&base.join(text))
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! Answers to requests. A handler takes a snapshot, the document and the parameters, asks analysis, and
 //! converts the answer. It runs on the blocking pool and may be cancelled or panic.
 
-pub(crate) mod codels;
+pub mod codels;
 pub(crate) mod commands;
-pub(crate) mod component;
+pub mod component;
 pub(crate) mod convert;
 pub(crate) mod diagnostics;
 pub(crate) mod diagram;

@@ -8,7 +8,7 @@ mod dispatch;
 mod post;
 mod publish;
 mod requests;
-pub(crate) mod server;
+pub mod server;
 mod transport;
 mod verifier;
 mod writer;

@@ -129,7 +129,7 @@ fn build() -> Result<PathBuf> {
         "--release",
         "--quiet",
         "--package",
-        "dotgen-lsp-server",
+        "dotgen",
     ]))?;
     Ok(target().join("release/dotgen"))
 }

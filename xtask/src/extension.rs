@@ -26,7 +26,7 @@ pub(crate) fn directory() -> PathBuf {
 pub(crate) const NOTICES: &str = "THIRD-PARTY-NOTICES.txt";
 
 /// The features of the program that the README's command installs and that is tested.
-pub(crate) const FEATURES: &str = "dotgen-lsp-server/zenoh";
+pub(crate) const FEATURES: &str = "dotgen/zenoh";
 
 /// Compiles the server and returns the path of the program.
 ///
@@ -44,7 +44,7 @@ pub(crate) fn build_server(profile: Profile) -> Result<PathBuf> {
         "build",
         "--locked",
         "--package",
-        "dotgen-lsp-server",
+        "dotgen",
         "--bin",
         "dotgen",
     ];

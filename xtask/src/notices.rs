@@ -27,7 +27,7 @@ pub(crate) struct Options {
 }
 
 /// The distributed program.
-const PROGRAM: &str = "dotgen-lsp-server";
+const PROGRAM: &str = "dotgen";
 /// The npm packages that are bundled with the extension; the others are tools.
 const BUNDLED: &[&str] = &["vscode-languageclient"];
 

@@ -561,10 +561,7 @@ impl Level {
 
     /// A finding with its configured severity; `None` if it is off. Errors remain: they are reasons why
     /// something fails.
-    pub(crate) fn apply(
-        levels: &BTreeMap<String, Level>,
-        mut it: Diagnostic,
-    ) -> Option<Diagnostic> {
+    pub fn apply(levels: &BTreeMap<String, Level>, mut it: Diagnostic) -> Option<Diagnostic> {
         if it.severity != Severity::Error
             && let Some(level) = levels.get(it.code)
         {

@@ -11,11 +11,7 @@ use crate::config::{Format, FormatAlign, FormatUnit};
 use crate::protocol::types::FormattingOptions;
 
 /// The style for a file. Without `editor`, a file without indentation gets [`DEFAULT_UNIT`].
-pub(crate) fn options(
-    settings: &Format,
-    path: &Utf8Path,
-    editor: Option<&FormattingOptions>,
-) -> Options {
+pub fn options(settings: &Format, path: &Utf8Path, editor: Option<&FormattingOptions>) -> Options {
     let shared = ec4rs::properties_of(path).unwrap_or_default();
     let default = Options::default();
     let unit = match settings.unit {

@@ -6,11 +6,11 @@
 //! files.
 
 pub(crate) mod actions;
-pub(crate) mod headers;
+pub mod headers;
 pub(crate) mod judged;
 pub(crate) mod lenses;
 pub(crate) mod navigation;
-pub(crate) mod standins;
+pub mod standins;
 
 use std::cell::Cell;
 use std::collections::BTreeMap;
@@ -33,12 +33,12 @@ use dotgen_codegen::codels::stub::StubOptions;
 use dotgen_codegen::template::notice;
 use rustc_hash::FxHasher;
 
-use crate::files::{history, vfs};
 use crate::workspace::codels::{Compared, Good, lock};
 use crate::workspace::snapshot::{DocumentKind, Snapshot};
+use dotgen_platform::files::{history, vfs};
 
 /// The files on the disk.
-pub(crate) struct Disk;
+pub struct Disk;
 
 impl Files for Disk {
     fn read(&self, path: &Utf8Path) -> Option<Arc<str>> {

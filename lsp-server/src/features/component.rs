@@ -20,21 +20,21 @@ use crate::features::codels::judged::private_host;
 use crate::protocol::convert::uri;
 use crate::protocol::refusable::Refusable;
 use crate::protocol::types::Uri;
-use crate::verification::problem::EXTENSION;
 use crate::workspace::snapshot::{Snapshot, Subject};
+use dotgen_views::verification::problem::EXTENSION;
 
 /// The contents of a new component, with interfaces by name and file.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Answers {
-    pub(crate) name: String,
-    pub(crate) tasks: Vec<NewTask>,
-    pub(crate) provides: Vec<(String, Utf8PathBuf)>,
-    pub(crate) uses: Vec<(String, Utf8PathBuf)>,
+pub struct Answers {
+    pub name: String,
+    pub tasks: Vec<NewTask>,
+    pub provides: Vec<(String, Utf8PathBuf)>,
+    pub uses: Vec<(String, Utf8PathBuf)>,
 }
 
 /// The files of a component in a folder: specification, scenario, sources of the codels. `texts` has every
 /// existing file. The error is a message for the user.
-pub(crate) fn files(
+pub fn files(
     host: &mut AnalysisHost,
     texts: &dyn Files,
     folder: &Utf8Path,

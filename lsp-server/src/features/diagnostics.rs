@@ -11,9 +11,9 @@ use rustc_hash::{FxHashMap, FxHasher};
 
 use crate::features::convert::diagnostic;
 use crate::features::language::Language;
-use crate::panic;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
+use dotgen_platform::panic;
 
 /// The code for text that a conditional excludes.
 const INACTIVE_CODE: &str = "inactive-code";

@@ -17,9 +17,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use crate::protocol::types::*;
-use crate::verification::view::View;
-use crate::views::pictures::{self, Around, Form, Kind, Wish};
 use crate::workspace::snapshot::{Snapshot, Subject};
+use dotgen_views::pictures::{self, Around, Form, Kind, Wish};
+use dotgen_views::verification::view::View;
 
 /// Parameters of `dotgen/diagram`.
 #[derive(Debug, Clone, Serialize, Deserialize)]

@@ -25,7 +25,7 @@ pub(crate) fn model(
     _: &DocumentParams,
 ) -> Cancellable<Value> {
     let unit = snapshot.analysis.unit(&subject.path)?;
-    Ok(crate::views::model::document(&unit))
+    Ok(dotgen_views::model::document(&unit))
 }
 
 /// `dotgen/itemTree`: the declarations that lowering reads, as text.

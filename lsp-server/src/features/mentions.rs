@@ -11,10 +11,10 @@ use dotgen_timing::scn::names::{Names, Target};
 use dotgen_timing::scn::outline::{self, EntryKind};
 
 use crate::features::verification::problems;
-use crate::files::vfs;
-use crate::verification::Problem;
-use crate::verification::problem::EXTENSION;
 use crate::workspace::snapshot::Snapshot;
+use dotgen_platform::files::vfs;
+use dotgen_views::verification::Problem;
+use dotgen_views::verification::problem::EXTENSION;
 
 /// True if a document is a scenario.
 pub(crate) fn is_scenario(path: &Utf8Path) -> bool {

@@ -25,9 +25,9 @@ use crate::protocol::convert::Lines;
 use crate::protocol::convert::symbol::{Symbol, response};
 use crate::protocol::refusable::Refusable;
 use crate::protocol::types::{self, *};
-use crate::verification::Problem;
-use crate::verification::problem;
 use crate::workspace::snapshot::{Snapshot, Subject};
+use dotgen_views::verification::Problem;
+use dotgen_views::verification::problem;
 
 /// Scenarios.
 pub(crate) struct Scenario;

@@ -21,8 +21,8 @@ use serde_json::{Value, json};
 use crate::features::codels::judged::Offers;
 use crate::features::commands::SHOW_VERIFICATION;
 use crate::protocol::types::*;
-use crate::verification::{Problem, problem};
 use crate::workspace::snapshot::{Snapshot, Subject};
+use dotgen_views::verification::{Problem, problem};
 
 pub(crate) use answer::{Question, VerificationParams, VerificationResult, prepare, present};
 pub(crate) use diagnostics::{in_scenario, in_specification};

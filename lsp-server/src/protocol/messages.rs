@@ -144,7 +144,7 @@ pub struct VerificationStatusParams {
     /// Version of the verified document; none if it is not open.
     pub version: Option<i32>,
     /// The status.
-    pub status: crate::verification::results::Status,
+    pub status: dotgen_views::verification::results::Status,
     /// Name of the scenario.
     pub scenario: String,
     /// True if the scenario is in a file.

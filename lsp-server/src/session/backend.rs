@@ -111,7 +111,7 @@ impl Backend {
     /// The commands that return a picture as text.
     pub(super) async fn diagram_text(
         &self,
-        form: crate::views::pictures::Form,
+        form: dotgen_views::pictures::Form,
         argument: Value,
     ) -> Result<Option<Value>> {
         let mut params: diagram::DiagramParams = serde_json::from_value(argument)

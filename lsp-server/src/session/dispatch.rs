@@ -17,12 +17,12 @@ use tokio::sync::{Notify, Semaphore, oneshot};
 
 use crate::features::language::Language;
 use crate::features::language_of;
-use crate::panic;
 use crate::protocol::outbox::Outbox;
 use crate::protocol::progress::Shown;
 use crate::protocol::types::{self, MessageType, Uri};
 use crate::session::post::Post;
 use crate::workspace::snapshot::{Snapshot, Subject};
+use dotgen_platform::panic;
 
 /// Maximum number of attempts of a request. At the start the list of files and the settings arrive shortly
 /// after one another. More attempts would make the client wait too long if other files change often.

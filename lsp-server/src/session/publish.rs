@@ -15,7 +15,6 @@ use tokio::runtime::Handle;
 use crate::features::codels::{fingerprint, sources_with_findings};
 use crate::features::diagnostics::{self, file_diagnostics, inactive_ranges, least, survived};
 use crate::features::language_of;
-use crate::panic;
 use crate::protocol::client::ClientCaps;
 use crate::protocol::messages::{InactiveRegions, InactiveRegionsParams};
 use crate::protocol::outbox::Outbox;
@@ -24,6 +23,7 @@ use crate::protocol::types::{
 };
 use crate::session::post::Post;
 use crate::workspace::snapshot::{OpenFile, Snapshot};
+use dotgen_platform::panic;
 
 /// The pause in typing before a computation.
 const DEBOUNCE: Duration = Duration::from_millis(60);

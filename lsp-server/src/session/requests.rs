@@ -176,8 +176,8 @@ impl LanguageServer for Backend {
 
     async fn execute_command(&self, params: ExecuteCommandParams) -> Result<Option<LSPAny>> {
         let form = match params.command.as_str() {
-            commands::MERMAID => Some(crate::views::pictures::Form::Mermaid),
-            commands::DOT => Some(crate::views::pictures::Form::Dot),
+            commands::MERMAID => Some(dotgen_views::pictures::Form::Mermaid),
+            commands::DOT => Some(dotgen_views::pictures::Form::Dot),
             _ => None,
         };
         if let Some(form) = form {

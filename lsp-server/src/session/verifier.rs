@@ -18,8 +18,8 @@ use crate::features::verification::problems::Wanted;
 use crate::protocol::messages::{VerificationStatus, VerificationStatusParams};
 use crate::protocol::outbox::Outbox;
 use crate::session::post::Post;
-use crate::verification::results::{Answer, Entry, Results, Status};
-use crate::verification::run::Interim;
+use dotgen_views::verification::results::{Answer, Entry, Results, Status};
+use dotgen_views::verification::run::Interim;
 
 pub(crate) use job::Verified;
 

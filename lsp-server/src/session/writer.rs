@@ -23,8 +23,6 @@ use tokio::sync::mpsc::{UnboundedReceiver, WeakUnboundedSender};
 use tokio::sync::{oneshot, watch};
 
 use crate::config::Config;
-use crate::files::vfs::Vfs;
-use crate::panic;
 use crate::protocol::client::ClientCaps;
 use crate::protocol::outbox::Outbox;
 use crate::protocol::types::*;
@@ -34,6 +32,8 @@ use crate::session::post::Post;
 use crate::session::publish::{self, Publisher};
 use crate::session::verifier::{self, Verifier};
 use crate::workspace::codels;
+use dotgen_platform::files::vfs::Vfs;
+use dotgen_platform::panic;
 
 use crate::workspace::documents::Documents;
 use crate::workspace::folders::Workspace;

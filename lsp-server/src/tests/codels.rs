@@ -17,8 +17,8 @@ use serde_json::{Value, json};
 
 use super::client::{Client, Folder, codes, document, pulling};
 use crate::features::codels::Disk;
-use crate::files::vfs::Vfs;
 use crate::protocol::convert::{Encoding, Lines};
+use dotgen_platform::files::vfs::Vfs;
 
 const DID_CHANGE_FILES: &str = "workspace/didChangeWatchedFiles";
 const FILES: [&str; 3] = [

@@ -213,7 +213,7 @@ async fn the_editor_shows_the_bytes_of_the_command_line() {
     let uri = folder.uri("maneuver.gen");
     client.open(&uri, &texts[0].1).await;
     // The output of `dotgen diagram` is compared with the committed pictures in
-    // `lsp-server/tests/pictures.rs`.
+    // `cli/tests/pictures.rs`.
     for (file, wish) in [
         ("goto.svg", json!({ "owner": "goto" })),
         ("exec.svg", json!({ "owner": "exec", "paths": true })),

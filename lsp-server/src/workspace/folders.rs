@@ -9,14 +9,14 @@ use dotgen_codegen::template::files::SCRIPT;
 use serde_json::Value;
 
 use crate::config::{self, Config, Problem, Settings};
-use crate::files::vfs;
 use crate::protocol::convert::{Encoding, Lines, uri};
 use crate::protocol::types::{
     self, Diagnostic, DiagnosticSeverity, InitializeParams, NumberOrString, Uri,
     WorkspaceFoldersChangeEvent,
 };
-use crate::verification::problem::EXTENSION;
 use crate::workspace::templates::Templates;
+use dotgen_platform::files::vfs;
+use dotgen_views::verification::problem::EXTENSION;
 
 /// The folders of the workspace and their contents.
 #[derive(Default)]

@@ -16,12 +16,12 @@ use dotgen_analysis::progress::Progress;
 use rustc_hash::FxHashMap;
 
 use crate::config::Config;
-use crate::files::vfs::Vfs;
 use crate::protocol::client::ClientCaps;
 use crate::protocol::convert::{Lines, uri};
 use crate::protocol::types::{Location, Position, Uri};
 use crate::workspace::codels;
 use crate::workspace::templates::Templates;
+use dotgen_platform::files::vfs::Vfs;
 
 /// A document the client has open.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -71,7 +71,7 @@ pub struct Snapshot {
     /// Number of applied changes.
     pub revision: u64,
     /// The results of verifications.
-    pub(crate) verification: Arc<crate::verification::results::Results>,
+    pub(crate) verification: Arc<dotgen_views::verification::results::Results>,
     /// `.scn` files of the workspace.
     pub(crate) scenarios: Arc<BTreeSet<Utf8PathBuf>>,
     /// Templates of the workspace.

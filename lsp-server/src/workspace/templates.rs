@@ -6,7 +6,7 @@ use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::FileContent;
 use dotgen_codegen::template::files::{self, SCRIPT};
 
-use crate::files::vfs;
+use dotgen_platform::files::vfs;
 
 /// The language id with which clients mark a source of a template, wherever it is.
 pub(crate) const LANGUAGE: &str = "genom3-template";

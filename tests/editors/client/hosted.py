@@ -3,7 +3,7 @@
 import pathlib
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-HOSTED = ROOT / "lsp-server/tests/hosted"
+HOSTED = ROOT / "cli/tests/hosted"
 
 
 def lay_out(folder: pathlib.Path, name: str) -> None:

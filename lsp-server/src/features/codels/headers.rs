@@ -12,10 +12,10 @@ use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
 /// Folder for generated headers, next to the specification.
-pub(crate) const FOLDER: &str = ".dotgen";
+pub const FOLDER: &str = ".dotgen";
 
 /// Text of the `.gitignore` in that folder: every file in it can be generated again.
-pub(crate) const IGNORED: &str = "*\n";
+pub const IGNORED: &str = "*\n";
 
 /// A file to be written.
 #[derive(Debug, Serialize, Deserialize)]

@@ -19,7 +19,7 @@ use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
 /// The files of stand-ins that do not exist yet, and the `.gitignore` that keeps them out of the sources.
-pub(crate) fn changes(specification: &Utf8Path, stand_ins: &[StandIn]) -> Vec<FileChange> {
+pub fn changes(specification: &Utf8Path, stand_ins: &[StandIn]) -> Vec<FileChange> {
     let new = |path: &Utf8Path, text: &str| {
         let there = Disk.read(path).is_some();
         (!there).then(|| FileChange {

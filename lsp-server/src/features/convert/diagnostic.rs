@@ -41,7 +41,8 @@ pub(crate) fn to_proto(
         Tag::Deprecated => types::DiagnosticTag::DEPRECATED,
     });
     let page =
-        crate::views::manual::page(diagnostic.code).filter(|_| snapshot.client.code_description);
+        dotgen_views::manual::page(diagnostic.code).filter(|_| snapshot.client.code_description);
+    let page = page.and_then(types::Uri::from_file_path);
     Ok(Some(types::Diagnostic {
         range: lines.range(&diagnostic.range),
         severity: Some(severity(severity_here(

@@ -13,8 +13,8 @@ use super::choices;
 use super::edit::{self, FileChange};
 use super::run::{Generated, Job};
 use crate::config::{self, Generate};
-use crate::files::disk::SystemDisk;
 use crate::protocol::convert::uri;
+use dotgen_platform::files::disk::SystemDisk;
 
 /// The results of one or several templates.
 #[derive(Default)]

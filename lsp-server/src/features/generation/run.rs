@@ -21,11 +21,11 @@ use rustc_hash::FxHashMap;
 
 use super::choices;
 use crate::config::{Config, Generate};
-use crate::files::disk::SystemDisk;
-use crate::files::vfs::Vfs;
 use crate::protocol::client::ClientCaps;
 use crate::protocol::convert::uri;
 use crate::workspace::snapshot::{Snapshot, Subject};
+use dotgen_platform::files::disk::SystemDisk;
+use dotgen_platform::files::vfs::Vfs;
 
 /// The input of a run, taken from the state when the command arrived.
 #[derive(Clone)]
@@ -199,7 +199,7 @@ impl Job {
                 open: self.open.clone(),
                 disk: Vfs::new(self.config.packages.clone()),
             }),
-            pictures: Arc::new(crate::views::pictures::machine),
+            pictures: Arc::new(dotgen_views::pictures::machine),
             console: &mut console,
             limits: Limits {
                 cancel: Some(cancel),
@@ -207,7 +207,7 @@ impl Job {
             },
             base: self.file.parent().map(Into::into).unwrap_or_default(),
             sink: OutputSink::preview(),
-            processes: crate::process::system(),
+            processes: dotgen_platform::process::system(),
             confined: Some(Confined {
                 results: self.folders.iter().map(|folder| folder.into()).collect(),
                 confirmed: Confirmed::Shown,

@@ -9,11 +9,11 @@ use dotgen_codegen::codels::rename::listed;
 use crate::features::codels::navigation;
 use crate::features::convert::edit::{Review, edit_of, workspace_edit};
 use crate::features::mentions;
-use crate::files::vfs;
 use crate::protocol::convert::uri;
 use crate::protocol::refusable::Refusable;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
+use dotgen_platform::files::vfs;
 
 /// Maximum number of listed places that the user has to check; the message counts the others.
 const MOST_LISTED: usize = 20;

@@ -10,9 +10,9 @@ use toml_edit::{Array, DocumentMut, value};
 
 use crate::config;
 use crate::features::convert::edit::{Review, edit_of, with_edit};
-use crate::files::vfs;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
+use dotgen_platform::files::vfs;
 
 /// Maximum number of directories that are offered.
 const MOST_DIRECTORIES: usize = 3;

@@ -16,18 +16,18 @@ use serde::{Deserialize, Serialize};
 use super::place;
 use super::problems::{self, about};
 use crate::protocol::types::{Location, TextDocumentIdentifier, Uri};
-use crate::verification::advice;
-use crate::verification::blocking::{self, CodelAt};
-use crate::verification::folded::{Part, folded, words as again};
-use crate::verification::results::{Answer, Status};
-use crate::verification::run::{self, Interim};
-use crate::verification::runs;
-use crate::verification::summary;
-use crate::verification::timeline::{first_shown, left_out, of_end};
-use crate::verification::view::CheckView;
-use crate::verification::what_if::WhatIf;
-use crate::verification::{Problem, TaskBound};
 use crate::workspace::snapshot::{Snapshot, Subject};
+use dotgen_views::verification::advice;
+use dotgen_views::verification::blocking::{self, CodelAt};
+use dotgen_views::verification::folded::{Part, folded, words as again};
+use dotgen_views::verification::results::{Answer, Status};
+use dotgen_views::verification::run::{self, Interim};
+use dotgen_views::verification::runs;
+use dotgen_views::verification::summary;
+use dotgen_views::verification::timeline::{first_shown, left_out, of_end};
+use dotgen_views::verification::view::CheckView;
+use dotgen_views::verification::what_if::WhatIf;
+use dotgen_views::verification::{Problem, TaskBound};
 
 /// Parameters of `dotgen/verification`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -17,12 +17,12 @@ use super::problems::about;
 use super::{place, tasks};
 use crate::config::Level;
 use crate::protocol::types::Uri;
-use crate::verification::Problem;
-use crate::verification::advice::{self, Names};
-use crate::verification::problem::{self, EXTENSION};
-use crate::verification::results::{Answer, Entry};
-use crate::verification::view::{CheckView, Outcome};
 use crate::workspace::snapshot::Snapshot;
+use dotgen_views::verification::Problem;
+use dotgen_views::verification::advice::{self, Names};
+use dotgen_views::verification::problem::{self, EXTENSION};
+use dotgen_views::verification::results::{Answer, Entry};
+use dotgen_views::verification::view::{CheckView, Outcome};
 
 const MISS: &str = "timing/deadline-miss";
 const EXCEEDED: &str = "timing/response-exceeded";

@@ -15,11 +15,11 @@ use super::problems::about;
 use super::{TaskAt, argument, tasks};
 use crate::features::commands::SHOW_VERIFICATION;
 use crate::protocol::types::{CodeLens, CodeLensParams, Command};
-use crate::verification::advice;
-use crate::verification::results::{Answer, Entry, Status};
-use crate::verification::summary::Scale;
-use crate::verification::view::{CheckView, Outcome};
 use crate::workspace::snapshot::{Snapshot, Subject};
+use dotgen_views::verification::advice;
+use dotgen_views::verification::results::{Answer, Entry, Status};
+use dotgen_views::verification::summary::Scale;
+use dotgen_views::verification::view::{CheckView, Outcome};
 
 /// Shown until there is an answer.
 const VERIFYING: &str = "verifying …";
@@ -440,12 +440,5 @@ fn outcome(check: &CheckView) -> String {
         (Outcome::GaveUp, Some(why)) => why.to_string(),
         (Outcome::Open, _) => VERIFYING.to_owned(),
         (it, _) => it.counted().to_owned(),
-    }
-}
-
-impl Answer {
-    /// The scale of its times.
-    pub(super) fn scale(&self) -> Scale {
-        Scale::of(&settings(&self.problem.scenario, &self.options))
     }
 }

@@ -5,11 +5,11 @@ use dotgen_analysis::host::{Cancellable, FileContent};
 use dotgen_analysis::model::{CodelKind, Spec};
 use dotgen_timing::scn;
 
-use crate::files::vfs;
-use crate::verification::Problem;
-use crate::verification::problem::{self, EXTENSION};
-use crate::verification::results::Entry;
 use crate::workspace::snapshot::Snapshot;
+use dotgen_platform::files::vfs;
+use dotgen_views::verification::Problem;
+use dotgen_views::verification::problem::{self, EXTENSION};
+use dotgen_views::verification::results::Entry;
 
 /// Maximum number of scenarios that are verified without being open, because they use an open specification.
 const UNOPENED: usize = 8;

@@ -6,8 +6,8 @@ use dotgen_timing::advice::Change;
 
 use crate::features::codels::judged::Offers;
 use crate::protocol::types::{CodeAction, CodeActionKind, CodeActionOrCommand, Diagnostic};
-use crate::verification::{Problem, changes};
 use crate::workspace::snapshot::Snapshot;
+use dotgen_views::verification::{Problem, changes};
 
 /// The action for a change; `None` if the change is not an edit, or the judge refuses the edit.
 pub(super) fn action(

@@ -18,10 +18,10 @@ use crate::protocol::types::{
     Location, ProgressParams, ProgressParamsValue, ProgressToken, TextDocumentIdentifier,
     WorkDoneProgress, WorkDoneProgressReport, notification,
 };
-use crate::verification::Problem;
-use crate::verification::summary::{self, Scale};
-use crate::verification::what_if::WhatIf;
 use crate::workspace::snapshot::{Snapshot, Subject};
+use dotgen_views::verification::Problem;
+use dotgen_views::verification::summary::{self, Scale};
+use dotgen_views::verification::what_if::WhatIf;
 
 /// Parameters of `dotgen/sensitivity`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -4,10 +4,10 @@ use dotgen_analysis::host::Cancellable;
 
 use super::answer::{Question, locate};
 use crate::protocol::types::Location;
-use crate::verification::blocking;
-use crate::verification::runs::{chosen, ending, title};
-use crate::verification::trace::{Told, Trace, of_run};
 use crate::workspace::snapshot::{Snapshot, Subject};
+use dotgen_views::verification::blocking;
+use dotgen_views::verification::runs::{chosen, ending, title};
+use dotgen_views::verification::trace::{Told, Trace, of_run};
 
 /// Answer of `dotgen/trace`.
 pub(crate) type TraceShown = Trace<Option<Location>>;

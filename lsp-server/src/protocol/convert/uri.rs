@@ -15,7 +15,7 @@ pub fn to_path(uri: &Uri) -> Utf8PathBuf {
         && let Some(path) = uri.to_file_path()
         && let Some(path) = Utf8Path::from_path(&path)
     {
-        return crate::files::vfs::normalize(path);
+        return dotgen_platform::files::vfs::normalize(path);
     }
     let name = uri.as_str().replace(['/', '\\'], "_");
     Utf8Path::new(VIRTUAL).join(name)

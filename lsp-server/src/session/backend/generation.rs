@@ -305,7 +305,7 @@ fn publish_problem(outbox: &Outbox, path: &Utf8Path, line: u32, message: String)
 }
 
 async fn blocking<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T> {
-    let done = tokio::task::spawn_blocking(move || crate::panic::isolate(work)).await;
+    let done = tokio::task::spawn_blocking(move || dotgen_platform::panic::isolate(work)).await;
     match done {
         Ok(Ok(value)) => Ok(value),
         Ok(Err(message)) => Err(refused(format!("internal error: {message}"))),

@@ -8,10 +8,10 @@ use dotgen_timing::verify::{Cancel, Options};
 use tokio::runtime::Handle;
 
 use super::News;
-use crate::panic;
 use crate::session::post::Post;
-use crate::verification::Problem;
-use crate::verification::run::{Interim, run};
+use dotgen_platform::panic;
+use dotgen_views::verification::Problem;
+use dotgen_views::verification::run::{Interim, run};
 
 /// Minimum interval between two results; results in between are sent together.
 const PACE: Duration = Duration::from_millis(50);

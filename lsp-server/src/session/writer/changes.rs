@@ -9,7 +9,6 @@ use dotgen_codegen::template::files::SCRIPT;
 use serde_json::Value;
 
 use super::{Event, State};
-use crate::files::vfs;
 use crate::protocol::convert::uri;
 use crate::protocol::messages::DocumentText;
 use crate::protocol::types::*;
@@ -18,6 +17,7 @@ use crate::workspace::codels;
 use crate::workspace::documents::Edited;
 use crate::workspace::snapshot::{DocumentKind, OpenFile};
 use crate::workspace::templates;
+use dotgen_platform::files::vfs;
 
 /// Changes, by cause.
 pub(crate) enum Mutation {

@@ -8,10 +8,10 @@ use rustc_hash::FxHashSet;
 
 use super::State;
 use super::session::Stale;
-use crate::files::vfs;
 use crate::session::post::Post;
 use crate::workspace::codels;
 use crate::workspace::snapshot::DocumentKind;
+use dotgen_platform::files::vfs;
 
 /// Changes that are not in the database yet.
 #[derive(Default)]
@@ -37,7 +37,7 @@ impl State {
             let open = self.documents.open_files().keys();
             let open = open.filter(|it| {
                 !self.documents.is_lost(it)
-                    && it.extension() != Some(crate::verification::problem::EXTENSION)
+                    && it.extension() != Some(dotgen_views::verification::problem::EXTENSION)
                     && !self.kind_of(it).is_template()
             });
             let (code, open): (Vec<_>, Vec<_>) =

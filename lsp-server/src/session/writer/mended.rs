@@ -6,11 +6,11 @@
 //! saves the file.
 
 use super::{Event, Mutation, State};
-use crate::files::vfs;
 use crate::protocol::convert::uri;
 use crate::protocol::messages::{DocumentText, DocumentTextRequest};
 use crate::protocol::types::{TextDocumentContentChangeEvent, TextDocumentIdentifier, Uri};
 use dotgen_analysis::host::FileContent;
+use dotgen_platform::files::vfs;
 
 impl State {
     /// Handles a replacement in the last change of a document.

@@ -3,9 +3,9 @@
 use super::State;
 use super::session::Stale;
 use crate::features::verification::problems;
-use crate::panic;
 use crate::session::post::Post;
 use crate::session::verifier::News;
+use dotgen_platform::panic;
 
 impl State {
     /// Schedules a verification after a pause.

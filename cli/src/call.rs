@@ -1,0 +1,180 @@
+//! `dotgen call` and `dotgen watch`: what runs is asked for something.
+
+use std::io::{BufRead as _, BufReader, Write as _};
+
+use anyhow::{Context, bail};
+use camino::Utf8PathBuf;
+use clap::Args;
+use serde_json::{Value, json};
+
+use super::Outcome;
+use dotgen_hosting::places;
+
+/// Request a service of a component that runs (`dotgen run --clock real`)
+///
+/// Prints the outputs as JSON when the service has ended. Ctrl-C ends only this command; the activity goes
+/// on.
+///
+/// Exit status: 0 if the service ended, 1 if it was refused, was interrupted or threw an exception, 2 if
+/// nothing could be requested.
+#[derive(Debug, Args)]
+pub(super) struct Call {
+    /// Component of the service
+    component: String,
+
+    /// Service to request
+    service: String,
+
+    /// Inputs by name, as a JSON object; the others have their default, or are zero
+    #[arg(value_name = "JSON", default_value = "{}")]
+    input: String,
+
+    /// Return as soon as the service is accepted
+    #[arg(long)]
+    ack: bool,
+
+    /// Socket of the run [default: the only run on this machine]
+    #[arg(long, value_name = "PATH")]
+    socket: Option<Utf8PathBuf>,
+}
+
+/// Print the values of an output port, one JSON value per line
+///
+/// Begins with the newest value, if the port has been written. Ends when the run or the component ends, or
+/// on Ctrl-C.
+///
+/// Exit status: 0 if the run ended or N values were printed, 1 if the component ended, 2 if the port could
+/// not be watched.
+#[derive(Debug, Args)]
+pub(super) struct Watch {
+    /// Port to watch, as COMPONENT/PORT
+    port: String,
+
+    /// End after N values
+    #[arg(short = 'n', long, value_name = "N")]
+    count: Option<u64>,
+
+    /// Leave out the value that was written before
+    #[arg(long)]
+    only_new: bool,
+
+    /// Socket of the run [default: the only run on this machine]
+    #[arg(long, value_name = "PATH")]
+    socket: Option<Utf8PathBuf>,
+}
+
+/// A conversation with a run.
+pub(super) struct Talk {
+    stream: std::os::unix::net::UnixStream,
+    lines: std::io::Lines<BufReader<std::os::unix::net::UnixStream>>,
+}
+
+impl Talk {
+    pub(super) fn begin(socket: Option<&Utf8PathBuf>) -> anyhow::Result<Talk> {
+        let path = socket.map(|it| it.as_std_path());
+        let stream = places::connect(path).map_err(anyhow::Error::msg)?;
+        let lines = BufReader::new(stream.try_clone()?).lines();
+        Ok(Talk { stream, lines })
+    }
+
+    pub(super) fn say(&mut self, it: &Value) -> anyhow::Result<()> {
+        self.stream.write_all(format!("{it}\n").as_bytes())?;
+        Ok(())
+    }
+
+    /// The next answer; `None` when the run has ended. What is wrong with a request is an error.
+    pub(super) fn hear(&mut self) -> anyhow::Result<Option<Value>> {
+        let Some(Ok(line)) = self.lines.next() else {
+            return Ok(None);
+        };
+        let it: Value = serde_json::from_str(&line).context("the run says no JSON")?;
+        if it["event"] == "error" {
+            bail!(
+                "{}",
+                it["message"].as_str().unwrap_or("the request is wrong")
+            );
+        }
+        Ok(Some(it))
+    }
+
+    /// The components of the run, as it describes them.
+    pub(super) fn components(&mut self) -> anyhow::Result<Vec<Value>> {
+        self.say(&json!({"id": 1, "describe": null}))?;
+        match self.hear()? {
+            Some(mut it) => match it["components"].take() {
+                Value::Array(all) => Ok(all),
+                _ => bail!("the run does not describe its components"),
+            },
+            None => bail!("the run has ended"),
+        }
+    }
+
+    /// The JSON Schema of the values of a port, given as COMPONENT/PORT. An empty one if there is no such
+    /// port.
+    pub(super) fn schema(&mut self, path: &str) -> anyhow::Result<Value> {
+        let (component, port) = path.split_once('/').unwrap_or((path, ""));
+        let mut all = self.components()?;
+        let found = all.iter_mut().find(|it| it["name"] == component);
+        let ports = found.and_then(|it| it["ports"].as_array_mut());
+        let port = ports.and_then(|all| all.iter_mut().find(|it| it["name"] == port));
+        Ok(port.map_or(json!({}), |it| it["schema"].take()))
+    }
+}
+
+pub(super) fn call(arguments: &Call) -> anyhow::Result<Outcome> {
+    let input: Value = serde_json::from_str(&arguments.input)
+        .context("the inputs are no JSON: give an object, for example '{\"height\": 2}'")?;
+    let mut talk = Talk::begin(arguments.socket.as_ref())?;
+    let path = format!("{}.{}", arguments.component, arguments.service);
+    talk.say(&json!({"id": 1, "call": path, "input": input}))?;
+    while let Some(it) = talk.hear()? {
+        let mut out = std::io::stdout();
+        match it["event"].as_str() {
+            Some("accepted") if arguments.ack => return Ok(Outcome::Fine),
+            Some("done") => {
+                writeln!(out, "{}", it["output"])?;
+                return Ok(Outcome::Fine);
+            }
+            Some("failed") => {
+                let exception = it["exception"].as_str().unwrap_or("an exception");
+                match &it["detail"] {
+                    Value::Null => told(exception),
+                    detail => told(&format!("{exception} {detail}")),
+                }
+                return Ok(Outcome::Errors);
+            }
+            _ => {}
+        }
+    }
+    bail!("the run has ended before the service has")
+}
+
+pub(super) fn watch(arguments: &Watch) -> anyhow::Result<Outcome> {
+    let mut talk = Talk::begin(arguments.socket.as_ref())?;
+    talk.say(&json!({"id": 1, "watch": arguments.port, "newest": !arguments.only_new}))?;
+    let mut left = arguments.count;
+    while left != Some(0) {
+        let Some(it) = talk.hear()? else { break };
+        match it["event"].as_str() {
+            Some("data") => {}
+            Some("lost") => {
+                told(it["message"].as_str().unwrap_or("the component is gone"));
+                return Ok(Outcome::Errors);
+            }
+            _ => continue,
+        }
+        let mut out = std::io::stdout();
+        match it["instance"].as_str() {
+            None | Some("") => writeln!(out, "{}", it["value"])?,
+            Some(instance) => writeln!(out, "{}", json!({instance: it["value"]}))?,
+        }
+        left = left.map(|it| it - 1);
+    }
+    Ok(Outcome::Fine)
+}
+
+/// Says why a service has failed.
+fn told(why: &str) {
+    // There is nowhere left to complain if this fails.
+    let _ = writeln!(std::io::stderr(), "{why}");
+}

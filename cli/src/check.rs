@@ -1,0 +1,213 @@
+//! `dotgen check`
+
+mod fix;
+
+use camino::Utf8PathBuf;
+use clap::{Args, ValueEnum};
+use dotgen_analysis::codes::{is_environment, severity_here};
+use dotgen_analysis::diagnostic::{Diagnostic, Severity};
+use dotgen_analysis::host::Analysis;
+use dotgen_timing::scn::names::Names;
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::report::{self, FileReports, Format, OpenNames};
+use super::session::{self, ConfigProblems, Session, SourceFile, Texts, Trouble};
+use super::{Outcome, Reading};
+use dotgen_lsp_server::protocol::convert::{Encoding, Lines};
+use dotgen_platform::files::vfs;
+use dotgen_views::verification::Problem;
+
+/// Check specifications and scenarios
+///
+/// Exit status: 0 without errors (warnings do not count), 1 with errors, or with --diff if there is something
+/// to fix, 2 if a file cannot be read or written.
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// Specifications, scenarios (.scn), directories to search for .gen files, or - for standard input
+    #[arg(value_name = "PATH", required = true)]
+    paths: Vec<Utf8PathBuf>,
+
+    /// Output format of diagnostics
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+
+    /// Apply every unambiguous fix; report the rest
+    #[arg(long)]
+    fix: bool,
+
+    /// Write nothing; print the changes of --fix
+    #[arg(long)]
+    diff: bool,
+
+    /// Print the release of GenoM3 that specifications are read as, and the reason for it
+    #[arg(long, short)]
+    verbose: bool,
+
+    /// Report these warnings as errors; the environment variable DOTGEN_DENY does the same
+    #[arg(long, value_enum, value_name = "WHAT")]
+    deny: Vec<Deny>,
+
+    #[command(flatten)]
+    reading: Reading,
+}
+
+/// Warnings that can be errors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Deny {
+    /// Packages and included files that are not found
+    Missing,
+}
+
+impl Arguments {
+    /// Whether a missing package or file is an error.
+    fn denies_missing(&self) -> bool {
+        let variable = std::env::var("DOTGEN_DENY").unwrap_or_default();
+        let mut words = variable.split(',').map(str::trim);
+        self.deny.contains(&Deny::Missing) || words.any(|it| it == "missing")
+    }
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    let (files, mut trouble) = session::usable(&arguments.paths, &["gen"]);
+    if files.is_empty() {
+        return Ok(trouble.outcome(Outcome::Fine));
+    }
+    let mut report = FileReports::default();
+    let mut changed = fix::Changed::new();
+    let mut made = fix::Made::new();
+    let reading = Reading {
+        only_installed: arguments.denies_missing(),
+        ..arguments.reading.clone()
+    };
+    for mut session in session::open(files, &reading)? {
+        if arguments.verbose {
+            say_release(&session)?;
+        }
+        if arguments.fix || arguments.diff {
+            trouble.or_tell(fix::mend(&mut session, &mut changed, &mut made));
+        }
+        let before = std::mem::take(&mut report.diagnostics);
+        check(&mut session, &mut report, &mut trouble);
+        fix::retain_founded(&mut session, &mut report.diagnostics);
+        fix::judge(&mut session, &changed, &mut report.diagnostics);
+        report.diagnostics.splice(0..0, before);
+    }
+    if arguments.diff {
+        return fix::print(&changed);
+    }
+    fix::write(&changed, &made)?;
+    if !arguments.denies_missing() {
+        for it in &mut report.diagnostics {
+            it.severity = severity_here(it.code, it.severity);
+        }
+    }
+    report.finish();
+    report::print(&report, arguments.format)?;
+    Ok(trouble.outcome(match report.count(Severity::Error) {
+        0 => Outcome::Fine,
+        _ => Outcome::Errors,
+    }))
+}
+
+/// Adds what is wrong with the files of a session. A file that cannot be read is told, and the others go on.
+fn check(session: &mut Session, report: &mut FileReports, trouble: &mut Trouble) {
+    if let Some(config) = &session.config {
+        add_config_problems(config, &mut report.diagnostics, &mut report.texts);
+    }
+    trouble.or_tell(check_specifications(session, report));
+    for file in session.files.iter().filter(|it| it.is_scenario()) {
+        if let Some(found) = trouble.or_tell(scenario(session, file)) {
+            trouble.or_tell(session.add_texts(&found, &mut report.texts));
+            report.diagnostics.extend(found);
+            report.checked += 1;
+        }
+    }
+}
+
+fn check_specifications(session: &mut Session, report: &mut FileReports) -> anyhow::Result<()> {
+    let specifications = session.files.iter().filter(|it| !it.is_scenario());
+    let specifications: Vec<Utf8PathBuf> = specifications.map(|it| it.path.clone()).collect();
+    // What each includes has to be known before what is included anywhere.
+    session.ask_each(&specifications, Analysis::files_of_root, |_, _, _| Ok(()))?;
+    let ours: FxHashSet<&Utf8PathBuf> = session.files.iter().map(|it| &it.path).collect();
+    let mut wanted = Vec::new();
+    for file in session.files.iter().filter(|it| !it.is_scenario()) {
+        if !file.named {
+            // Found in a directory and included by another file of it: it is checked in there, and
+            // need not make sense alone.
+            let roots = session.ask(&file.path, |it| it.roots_containing(&file.path))?;
+            if roots.iter().any(|it| *it != file.path && ours.contains(it)) {
+                continue;
+            }
+        }
+        wanted.push(file.path.clone());
+    }
+    let mut reports = FxHashMap::default();
+    session.ask_each(&wanted, Analysis::root_diagnostics, |_, path, found| {
+        reports.insert(path.to_owned(), found);
+        Ok(())
+    })?;
+    for path in &wanted {
+        if let Some(found) = reports.remove(path) {
+            if found.iter().any(|it| is_environment(it.code)) {
+                let needs = session.ask(path, |it| it.dependencies(path))?;
+                report.waiting.extend(OpenNames::of(&needs));
+            }
+            session.add_texts(&found, &mut report.texts)?;
+            report.diagnostics.extend(found.iter().cloned());
+            report.checked += 1;
+        }
+    }
+    Ok(())
+}
+
+/// Names the release of GenoM3 on the error output: once for all files that are read as the same one.
+fn say_release(session: &Session) -> anyhow::Result<()> {
+    let mut said = Vec::new();
+    for file in session.files.iter().filter(|it| !it.is_scenario()) {
+        let choice = session.ask(&file.path, |it| it.release(&file.path))?;
+        if !said.contains(&choice) {
+            anstream::eprintln!("{}: GenoM3 {choice}", session::display(&file.path));
+            said.push(choice);
+        }
+    }
+    Ok(())
+}
+
+/// What is wrong with a scenario: syntax, the specifications it uses, names.
+fn scenario(session: &Session, file: &SourceFile) -> anyhow::Result<Vec<Diagnostic>> {
+    let problem = session.ask(&file.path, |it| {
+        let text = it.text(&file.path)?.unwrap_or_default().to_string();
+        Problem::from_scenario(&file.path, text, it, vfs::read)
+    })?;
+    let mut found = problem.errors.clone();
+    if found.is_empty() {
+        let specs = problem.specs();
+        let unknown = Names::new(&specs).unknown_names(&problem.scenario);
+        found.extend(unknown.iter().map(|it| problem.diagnostic(it)));
+    }
+    Ok(found)
+}
+
+fn add_config_problems(
+    config: &ConfigProblems,
+    diagnostics: &mut Vec<Diagnostic>,
+    texts: &mut Texts,
+) {
+    let problems = config.problems.iter().map(|problem| {
+        let severity = match problem.kind.is_error() {
+            true => Severity::Error,
+            false => Severity::Warning,
+        };
+        Diagnostic::new(
+            problem.kind.code(),
+            severity,
+            problem.message.clone(),
+            config.path.clone(),
+            problem.range.clone().unwrap_or(0..0),
+        )
+    });
+    diagnostics.extend(problems);
+    let lines = Lines::new(config.text.clone(), Encoding::Utf16);
+    texts.insert(config.path.clone(), lines);
+}

@@ -1,0 +1,212 @@
+//! `dotgen check --fix` and `--diff`: what has one plain repair gets it.
+
+use std::collections::BTreeMap;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::diagnostic::{Diagnostic, Fix, FixKind, Severity};
+use dotgen_codegen::codels::command::Project;
+use dotgen_codegen::codels::command::judge::{Judge, MOST_TRIALS, Verdict};
+use dotgen_codegen::codels::edit::Edit;
+use dotgen_codegen::codels::folder::NEVER_THROWN;
+
+use super::{FileReports, Outcome, Session, Trouble, check};
+use crate::{codels, fmt, report, session};
+
+/// Repairs may show what else is wrong; texts in which more than so many lie one below the other are left.
+const MOST_ROUNDS: usize = 20;
+
+/// Errors of one file for which repairs are sought by trying.
+const MOST_TRIED: usize = 3;
+
+/// Texts as they were and as they are now, by file.
+pub(super) type Changed = BTreeMap<Utf8PathBuf, (String, String)>;
+
+/// Titles of the fixes that were made, with the number of times, by file.
+pub(super) type Made = BTreeMap<Utf8PathBuf, BTreeMap<String, usize>>;
+
+/// Repairs the texts that a session reads, in memory. A repair is made if it was tried and is whole: see
+/// [`judge`](dotgen_codegen::codels::command::judge).
+pub(super) fn mend(
+    session: &mut Session,
+    changed: &mut Changed,
+    titles: &mut Made,
+) -> anyhow::Result<()> {
+    let mut room = MOST_TRIALS;
+    for _ in 0..MOST_ROUNDS {
+        let mut report = FileReports::default();
+        // What cannot be read is told once, with the report.
+        check(session, &mut report, &mut Trouble::silent());
+        let found = report.diagnostics.iter();
+        let plain = found.filter_map(|it| Some((it.fixes.first()?, it)));
+        let plain = plain.filter(|it| it.0.kind == FixKind::Plain && is_ours(session, it.0));
+        let edits: Vec<(Edit, &Diagnostic)> =
+            plain.map(|it| (Edit::of(&it.0.edits), it.1)).collect();
+        let mut project = project(session, changed);
+        let mut made = Vec::new();
+        for (roots, edits) in by_roots(&project, edits) {
+            let mut judge = Judge::new(&mut project, &roots);
+            judge.room = room;
+            let of_codes: Vec<(Edit, &str)> =
+                edits.iter().map(|it| (it.0.clone(), it.1.code)).collect();
+            let (edit, chosen) = judge.together(&of_codes, false);
+            room = judge.room;
+            for it in chosen.into_iter().filter_map(|it| edits.get(it)) {
+                let title = it.1.fixes.first().map_or("", |fix| &fix.title);
+                let of_file = titles.entry(it.1.path.clone()).or_default();
+                *of_file.entry(title.to_owned()).or_default() += 1;
+            }
+            // Edits of other units are judged beside these.
+            for it in project.changes(&edit) {
+                project.overlay(it.path.clone(), it.after.clone());
+                made.push(it);
+            }
+        }
+        if made.is_empty() {
+            return Ok(());
+        }
+        for it in made {
+            let before = it.before.unwrap_or_default();
+            changed.entry(it.path).or_insert((before, String::new())).1 = it.after;
+        }
+    }
+    Ok(())
+}
+
+/// Keeps the fixes of findings that are whole. Those for which there is no room to try them are left out.
+pub(super) fn judge(session: &mut Session, changed: &Changed, found: &mut [Diagnostic]) {
+    let is_open = |it: &Diagnostic| it.severity == Severity::Error || !it.fixes.is_empty();
+    if !found.iter().any(is_open) {
+        return;
+    }
+    let mut project = project(session, changed);
+    let mut room = MOST_TRIALS;
+    let mut at = 0;
+    while at < found.len() {
+        let path = found[at].path.clone();
+        let end = at + found[at..].iter().take_while(|it| it.path == path).count();
+        let roots = project.roots_of(&path);
+        let size = project.text(&path).map_or(0, |it| it.len());
+        let mut judge = Judge::new(&mut project, &roots);
+        judge.room = room;
+        judge.limit(size);
+        let allowed = judge.room;
+        let mut verdicts = verdicts(&mut judge, &found[at..end]).into_iter();
+        let had_room = judge.room > 0;
+        let mut tried = 0;
+        for number in at..end {
+            let it = &mut found[number];
+            it.fixes.retain_mut(|fix| {
+                let verdict = verdicts.next().unwrap_or(Verdict::Unknown);
+                if verdict != Verdict::Whole && fix.kind == FixKind::Plain {
+                    fix.kind = FixKind::Guess;
+                }
+                // A fix of a file that many units include is offered untried.
+                verdict == Verdict::Whole || verdict == Verdict::Unknown && had_room
+            });
+            if it.severity == Severity::Error && it.fixes.is_empty() && tried < MOST_TRIED {
+                tried += 1;
+                let code = it.code;
+                let mut fixes = judge.project().trials(&found[number], &found[at..end]);
+                fixes.retain_mut(|fix| {
+                    judge.verdict(&Edit::of(&fix.edits), Some(code)) == Verdict::Whole
+                });
+                found[number].fixes = fixes;
+            }
+        }
+        room -= allowed - judge.room;
+        at = end;
+    }
+}
+
+/// Judges all fixes of findings of one file, in their order. The first fixes of all findings are tried
+/// together, then the second ones, since alternatives exclude each other; those of errors come before
+/// others.
+fn verdicts(judge: &mut Judge<'_, '_>, found: &[Diagnostic]) -> Vec<Verdict> {
+    let mut order: Vec<usize> = (0..found.len()).collect();
+    order.sort_by_key(|&it| found[it].severity);
+    let most = found.iter().map(|it| it.fixes.len()).max();
+    let mut verdicts = vec![Vec::new(); found.len()];
+    for rank in 0..most.unwrap_or(0) {
+        let fixes = order.iter().filter_map(|&number| {
+            let it = &found[number];
+            let fix = it.fixes.get(rank)?;
+            Some((number, (Edit::of(&fix.edits), it.code)))
+        });
+        let (numbers, edits): (Vec<usize>, Vec<(Edit, &str)>) = fixes.unzip();
+        for (number, verdict) in std::iter::zip(numbers, judge.verdicts(&edits)) {
+            verdicts[number].push(verdict);
+        }
+    }
+    verdicts.into_iter().flatten().collect()
+}
+
+/// Leaves out findings with which the sources of codels disagree.
+pub(super) fn retain_founded(session: &mut Session, found: &mut Vec<Diagnostic>) {
+    if found.iter().any(|it| it.code == NEVER_THROWN) {
+        let project = codels::project(session);
+        found.retain(|it| !project.refutes(it));
+    }
+}
+
+/// The specifications of a session and their codels, with the texts that were changed.
+fn project<'s>(session: &'s mut Session, changed: &Changed) -> Project<'s> {
+    let mut project = codels::project(session);
+    for (path, (_, new)) in changed {
+        project.overlay(path.clone(), new.clone());
+    }
+    project
+}
+
+/// Edits by the roots of the units that they concern, each with the finding that it mends.
+type ByRoots<'e> = BTreeMap<Vec<Utf8PathBuf>, Vec<(Edit, &'e Diagnostic)>>;
+
+fn by_roots<'e>(project: &Project<'_>, edits: Vec<(Edit, &'e Diagnostic)>) -> ByRoots<'e> {
+    let mut out = ByRoots::new();
+    for it in edits {
+        let paths = it.0.changed.keys();
+        let mut roots: Vec<_> = paths.flat_map(|it| project.roots_of(it)).collect();
+        roots.sort();
+        roots.dedup();
+        out.entry(roots).or_default().push(it);
+    }
+    out
+}
+
+/// Shows what would change.
+pub(super) fn print(changed: &Changed) -> anyhow::Result<Outcome> {
+    for (path, (old, new)) in changed {
+        fmt::print_diff(&session::display(path), old, new)?;
+    }
+    Ok(match changed.is_empty() {
+        true => Outcome::Fine,
+        false => Outcome::Errors,
+    })
+}
+
+/// Gives the files their new texts: all of them, or none.
+pub(super) fn write(changed: &Changed, made: &Made) -> anyhow::Result<()> {
+    let files = changed.iter();
+    let files: Vec<_> = files
+        .map(|(path, (_, new))| report::new_content(path, new))
+        .collect();
+    report::write_files(&files)?;
+    for (path, titles) in made {
+        let title = |(title, count): (&String, &usize)| match count {
+            1 => report::text::title(title),
+            _ => format!("{} ({count} times)", report::text::title(title)),
+        };
+        let titles: Vec<String> = titles.iter().map(title).collect();
+        let path = session::display(path);
+        report::note(&format!("fixed `{path}`: {}", titles.join(", ")));
+    }
+    Ok(())
+}
+
+/// Whether a fix changes only what was given, and what lies beside or below it.
+fn is_ours(session: &Session, fix: &Fix) -> bool {
+    let beside = |path: &Utf8Path| {
+        let mut folders = session.files.iter().filter_map(|it| it.path.parent());
+        folders.any(|it| path.starts_with(it))
+    };
+    fix.edits.iter().all(|it| beside(&it.path))
+}

@@ -1,0 +1,409 @@
+//! `dotgen codels`: specifications and their C/C++ codels, compared and kept in step.
+
+pub(super) mod build;
+
+use anyhow::{Context, bail};
+use camino::{Utf8Path, Utf8PathBuf};
+use clap::{Args, Subcommand};
+use dotgen_analysis::codes::is_environment;
+use dotgen_analysis::diagnostic::{Diagnostic, Severity};
+use dotgen_analysis::terminal;
+use dotgen_codegen::codels::coverage::Coverage;
+use dotgen_codegen::codels::expected::Expected;
+use dotgen_codegen::codels::files::Files as _;
+use dotgen_codegen::codels::{
+    command::{self, FileChange, Project, StubTarget, SyncOptions},
+    diagnostics::{Side, diagnostics},
+    folder::Folder,
+    repair::ByHand,
+    stub::StubOptions,
+};
+use dotgen_syntax::encoding;
+use std::io::Write as _;
+
+use super::report::{self, Compared, FileReports, Format};
+use super::session::{self, Session};
+use super::{Outcome, Reading};
+use dotgen_lsp_server::features::codels::Disk;
+use dotgen_lsp_server::features::codels::headers::{FOLDER, IGNORED};
+use dotgen_lsp_server::protocol::convert::{Encoding, Lines};
+use dotgen_platform::files::vfs;
+
+/// Check codels against their specification, write stubs, compile
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Check(Check),
+    Stub(Stub),
+    Sync(Sync),
+    Headers(Headers),
+    Build(build::Build),
+}
+
+/// Report codels whose code disagrees with the specification
+///
+/// Exit status: 0 if all codels agree (hints do not count), 1 if one disagrees or a specification does not
+/// parse, 2 if a file cannot be read.
+#[derive(Debug, Args)]
+struct Check {
+    /// Specifications, directories to search for .gen files, or - for standard input
+    #[arg(value_name = "PATH", required = true)]
+    paths: Vec<Utf8PathBuf>,
+
+    /// Output format
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+
+    #[command(flatten)]
+    reading: Reading,
+}
+
+/// Write stubs for codels without a function
+///
+/// Stubs are added at the end of existing files, or in new ones. Nothing else changes.
+#[derive(Debug, Args)]
+struct Stub {
+    /// Specification (.gen), or directory with one specification
+    file: Utf8PathBuf,
+
+    /// Write only the stub of this codel
+    #[arg(long, value_name = "NAME", conflicts_with = "service")]
+    codel: Option<String>,
+
+    /// Write only the stubs of this task or service
+    #[arg(long, value_name = "NAME")]
+    service: Option<String>,
+
+    /// Write nothing; print the changes
+    #[arg(long)]
+    dry_run: bool,
+
+    #[command(flatten)]
+    reading: Reading,
+}
+
+/// Apply every unambiguous fix: stubs, prototypes, comments, missing yields and throws
+#[derive(Debug, Args)]
+struct Sync {
+    /// Specifications, and directories to search for .gen files
+    #[arg(value_name = "PATH", required = true)]
+    paths: Vec<Utf8PathBuf>,
+
+    /// Write nothing; print the changes
+    #[arg(long)]
+    dry_run: bool,
+
+    /// Remove STATE from the yields of CODEL if the code never returns it; may be repeated
+    #[arg(long, value_name = "CODEL=STATE", value_parser = yield_of_codel)]
+    remove_yield: Vec<(String, String)>,
+
+    #[command(flatten)]
+    reading: Reading,
+}
+
+/// Write the headers that codels include, so that clangd works without a build
+///
+/// Writes mapped types, events and a compile_flags.txt to a separate folder.
+#[derive(Debug, Args)]
+struct Headers {
+    /// Specification (.gen), or directory with one specification
+    file: Utf8PathBuf,
+
+    /// Folder to write to [default: .dotgen next to the specification]
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<Utf8PathBuf>,
+
+    #[command(flatten)]
+    reading: Reading,
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    match &arguments.command {
+        Command::Check(it) => check(it),
+        Command::Stub(it) => stub(it),
+        Command::Sync(it) => sync(it),
+        Command::Headers(it) => headers(it),
+        Command::Build(it) => build::run(it),
+    }
+}
+
+pub(super) fn project(session: &mut Session) -> Project<'_> {
+    let files = session.codels();
+    let stubs = StubOptions {
+        use_parameters: true,
+        ..StubOptions::default()
+    };
+    let given: Vec<_> = (session.files.iter())
+        .filter_map(|it| Some((it.path.clone(), it.text.clone()?)))
+        .collect();
+    let mut project = Project::new(session.host_mut(), &Disk, files, stubs);
+    for (path, text) in given {
+        project.overlay(path, text.to_string());
+    }
+    project
+}
+
+/// What is written goes beside the specification, so this has to be a file.
+fn has_place(paths: &[Utf8PathBuf]) -> anyhow::Result<()> {
+    if let Some(path) = paths.iter().find(|it| session::is_standard_input(it)) {
+        bail!("`{path}` is no file beside which codels could be written; name the specification");
+    }
+    Ok(())
+}
+
+fn roots(session: &Session) -> Vec<Utf8PathBuf> {
+    session.files.iter().map(|it| it.path.clone()).collect()
+}
+
+fn check(arguments: &Check) -> anyhow::Result<Outcome> {
+    let (files, mut trouble) = session::specifications(&arguments.paths);
+    let mut report = FileReports::default();
+    let mut errors = Vec::new();
+    let mut broken = false;
+    for mut session in session::open(files, &arguments.reading)? {
+        let roots = roots(&session);
+        let mut project = project(&mut session);
+        let folders = project.folders(&roots, &mut errors);
+        broken |= roots.iter().any(|it| project.has_errors_in_text(it));
+        let folders = folders.into_iter().map(|it| {
+            let found = it.check(&it.expected());
+            (it, found)
+        });
+        let compared: Vec<_> = folders.collect();
+        for (folder, _) in compared.iter().filter(|it| it.0.sources.exists) {
+            report.compared.extend(compared_of(folder));
+        }
+        let mut found = project.unused_allowances(&compared);
+        report.checked += compared.len();
+        for (folder, differs) in compared {
+            if folder.sources.sources.is_empty() {
+                nothing_there(&folder);
+            } else if !folder.unit.accepted() {
+                has_errors(&folder);
+            }
+            let differs = project.adjusted(&folder, differs);
+            let locations = &*folder.unit.locations;
+            found.extend(diagnostics(&differs, locations, Side::First));
+        }
+        for it in &found {
+            for path in std::iter::once(&it.path).chain(it.related.iter().map(|it| &it.path)) {
+                let text = project.text(path).unwrap_or_default();
+                report
+                    .texts
+                    .entry(path.clone())
+                    .or_insert_with(|| Lines::new(text, Encoding::Utf16));
+            }
+        }
+        report.diagnostics.extend(found);
+    }
+    report.finish();
+    report::print(&report, arguments.format)?;
+    errors
+        .into_iter()
+        .for_each(|it| trouble.tell(&anyhow::Error::msg(it)));
+    let differs = report.diagnostics.iter();
+    let differs = differs.filter(|it| it.severity != Severity::Hint).count();
+    Ok(trouble.outcome(match differs == 0 && !broken {
+        true => Outcome::Fine,
+        false => Outcome::Errors,
+    }))
+}
+
+/// Says that a specification has errors, so that not everything could be compared.
+fn has_errors(folder: &Folder) {
+    let path = session::display(&folder.specification);
+    let errors = folder.unit.diagnostics.iter();
+    let errors = errors.filter(|it| it.severity == Severity::Error);
+    let (here, text): (Vec<_>, Vec<_>) = errors.partition(|it| is_environment(it.code));
+    let count = |all: &[&Diagnostic], one: &str| match all.len() {
+        1 => format!("1 {one}"),
+        n => format!("{n} {one}s"),
+    };
+    let what = match (here.is_empty(), text.is_empty()) {
+        (false, true) => format!(
+            "{} missing on this machine: `dotgen deps {path}` says what brings it",
+            count(&here, "thing")
+        ),
+        (true, _) => format!(
+            "{}: `dotgen check {path}` shows them",
+            count(&text, "error")
+        ),
+        (false, false) => format!(
+            "{}, and {} missing on this machine: `dotgen check {path}` and `dotgen deps {path}` say more",
+            count(&text, "error"),
+            count(&here, "thing"),
+        ),
+    };
+    report::note(&format!("`{path}` has {what}"));
+}
+
+/// How much of the codels of a folder was compared, by component.
+fn compared_of(folder: &Folder) -> Vec<Compared> {
+    let all = folder.expected();
+    let one = |it: &Expected<'_>| {
+        let mut coverage = Coverage::default();
+        coverage.add(it, &folder.trust);
+        Compared {
+            file: session::display(&folder.specification),
+            component: it.component().name.to_string(),
+            coverage,
+        }
+    };
+    all.iter().map(one).collect()
+}
+
+/// Says that a specification was compared with nothing: that is not the same as in step.
+fn nothing_there(folder: &Folder) {
+    let path = session::display(&folder.specification);
+    let sources = session::display(&folder.sources.folder);
+    report::note(&format!(
+        "`{path}` has no sources in `{sources}`, so nothing was compared; `dotgen codels stub {path}` \
+            writes them"
+    ));
+}
+
+fn stub(arguments: &Stub) -> anyhow::Result<Outcome> {
+    has_place(std::slice::from_ref(&arguments.file))?;
+    let mut session = session::single(&arguments.file, &arguments.reading)?;
+    let root = roots(&session).pop().context("there is nothing to read")?;
+    let target = match (&arguments.codel, &arguments.service) {
+        (Some(name), _) => StubTarget::Codel(name.clone()),
+        (None, Some(name)) => StubTarget::Owner(name.clone()),
+        (None, None) => StubTarget::All,
+    };
+    let changes =
+        command::stub(&mut project(&mut session), &root, &target).map_err(anyhow::Error::msg)?;
+    if changes.is_empty() {
+        report::note("every codel has a function; there is nothing to write");
+    }
+    write(&changes, arguments.dry_run)?;
+    Ok(Outcome::Fine)
+}
+
+/// `CODEL=STATE`
+fn yield_of_codel(text: &str) -> Result<(String, String), String> {
+    let (codel, state) = text
+        .split_once('=')
+        .ok_or("write the codel and the state, as in `arm_move=pause::main`")?;
+    Ok((codel.trim().to_owned(), state.trim().to_owned()))
+}
+
+fn sync(arguments: &Sync) -> anyhow::Result<Outcome> {
+    let (files, mut trouble) = session::specifications(&arguments.paths);
+    has_place(&arguments.paths)?;
+    let options = SyncOptions {
+        remove_yields: arguments.remove_yield.clone(),
+        ..SyncOptions::default()
+    };
+    let mut outcome = Outcome::Fine;
+    for mut session in session::open(files, &arguments.reading)? {
+        let roots = roots(&session);
+        let done = command::sync(&mut project(&mut session), &roots, &options);
+        if trouble
+            .or_tell(write(&done.changes, arguments.dry_run))
+            .is_none()
+        {
+            continue;
+        }
+        let mut out = anstream::stdout();
+        for title in &done.applied {
+            writeln!(out, "{title}")?;
+        }
+        if done.applied.is_empty() && done.left.errors.is_empty() {
+            report::note("there is nothing to mend");
+        }
+        for it in &done.notes {
+            let path = session::display(&it.path).into();
+            report::note(&ByHand { path, ..it.clone() }.to_string());
+        }
+        let left = done.left.findings.iter();
+        let left: Vec<_> = left.filter(|it| it.severity != Severity::Hint).collect();
+        for it in &left {
+            let at = it.at.as_ref();
+            let at = at.map_or_else(String::new, |at| {
+                format!("{}:{}: ", session::display(&at.path), at.line)
+            });
+            writeln!(out, "{at}{}", it.message)?;
+        }
+        if !left.is_empty() {
+            writeln!(out, "{} left, see `dotgen codels check`", left.len())?;
+            outcome = Outcome::Errors;
+        }
+        for error in &done.left.errors {
+            trouble.tell(&anyhow::Error::msg(error.clone()));
+        }
+    }
+    Ok(trouble.outcome(outcome))
+}
+
+fn headers(arguments: &Headers) -> anyhow::Result<Outcome> {
+    has_place(std::slice::from_ref(&arguments.file))?;
+    let mut session = session::single(&arguments.file, &arguments.reading)?;
+    let root = roots(&session).pop().context("there is nothing to read")?;
+    let beside = root.parent().unwrap_or(Utf8Path::new("."));
+    let output = match &arguments.output {
+        Some(output) => vfs::normalize(&camino::absolute_utf8(output)?),
+        None => beside.join(FOLDER),
+    };
+    let files = command::headers(&mut project(&mut session), &root, &output, &[])
+        .map_err(anyhow::Error::msg)?;
+    let mut changes: Vec<FileChange> = files
+        .into_iter()
+        .map(|file| {
+            let path = output.join(file.path);
+            let before = Disk.read(&path).map(|it| it.to_string());
+            FileChange {
+                path,
+                before,
+                after: file.text,
+            }
+        })
+        .collect();
+    let ignored = output.join(".gitignore");
+    if arguments.output.is_none() && !ignored.exists() {
+        changes.push(FileChange {
+            path: ignored,
+            before: None,
+            after: IGNORED.to_owned(),
+        });
+    }
+    write(&changes, false)?;
+    Ok(Outcome::Fine)
+}
+
+/// Writes changes, all or none, and names the files; or shows the differences.
+fn write(changes: &[FileChange], dry_run: bool) -> anyhow::Result<()> {
+    let changed = |it: &&FileChange| it.before.as_deref() != Some(&it.after);
+    let changes: Vec<&FileChange> = changes.iter().filter(changed).collect();
+    let mut out = anstream::stdout();
+    if dry_run {
+        for change in changes {
+            let path = session::display(&change.path).into();
+            let shown = FileChange {
+                path,
+                ..change.clone()
+            };
+            write!(out, "{}", encoding::shown(&shown.diff()))?;
+        }
+        return Ok(());
+    }
+    let content = |it: &&FileChange| report::new_content(&it.path, &it.after);
+    report::write_files(&changes.iter().map(content).collect::<Vec<_>>())?;
+    for change in changes {
+        let did = match change.before.is_some() {
+            true => "changed",
+            false => "created",
+        };
+        writeln!(
+            out,
+            "{did} {}",
+            terminal::name(&session::display(&change.path))
+        )?;
+    }
+    Ok(())
+}

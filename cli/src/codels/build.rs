@@ -1,0 +1,588 @@
+//! `dotgen codels build`
+
+use std::ffi::OsString;
+use std::io::{ErrorKind, IsTerminal as _, Write as _};
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use anyhow::{Context, bail};
+use camino::{Utf8Path, Utf8PathBuf};
+use clap::Args;
+use dotgen_analysis::diagnostic::{Diagnostic, Related, Severity};
+use dotgen_analysis::source_map::Locations as _;
+use dotgen_codegen::codels::build::{
+    self, Optimization, Packages, Plan, Said, Step, Tools, Weight,
+};
+use dotgen_codegen::codels::files::Files as _;
+use dotgen_codegen::codels::folder::Folder;
+use dotgen_codegen::codels::hosted::{Hosted, hosted};
+use dotgen_codegen::codels::links::codel_functions;
+use dotgen_codegen::disk::{Disk as _, NewContent};
+use dotgen_codegen::process::Processes as _;
+use dotgen_syntax::packages;
+use dotgen_timing::verify::Interrupt;
+
+use super::{has_place, project, roots};
+use crate::report::{self, FileReports, Format};
+use crate::{Outcome, Reading, session};
+use dotgen_lsp_server::features::codels::Disk;
+use dotgen_lsp_server::features::codels::headers::{FOLDER, IGNORED};
+use dotgen_lsp_server::protocol::convert::{Encoding, Lines};
+use dotgen_platform::files::disk::SystemDisk;
+use dotgen_platform::files::vfs;
+use dotgen_platform::files::vfs::PackageConfig;
+use dotgen_platform::process;
+
+/// Folder of builds, below that of generated headers.
+const RUN: &str = "run";
+
+/// Code of what compilers say.
+const CODE: &str = "codel/compiler";
+
+/// Compile codels with the system's compilers; GenoM3 is not needed
+///
+/// Compiles the sources of codels against the mapped types of their specification and links them into a
+/// shared object below `.dotgen/run`. Only changed sources are compiled, on all cores. pkg-config finds the
+/// packages of `requires` and `codels-requires`. $CC and $CXX select other compilers.
+///
+/// Exit status: 0 if all codels exist and compile (warnings do not count), 1 if one is missing or does not
+/// compile, 2 if nothing could be compiled.
+#[derive(Debug, Args)]
+pub(super) struct Build {
+    /// Specifications, and directories to search for .gen files
+    #[arg(value_name = "PATH", required = true)]
+    paths: Vec<Utf8PathBuf>,
+
+    /// Number of compilers to run at the same time [default: one per processor core]
+    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    jobs: Option<u16>,
+
+    /// Output format of the compilers' messages
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+
+    #[command(flatten)]
+    reading: Reading,
+}
+
+pub(super) fn run(arguments: &Build) -> anyhow::Result<Outcome> {
+    has_place(&arguments.paths)?;
+    let (files, mut trouble) = session::specifications(&arguments.paths);
+    let tools = tools(Optimization::Some)?;
+    let mut report = FileReports::default();
+    let mut errors = Vec::new();
+    let mut whole = true;
+    for mut session in session::open(files, &arguments.reading)? {
+        let roots = roots(&session);
+        let packages = session.packages().clone();
+        let mut project = project(&mut session);
+        whole &= !roots.iter().any(|it| project.has_errors_in_text(it));
+        for folder in project.folders(&roots, &mut errors) {
+            let built = Builder {
+                folder: &folder,
+                tools: &tools,
+                packages: &packages,
+                jobs: arguments.jobs.map(usize::from),
+                // A signal ends this process, and its compilers with it.
+                interrupt: &Interrupt::default(),
+            };
+            let Some(built) = trouble.or_tell(built.build()) else {
+                continue;
+            };
+            whole &= built.whole;
+            report.checked += 1;
+            for it in &built.diagnostics {
+                for path in std::iter::once(&it.path).chain(it.related.iter().map(|it| &it.path)) {
+                    let lines = || Lines::new(text(path), Encoding::Utf16);
+                    report.texts.entry(path.clone()).or_insert_with(lines);
+                }
+            }
+            report.diagnostics.extend(built.diagnostics);
+        }
+    }
+    report.finish();
+    report::print(&report, arguments.format)?;
+    for it in errors {
+        trouble.tell(&anyhow::Error::msg(it));
+    }
+    let outcome = match whole && report.count(Severity::Error) == 0 {
+        true => Outcome::Fine,
+        false => Outcome::Errors,
+    };
+    Ok(trouble.outcome(outcome))
+}
+
+fn text(path: &Utf8Path) -> std::sync::Arc<str> {
+    Disk.read(path).unwrap_or_default()
+}
+
+fn tools(optimization: Optimization) -> anyhow::Result<Tools> {
+    let tool = |variable: &str, usual: &str| -> anyhow::Result<Vec<String>> {
+        let named = std::env::var(variable)
+            .ok()
+            .filter(|it| !it.trim().is_empty());
+        let named = named.unwrap_or_else(|| usual.to_owned());
+        match shlex::split(&named) {
+            Some(words) if !words.is_empty() => Ok(words),
+            _ => bail!("${variable} is no command: `{named}`"),
+        }
+    };
+    Ok(Tools {
+        c: tool("CC", "cc")?,
+        cxx: tool("CXX", "c++")?,
+        optimization,
+    })
+}
+
+/// The steps whose outputs are missing or out of date.
+fn stale<'s>(steps: &[&'s Step]) -> Vec<&'s Step> {
+    let steps = steps.iter().copied();
+    steps.filter(|it| !it.is_fresh(&SystemDisk)).collect()
+}
+
+/// `1 file`, `3 files`
+fn files(count: usize) -> String {
+    match count {
+        1 => "1 file".to_owned(),
+        _ => format!("{count} files"),
+    }
+}
+
+/// A line on the terminal that counts compiled files, and goes when it is dropped.
+struct Counter {
+    of: usize,
+    done: AtomicUsize,
+    shown: bool,
+}
+
+impl Counter {
+    fn new(of: usize) -> Counter {
+        let dumb = std::env::var_os("TERM").is_some_and(|it| it == "dumb");
+        let counter = Counter {
+            of,
+            done: AtomicUsize::new(0),
+            shown: of > 0 && !dumb && std::io::stderr().is_terminal(),
+        };
+        counter.show(0);
+        counter
+    }
+
+    fn one_more(&self) {
+        self.show(self.done.fetch_add(1, Ordering::Relaxed) + 1);
+    }
+
+    fn show(&self, done: usize) {
+        if self.shown {
+            // A terminal that does not take the line gets no other one.
+            let _ = write!(std::io::stderr(), "\rcompiled {done} of {}", files(self.of));
+        }
+    }
+}
+
+impl Drop for Counter {
+    fn drop(&mut self) {
+        if self.shown {
+            let _ = write!(std::io::stderr(), "\r\x1b[K");
+        }
+    }
+}
+
+struct Builder<'b> {
+    folder: &'b Folder,
+    tools: &'b Tools,
+    packages: &'b PackageConfig,
+    jobs: Option<usize>,
+    interrupt: &'b Interrupt,
+}
+
+struct Built {
+    diagnostics: Vec<Diagnostic>,
+    /// The shared object is there, and all codels are in it.
+    whole: bool,
+}
+
+/// The shared objects of a folder, for hosts.
+pub(crate) struct BuiltHosts {
+    /// By component; those whose objects are whole.
+    pub(crate) hosted: Vec<Hosted>,
+    /// What compilers said.
+    pub(crate) diagnostics: Vec<Diagnostic>,
+    /// Something does not compile.
+    pub(crate) failed: bool,
+}
+
+/// Builds what hosts run, of a folder that has sources.
+///
+/// When it is interrupted, it has failed.
+pub(crate) fn hosts(
+    folder: &Folder,
+    packages: &PackageConfig,
+    optimization: Optimization,
+    interrupt: &Interrupt,
+) -> anyhow::Result<BuiltHosts> {
+    let builder = Builder {
+        folder,
+        tools: &tools(optimization)?,
+        packages,
+        jobs: None,
+        interrupt,
+    };
+    builder.hosts()
+}
+
+/// What is to be done for a folder.
+struct Planned {
+    plan: Plan,
+    packages: Packages,
+    place: Utf8PathBuf,
+}
+
+impl Builder<'_> {
+    fn hosts(&self) -> anyhow::Result<BuiltHosts> {
+        let Planned {
+            plan,
+            packages,
+            place,
+        } = self.plan()?;
+        let shown = session::display(&self.folder.specification);
+        let hosted = hosted(self.folder, &plan, &place, self.tools, &packages);
+        let hosted = hosted
+            .map_err(anyhow::Error::msg)
+            .with_context(|| format!("`{shown}` cannot be run with its codels"))?;
+        let glue = hosted.iter().map(|it| &it.glue);
+        let glue = glue.map(|it| report::new_content(&it.path, &it.text));
+        write_changed(glue.collect())?;
+        let compile = plan
+            .compile
+            .iter()
+            .chain(hosted.iter().map(|it| &it.compile));
+        let links: Vec<&Step> = hosted.iter().map(|it| &it.link).collect();
+        let compile: Vec<&Step> = compile.collect();
+        let stale = stale(&compile).len();
+        if stale > 0 {
+            report::note(&format!("compiling {} of `{shown}`", files(stale)));
+        }
+        let (said, other) = self.compile(&compile, &links)?;
+        let diagnostics = self.diagnostics(&said);
+        for it in &other {
+            report::note(it);
+        }
+        Ok(BuiltHosts {
+            failed: !links.iter().all(|it| it.is_fresh(&SystemDisk)),
+            diagnostics,
+            hosted,
+        })
+    }
+
+    fn plan(&self) -> anyhow::Result<Planned> {
+        let specification = &self.folder.specification;
+        let shown = session::display(specification);
+        let wanted = self.packages(&shown)?;
+        let words = |question| {
+            let words = vfs::words(self.packages, question, &wanted);
+            words
+                .map_err(anyhow::Error::msg)
+                .with_context(|| format!("`{shown}` is not compiled"))
+        };
+        let packages = Packages {
+            compile: words("--cflags")?,
+            link: words("--libs")?,
+        };
+        let beside = specification.parent().unwrap_or(Utf8Path::new("."));
+        let stem = specification.file_stem().unwrap_or_default();
+        let place = beside.join(FOLDER).join(RUN).join(stem);
+        let plan = build::plan(self.folder, &place, self.tools, &packages);
+        let plan = plan
+            .map_err(anyhow::Error::msg)
+            .with_context(|| format!("`{shown}` is not compiled"))?;
+        write_headers(&plan, &beside.join(FOLDER))?;
+        Ok(Planned {
+            plan,
+            packages,
+            place,
+        })
+    }
+
+    /// Packages that are there. Those that only the specification requires may be missing.
+    fn packages(&self, shown: &str) -> anyhow::Result<Vec<String>> {
+        let required = build::packages(self.folder);
+        let all = required.all();
+        let flags = |packages: &[String]| vfs::words(self.packages, "--cflags", packages);
+        if flags(&all).is_ok() {
+            return Ok(all);
+        }
+        let mut wanted: Vec<String> = Vec::new();
+        for it in &required.codels {
+            if flags(std::slice::from_ref(it)).is_ok() {
+                wanted.push(it.clone());
+                continue;
+            }
+            let names = packages::names(it);
+            for name in &names {
+                let one = match names.len() {
+                    1 => it.clone(),
+                    _ => (*name).to_owned(),
+                };
+                match flags(std::slice::from_ref(&one)) {
+                    Ok(_) => wanted.push(one),
+                    // It is no more than interfaces.
+                    Err(_) if vfs::has_own_interfaces(name) => {}
+                    Err(why) => bail!(
+                        "`{shown}` is not compiled: its codels require the package `{one}`: {}; install {}",
+                        why.trim_end().trim_end_matches('.'),
+                        packages::advice(name)
+                    ),
+                }
+            }
+        }
+        let is_there = |it: &&String| flags(std::slice::from_ref(*it)).is_ok();
+        let (there, missing): (Vec<&String>, Vec<&String>) =
+            required.specification.iter().partition(is_there);
+        if !missing.is_empty() {
+            let missing: Vec<String> = missing.iter().map(|it| format!("`{it}`")).collect();
+            report::note(&format!(
+                "not installed: {}; the codels of `{shown}` are compiled without, because only the \
+                 specification requires it",
+                missing.join(", ")
+            ));
+        }
+        Ok(there.into_iter().cloned().chain(wanted).collect())
+    }
+
+    fn build(&self) -> anyhow::Result<Built> {
+        let specification = &self.folder.specification;
+        let shown = session::display(specification);
+        let codels = &self.folder.sources.folder;
+        if !self.folder.unit.accepted() {
+            // A model with errors has gaps that a compiler would report as something else.
+            bail!("`{shown}` is not compiled: it has errors; `dotgen check {shown}` shows them");
+        }
+        if self.folder.sources.sources.is_empty() {
+            report::note(&format!(
+                "`{shown}` has no sources in `{}`; `dotgen codels stub {shown}` writes them",
+                session::display(codels)
+            ));
+            return Ok(Built {
+                diagnostics: Vec::new(),
+                whole: false,
+            });
+        }
+        let plan = self.plan()?.plan;
+        if !plan.missing.is_empty() {
+            report::note(&format!(
+                "`{shown}` has codels without a function: {}; `dotgen codels stub {shown}` writes them",
+                plan.missing.join(", ")
+            ));
+        }
+        let steps: Vec<&Step> = plan.compile.iter().collect();
+        let (stale, linked) = (stale(&steps).len(), !plan.link.is_fresh(&SystemDisk));
+        let (said, other) = self.compile(&steps, &[&plan.link])?;
+        let diagnostics = self.diagnostics(&said);
+        for it in &other {
+            report::note(it);
+        }
+        let failed = |it: &Diagnostic| it.severity == Severity::Error;
+        let made = plan
+            .compile
+            .iter()
+            .chain([&plan.link])
+            .all(|it| it.is_fresh(&SystemDisk));
+        if made {
+            let library = session::display(&plan.link.output);
+            report::note(&match (stale, linked) {
+                (0, false) => format!("`{library}` is up to date"),
+                (0, true) => format!("linked `{library}`"),
+                (count, _) => format!("compiled {} into `{library}`", files(count)),
+            });
+        } else if !diagnostics.iter().any(failed) && other.is_empty() {
+            bail!("`{shown}` does not compile, and the compiler does not say why");
+        }
+        Ok(Built {
+            whole: made && plan.missing.is_empty(),
+            diagnostics,
+        })
+    }
+
+    /// Runs what has to be run; what was said about places, and what else went wrong.
+    fn compile(
+        &self,
+        steps: &[&Step],
+        links: &[&Step],
+    ) -> anyhow::Result<(Vec<Said>, Vec<String>)> {
+        let todo = stale(steps);
+        let counter = Counter::new(todo.len());
+        let jobs = self
+            .jobs
+            .unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+        let next = AtomicUsize::new(0);
+        // A compiler that is ended leaves its own temporary files, here.
+        let temporary = process::System.folder(None)?;
+        let (place, interrupt) = (temporary.path(), self.interrupt);
+        let work = |step: &Step| perform(step, place, interrupt);
+        let results = Mutex::new(Vec::new());
+        std::thread::scope(|scope| {
+            for _ in 0..jobs.min(todo.len()) {
+                scope.spawn(|| {
+                    while let Some(step) = todo.get(next.fetch_add(1, Ordering::Relaxed)) {
+                        if interrupt.is_raised() {
+                            break;
+                        }
+                        let result = work(step);
+                        counter.one_more();
+                        let mut results = results.lock().unwrap_or_else(|it| it.into_inner());
+                        results.push((&step.output, result));
+                    }
+                });
+            }
+        });
+        drop(counter);
+        let mut results = results.into_inner().unwrap_or_else(|it| it.into_inner());
+        results.sort_by_key(|it| it.0);
+        let (mut said, mut other) = (Vec::new(), Vec::new());
+        let mut failed = false;
+        for (_, result) in results {
+            let (well, printed) = result?;
+            failed |= !well;
+            let (places, rest) = build::said(&printed);
+            said.extend(places);
+            other.extend(rest);
+        }
+        for link in links {
+            if failed || interrupt.is_raised() || link.is_fresh(&SystemDisk) {
+                continue;
+            }
+            let (_, printed) = work(link)?;
+            let (places, rest) = build::said(&printed);
+            said.extend(places);
+            other.extend(rest);
+        }
+        Ok((said, other))
+    }
+
+    /// What compilers said, at its places; notes belong to what was said before.
+    fn diagnostics(&self, said: &[Said]) -> Vec<Diagnostic> {
+        let expected = self.folder.expected();
+        let mut out: Vec<Diagnostic> = Vec::new();
+        for it in said {
+            let path = vfs::normalize(&it.path);
+            let text = text(&path);
+            let range = place(&text, it.line, it.column);
+            let severity = match it.weight {
+                Weight::Error => Severity::Error,
+                Weight::Warning => Severity::Warning,
+                Weight::Note => {
+                    if let Some(before) = out.last_mut() {
+                        before.related.push(Related {
+                            message: it.what.clone(),
+                            path,
+                            range,
+                        });
+                    }
+                    continue;
+                }
+            };
+            let functions = codel_functions(&expected, &self.folder.sources, &path);
+            let mut around = functions
+                .iter()
+                .filter(|it| it.range.contains(&range.start));
+            let codel = around.next().and_then(|it| it.codels.first());
+            let mut diagnostic = Diagnostic::new(CODE, severity, it.what.clone(), path, range);
+            if let Some(&(component, codel)) = codel {
+                let unit = &self.folder.unit;
+                let codel = unit.spec.components[component as usize].codel(codel);
+                diagnostic
+                    .related
+                    .extend(unit.locations.locate(codel.src).map(|at| Related {
+                        path: at.path,
+                        range: at.range,
+                        message: format!("the codel `{}` is declared here", codel.name),
+                    }));
+            }
+            if !out.contains(&diagnostic) {
+                out.push(diagnostic);
+            }
+        }
+        out
+    }
+}
+
+/// Writes what has changed: a header that stays as it is keeps its time.
+fn write_headers(plan: &Plan, folder: &Utf8Path) -> anyhow::Result<()> {
+    let mut files: Vec<NewContent> = (plan.headers.iter())
+        .map(|it| report::new_content(&it.path, &it.text))
+        .collect();
+    files.push(report::new_content(&folder.join(".gitignore"), IGNORED));
+    write_changed(files)
+}
+
+fn write_changed(mut files: Vec<NewContent>) -> anyhow::Result<()> {
+    let changed = |it: &NewContent| SystemDisk.read(&it.path).ok().as_ref() != Some(&it.bytes);
+    files.retain(changed);
+    report::write_files(&files)
+}
+
+/// Runs a step: whether its output was made, and what was printed.
+fn perform(step: &Step, temporary: &Path, interrupt: &Interrupt) -> anyhow::Result<(bool, String)> {
+    // Until the output is whole nothing says that it is.
+    report::write_files(&[report::new_content(&step.record(), "")])?;
+    let (program, arguments) = step
+        .command
+        .split_first()
+        .context("a step runs a program")?;
+    let arguments: Vec<OsString> = arguments.iter().map(Into::into).collect();
+    // Messages are read, so they have to be in one language.
+    let environment = [
+        ("LC_ALL", "C".to_owned()),
+        ("TMPDIR", temporary.to_string_lossy().into_owned()),
+    ];
+    let process = process::ask(program, arguments, &environment);
+    let mut process = process.map_err(|error| match error.kind() {
+        ErrorKind::NotFound => anyhow::anyhow!(
+            "there is no compiler `{program}`; install one, or name another one in $CC and $CXX"
+        ),
+        _ => anyhow::Error::new(error).context(format!("cannot run `{program}`")),
+    })?;
+    let (status, printed) = process.wait_with_output_unless(&|| interrupt.is_raised())?;
+    let printed = String::from_utf8_lossy(&printed).into_owned();
+    if status.success() {
+        report::write_files(&[report::new_content(&step.record(), &step.recorded())])?;
+    }
+    Ok((status.success(), printed))
+}
+
+/// The word at a line and a column, both from 1; what is beyond a line is its end.
+fn place(text: &str, line: usize, column: usize) -> std::ops::Range<usize> {
+    let mut start = 0;
+    let mut lines = text.split_inclusive('\n');
+    for it in lines.by_ref().take(line.saturating_sub(1)) {
+        start += it.len();
+    }
+    let line = lines
+        .next()
+        .unwrap_or_default()
+        .trim_end_matches(['\r', '\n']);
+    let at = line.char_indices().nth(column.saturating_sub(1));
+    let at = at.map_or(line.len(), |it| it.0);
+    let word = line[at..]
+        .chars()
+        .take_while(|it| it.is_alphanumeric() || *it == '_');
+    let length: usize = word.map(char::len_utf8).sum();
+    let length = length.max(line[at..].chars().next().map_or(0, char::len_utf8));
+    start + at..start + at + length
+}
+
+#[cfg(test)]
+mod tests {
+    use super::place;
+
+    #[test]
+    fn a_place_is_a_word() {
+        let text = "int é = 1;\r\nfoo_1(x);\n";
+        assert_eq!(&text[place(text, 1, 5)], "é");
+        assert_eq!(&text[place(text, 1, 7)], "=");
+        assert_eq!(&text[place(text, 2, 1)], "foo_1");
+        assert_eq!(place(text, 2, 99), text.len() - 1..text.len() - 1);
+        assert_eq!(place(text, 99, 1), text.len()..text.len());
+    }
+}

@@ -1,0 +1,164 @@
+//! `dotgen fmt`
+
+use std::io::Write as _;
+
+use anyhow::bail;
+use camino::{Utf8Path, Utf8PathBuf};
+use clap::Args;
+use dotgen_analysis::diagnostic::FileEdit;
+use dotgen_analysis::host::FileContent;
+use dotgen_syntax::encoding::{self, LineEnd};
+use dotgen_syntax::{format, parse_text};
+use dotgen_timing::scn;
+use similar::TextDiff;
+
+use super::report;
+use super::session::{self, Session, SourceFile};
+use super::{Outcome, Reading};
+use dotgen_lsp_server::config::style;
+use dotgen_platform::files::vfs;
+
+/// Lines shown around each change.
+const CONTEXT: usize = 3;
+
+/// Format specifications and scenarios
+///
+/// Changes blanks and line ends only. A declaration that does not parse stays unchanged, and so does a file
+/// with a missing brace. Either all files are written or none. A file that cannot be read is reported; the
+/// others are formatted.
+///
+/// Exit status: 0 if all files are formatted, 1 with --check if a file is not, 2 if a file cannot be read or
+/// written.
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// Files, directories to search for .gen, .idl and .scn files, or - for standard input [default: .]
+    #[arg(value_name = "PATH")]
+    paths: Vec<Utf8PathBuf>,
+
+    /// Write nothing; print the changes
+    #[arg(long)]
+    check: bool,
+
+    #[command(flatten)]
+    reading: Reading,
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    if arguments
+        .paths
+        .iter()
+        .any(|it| session::is_standard_input(it))
+    {
+        if arguments.paths.len() > 1 {
+            bail!("`-` stands for standard input and goes with no other path");
+        }
+        return standard_input(arguments.check);
+    }
+    let here = [Utf8PathBuf::from(".")];
+    let paths = match arguments.paths.as_slice() {
+        [] => &here[..],
+        paths => paths,
+    };
+    // Of directories, also the files that are only included.
+    let (files, mut trouble) = session::usable(paths, &["gen", "idl", "scn"]);
+    let mut changed = Vec::new();
+    for session in session::open(files, &arguments.reading)? {
+        for file in &session.files {
+            let result = trouble.or_tell(formatted(&session, file));
+            if let Some((old, new)) = result.filter(|it| it.0 != it.1) {
+                if arguments.check {
+                    print_diff(&session::display(&file.path), &old, &new)?;
+                }
+                changed.push(report::new_content(&file.path, &new));
+            }
+        }
+    }
+    if !arguments.check {
+        trouble.or_tell(report::write_files(&changed));
+    }
+    Ok(
+        trouble.outcome(match arguments.check && !changed.is_empty() {
+            true => Outcome::Errors,
+            false => Outcome::Fine,
+        }),
+    )
+}
+
+/// The text of a file, and in shape.
+fn formatted(session: &Session, file: &SourceFile) -> anyhow::Result<(String, String)> {
+    let path: &Utf8Path = &file.path;
+    let old = match vfs::read(path) {
+        FileContent::Text(text) | FileContent::NotUtf8(text) => text,
+        FileContent::Unreadable(why) => bail!("cannot read `{}`: {why}", session::display(path)),
+        _ => bail!("cannot read `{}`", session::display(path)),
+    };
+    let new = if file.is_scenario() {
+        match scn::format(&old) {
+            Some(new) => LineEnd::of(&old).fit(&new).into_owned(),
+            None => left(path, &old),
+        }
+    } else {
+        let style = style::options(&session.format, path, None);
+        let edits = session.ask(path, |it| it.format(path, None, &style))?;
+        if edits.is_empty() && lacks_brace(&old) {
+            left(path, &old);
+        }
+        apply(&old, &edits)
+    };
+    Ok((old, new))
+}
+
+/// Says that a file stays as it is, and gives its text.
+fn left(path: &Utf8Path, text: &str) -> String {
+    let path = session::display(path);
+    report::note(&format!(
+        "`{path}` is left as it is because of syntax errors; `dotgen check {path}` lists them"
+    ));
+    text.to_owned()
+}
+
+/// Whether nothing of a text is formatted because its braces are not paired.
+fn lacks_brace(text: &str) -> bool {
+    let parse = parse_text(text);
+    !parse.errors.is_empty() && !format::is_paired(&parse.syntax())
+}
+
+fn apply(text: &str, edits: &[FileEdit]) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut at = 0;
+    for it in edits {
+        out.push_str(&text[at..it.range.start]);
+        out.push_str(&it.new_text);
+        at = it.range.end;
+    }
+    out.push_str(&text[at..]);
+    out
+}
+
+/// A text without a place: its includes are not followed.
+fn standard_input(check: bool) -> anyhow::Result<Outcome> {
+    let old = session::standard_input()?;
+    let parse = parse_text(&old);
+    let style = format::Options::default();
+    let new = format::apply(
+        &old,
+        &format::format(&parse.syntax(), &parse.broken(), None, &style),
+    );
+    if !check {
+        std::io::stdout().write_all(&encoding::encode(&new))?;
+    } else if old != new {
+        print_diff("-", &old, &new)?;
+        return Ok(Outcome::Errors);
+    }
+    Ok(Outcome::Fine)
+}
+
+/// Prints what differs as a unified diff.
+pub(super) fn print_diff(name: &str, old: &str, new: &str) -> anyhow::Result<()> {
+    let diff = TextDiff::from_lines(old, new);
+    let mut unified = diff.unified_diff();
+    unified.context_radius(CONTEXT).header(name, name);
+    let mut out = std::io::stdout().lock();
+    write!(out, "{}", encoding::shown(&unified.to_string()))?;
+    Ok(())
+}

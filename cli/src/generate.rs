@@ -1,0 +1,126 @@
+//! `dotgen generate`, and `genom3` where it stands in for it.
+//!
+//! Everything after the template's name belongs to the template, so these arguments are read by the
+//! generator itself, not here.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use camino::Utf8PathBuf;
+use clap::Args;
+use dotgen_analysis::release::ReleaseChoice;
+use dotgen_codegen::command::{Environment, Project, generate};
+use dotgen_codegen::template::console::StdConsole;
+use dotgen_codegen::template::{Limits, OutputSink};
+
+use dotgen_lsp_server::config::{self, Config};
+use dotgen_platform::files::disk::SystemDisk;
+use dotgen_platform::files::vfs::PackageConfig;
+use dotgen_platform::files::vfs::Vfs;
+
+/// Run a template over specifications, with the arguments of `genom3`
+#[derive(Debug, Args)]
+#[command(disable_help_flag = true)]
+pub(super) struct Arguments {
+    /// General options, the template, its options, and the files; see `dotgen generate -h`
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    arguments: Vec<String>,
+}
+
+/// Runs the generator when the command line is for it.
+pub(super) fn intercept() -> Option<ExitCode> {
+    let mut arguments = std::env::args_os().map(|it| it.to_string_lossy().into_owned());
+    let program = arguments.next().unwrap_or_default();
+    let program = Path::new(&program)
+        .file_stem()?
+        .to_string_lossy()
+        .into_owned();
+    let arguments: Vec<String> = arguments.collect();
+    if program == "genom3" {
+        return Some(stand_in(&arguments));
+    }
+    match arguments.split_first() {
+        Some((command, arguments)) if command == "generate" => Some(in_project(arguments)),
+        Some((command, arguments)) if command == "genom3" => Some(stand_in(arguments)),
+        _ => None,
+    }
+}
+
+/// Only reached by way of an abbreviation that [`intercept`] does not know.
+pub(super) fn run_parsed(arguments: &Arguments) -> ExitCode {
+    in_project(&arguments.arguments)
+}
+
+/// As `genom3`, which knows what it is told and nothing else.
+fn stand_in(arguments: &[String]) -> ExitCode {
+    let packages = PackageConfig {
+        may_run: true,
+        ..PackageConfig::default()
+    };
+    run("genom3", arguments, packages, None)
+}
+
+/// Under the `dotgen.toml` that counts for the files.
+fn in_project(arguments: &[String]) -> ExitCode {
+    let mut config = Config::default();
+    let arguments = Project::complete(arguments, |rest| {
+        config = configuration(rest);
+        let text = |it: &Utf8PathBuf| it.to_string();
+        let templates: Vec<String> = config.template_paths.iter().map(text).collect();
+        Project {
+            include_paths: config.include_paths.iter().map(text).collect(),
+            defines: config.defines.clone(),
+            template_paths: (!templates.is_empty()).then(|| templates.join(":")),
+        }
+    });
+    let packages = PackageConfig {
+        may_run: true,
+        ..config.packages
+    };
+    run("dotgen generate", &arguments, packages, config.release)
+}
+
+/// The nearest configuration around the last of the words that is a file, or around the current directory.
+/// What is wrong with it, `dotgen check` tells.
+fn configuration(words: &[String]) -> Config {
+    let Ok(here) = camino::absolute_utf8(".") else {
+        return Config::default();
+    };
+    let mut files = words.iter().rev().map(|it| here.join(it));
+    let file = files.find(|it| it.is_file());
+    let file = dotgen_platform::files::vfs::normalize(&file.unwrap_or_else(|| here.join("-")));
+    let Some(directory) = config::nearest_directory(&file) else {
+        return Config::default();
+    };
+    let text = std::fs::read_to_string(directory.join(config::FILE_NAME)).unwrap_or_default();
+    let settings = config::from_toml(&text).settings.anchored(&directory);
+    Config::new(&settings, &directory, true)
+}
+
+fn run(
+    name: &str,
+    arguments: &[String],
+    packages: PackageConfig,
+    release: Option<ReleaseChoice>,
+) -> ExitCode {
+    let mut environment = Environment {
+        name,
+        program: std::env::current_exe().unwrap_or_else(|_| name.into()),
+        variables: &|name| std::env::var(name).ok(),
+        disk: Arc::new(SystemDisk),
+        loader: Arc::new(Vfs::new(packages)),
+        pictures: Arc::new(dotgen_views::pictures::machine),
+        console: &mut StdConsole::default(),
+        limits: Limits::default(),
+        base: PathBuf::new(),
+        sink: OutputSink::Direct,
+        processes: dotgen_platform::process::system(),
+        // `--confined` is for the generator to see, among its other options.
+        confined: None,
+        failed_at: None,
+        release,
+    };
+    let status = generate(arguments, &mut environment);
+    ExitCode::from(u8::try_from(status & 0xff).unwrap_or(2))
+}

@@ -1,0 +1,239 @@
+//! The program `dotgen`: one file per subcommand, over the same analysis as the server.
+
+#![warn(clippy::print_stdout)]
+
+#[cfg(unix)]
+mod call;
+mod check;
+mod codels;
+mod completions;
+mod deps;
+mod diagram;
+mod explain;
+mod fmt;
+mod generate;
+mod logging;
+mod lsp;
+mod man;
+mod model;
+mod monitor;
+mod new;
+mod outputs;
+#[cfg(unix)]
+mod play;
+mod release;
+mod replay;
+mod report;
+mod run;
+mod session;
+mod suggestion;
+#[cfg(unix)]
+mod table;
+mod trace;
+mod tree;
+mod verify;
+mod wcet;
+mod width;
+#[cfg(unix)]
+mod write;
+
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+use dotgen_analysis::release::Release;
+use dotgen_analysis::terminal;
+use dotgen_syntax::encoding;
+use dotgen_syntax::preproc::MacroEnv;
+
+use dotgen_platform::process;
+
+/// Language server and tools for GenoM3 specifications.
+#[derive(Debug, Parser)]
+#[command(name = "dotgen", version, max_term_width = 100)]
+struct Cli {
+    /// When to use colours
+    #[arg(long, global = true, value_enum, default_value_t, value_name = "WHEN")]
+    color: Colour,
+
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    New(new::Arguments),
+    Check(check::Arguments),
+    Explain(explain::Arguments),
+    Codels(codels::Arguments),
+    Deps(deps::Arguments),
+    Generate(generate::Arguments),
+    Diagram(diagram::Arguments),
+    Fmt(fmt::Arguments),
+    Tree(tree::Arguments),
+    Model(model::Arguments),
+    Release(release::Arguments),
+    Verify(verify::Arguments),
+    Run(run::Arguments),
+    #[cfg(unix)]
+    Call(call::Call),
+    #[cfg(unix)]
+    Watch(call::Watch),
+    #[cfg(unix)]
+    Write(write::Arguments),
+    #[cfg(unix)]
+    Play(play::Arguments),
+    Monitor(monitor::Arguments),
+    Replay(replay::Arguments),
+    Wcet(wcet::Arguments),
+    Completions(completions::Arguments),
+    Man(man::Arguments),
+    Lsp(lsp::Arguments),
+}
+
+/// When output has colours.
+#[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
+enum Colour {
+    /// On a terminal, unless NO_COLOR is set
+    #[default]
+    Auto,
+    /// Also in files and pipes
+    Always,
+    /// Nowhere
+    Never,
+}
+
+impl Colour {
+    fn set(self) {
+        let choice = match self {
+            Colour::Auto => anstream::ColorChoice::Auto,
+            Colour::Always => anstream::ColorChoice::Always,
+            Colour::Never => anstream::ColorChoice::Never,
+        };
+        choice.write_global();
+    }
+}
+
+/// How specifications are read.
+#[derive(Debug, Clone, Default, Args)]
+struct Reading {
+    /// Search DIR for included files, before the directories of dotgen.toml
+    #[arg(short = 'I', value_name = "DIR", action = clap::ArgAction::Append)]
+    include_paths: Vec<String>,
+
+    /// Define a macro; without VALUE, it expands to 1
+    #[arg(short = 'D', value_name = "NAME[=VALUE]", action = clap::ArgAction::Append, value_parser = definition)]
+    defines: Vec<String>,
+
+    /// Read specifications as this release of GenoM3 does, for example 2.99.41 [default: the release in
+    /// dotgen.toml, else the installed one, else the newest that the specifications require]
+    #[arg(long, value_name = "RELEASE")]
+    release: Option<Release>,
+
+    /// Take packages that are not installed for missing, also those whose interfaces come with dotgen.
+    #[arg(skip)]
+    only_installed: bool,
+}
+
+/// A definition of a macro that can be one.
+fn definition(text: &str) -> Result<String, String> {
+    MacroEnv::default().define_option(text)?;
+    Ok(text.to_owned())
+}
+
+/// What a command comes to.
+enum Outcome {
+    /// Done, and nothing is wrong: exit status 0.
+    Fine,
+    /// Done, and the specification has errors, or is not in shape: 1.
+    Errors,
+    /// What was given has errors, so that nothing could be done; they are printed: 2.
+    Unusable,
+    /// Not finished within the limits: 3.
+    GaveUp,
+}
+
+/// Runs the program. Exit status 0: fine; 1: errors in a specification; 2: wrong usage, or a file
+/// that cannot be read or written.
+fn main() -> ExitCode {
+    if let Some(status) = process::launch::intercept() {
+        return status;
+    }
+    #[cfg(unix)]
+    if let Some(status) = dotgen_hosting::host::intercept() {
+        return status;
+    }
+    process::is_dotgen();
+    if let Some(status) = generate::intercept() {
+        return status;
+    }
+    let cli = Cli::try_parse().unwrap_or_else(|error| suggestion::improved(error).exit());
+    cli.color.set();
+    if let Err(message) = dotgen_lsp_server::config::release_of_environment() {
+        failure(&anyhow::Error::msg(message));
+        return ExitCode::from(2);
+    }
+    let result = match cli.command {
+        Command::New(arguments) => new::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
+        Command::Explain(arguments) => explain::run(&arguments),
+        Command::Codels(arguments) => codels::run(&arguments),
+        Command::Deps(arguments) => deps::run(&arguments),
+        Command::Generate(arguments) => return generate::run_parsed(&arguments),
+        Command::Diagram(arguments) => diagram::run(&arguments),
+        Command::Fmt(arguments) => fmt::run(&arguments),
+        Command::Tree(arguments) => tree::run(&arguments),
+        Command::Model(arguments) => model::run(&arguments),
+        Command::Release(arguments) => release::run(&arguments),
+        Command::Verify(arguments) => verify::run(&arguments),
+        Command::Run(arguments) => run::run(&arguments),
+        #[cfg(unix)]
+        Command::Call(arguments) => call::call(&arguments),
+        #[cfg(unix)]
+        Command::Watch(arguments) => call::watch(&arguments),
+        #[cfg(unix)]
+        Command::Write(arguments) => write::run(&arguments),
+        #[cfg(unix)]
+        Command::Play(arguments) => play::run(&arguments),
+        Command::Monitor(arguments) => monitor::run(&arguments),
+        Command::Replay(arguments) => replay::run(&arguments),
+        Command::Wcet(arguments) => wcet::run(&arguments),
+        Command::Completions(arguments) => completions::run(&arguments),
+        Command::Man(arguments) => man::run(&arguments),
+        Command::Lsp(_) => lsp::run(),
+    };
+    match result {
+        Ok(Outcome::Fine) => ExitCode::SUCCESS,
+        Ok(Outcome::Errors) => ExitCode::from(1),
+        Ok(Outcome::Unusable) => ExitCode::from(2),
+        Ok(Outcome::GaveUp) => ExitCode::from(3),
+        // Whoever reads our output has seen enough.
+        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            failure(&error);
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error
+        .downcast_ref::<std::io::Error>()
+        .is_some_and(|it| it.kind() == std::io::ErrorKind::BrokenPipe)
+}
+
+/// Says on standard error why a command could not do its work.
+fn failure(error: &anyhow::Error) {
+    use std::io::Write;
+    let style = clap::builder::styling::AnsiColor::Red.on_default().bold();
+    let error = format!("{error:#}");
+    let error = terminal::text(&error);
+    // There is nowhere left to complain if this fails.
+    let _ = writeln!(
+        anstream::stderr(),
+        "{style}error{style:#}: {}",
+        encoding::shown(&error)
+    );
+}
+
+#[cfg(all(test, unix))]
+mod tests;

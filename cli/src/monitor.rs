@@ -1,0 +1,280 @@
+//! `dotgen monitor`
+
+#[cfg(unix)]
+mod live;
+mod text;
+
+use std::io::{Read, Seek, SeekFrom, Write};
+use std::time::Duration;
+
+use anyhow::{Context, bail};
+use camino::{Utf8Path, Utf8PathBuf};
+use clap::{Args, ValueEnum};
+use dotgen_recording::log::Lines;
+use dotgen_recording::monitor::{Monitor, MonitorReport};
+use dotgen_recording::trace::Trace;
+use dotgen_timing::diagnostic::remark::together;
+use dotgen_timing::scn::names::Names;
+use dotgen_timing::verify::{Interrupt, Options, SystemInput, prepare};
+
+use super::outputs::{self, Output, PERFETTO};
+use super::run::bounds;
+use super::session::{display, is_standard_input};
+use super::verify::told::Told;
+use super::verify::{Cores, PolicyName, SemanticsName, cores, interrupt, one_problem};
+use super::wcet::{PIECE, given, open, read_log};
+use super::{Outcome, Reading, report};
+use dotgen_platform::files::disk::Stream;
+
+/// How long to wait for more of a log that is followed.
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// Check recorded runs against the verified model
+///
+/// A log of GenoM3's profiler has one run. Servers generated with profiling write such logs, and so does
+/// `dotgen run --profile`. Deviations from the model are reported: undeclared codels and transitions, codels
+/// that take longer than declared, locks out of order, drifting ticks, response times beyond their bounds.
+/// Transitions that were never taken are listed, but do not count as deviations.
+///
+/// Instead of a log, FILE may be the socket of a run (`dotgen run --clock real`), which is followed until it
+/// ends.
+///
+/// Exit status: 0 if nothing deviates, 1 if something does, 2 if nothing could be compared.
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// Logs (`-` is standard input) or the socket of a run, and a scenario (.scn) or specifications (.gen)
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<Utf8PathBuf>,
+
+    /// Follow the log as it grows, and report deviations at once, until Ctrl-C
+    #[arg(long)]
+    follow: bool,
+
+    /// Number of cores, or `free` for one core per task
+    #[arg(long, value_name = "N|free", value_parser = cores)]
+    cores: Option<Cores>,
+
+    /// Semantics of the model
+    #[arg(long, value_enum)]
+    semantics: Option<SemanticsName>,
+
+    /// Order in which tasks get a core
+    #[arg(long, value_enum)]
+    policy: Option<PolicyName>,
+
+    /// Bounds to compare response times with
+    #[arg(long, value_enum, default_value_t = bounds::Source::Proved)]
+    bounds: bounds::Source,
+
+    /// Write the log as a trace (.pftrace) for https://ui.perfetto.dev
+    #[arg(long, value_name = "FILE", conflicts_with = "follow")]
+    trace: Option<Utf8PathBuf>,
+
+    /// Output format
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+
+    #[command(flatten)]
+    reading: Reading,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// For people
+    Text,
+    /// For programs
+    Json,
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    let files = given(&arguments.files)?;
+    if files.texts.is_empty() {
+        bail!("name the scenario (.scn) that the log is held to, or its specification (.gen)");
+    }
+    if arguments.follow && files.logs.len() > 1 {
+        bail!("`--follow` follows one log");
+    }
+    #[cfg(unix)]
+    if files.logs.iter().any(|it| live::is_socket(it)) {
+        anyhow::ensure!(files.logs.len() == 1, "follow one run at a time");
+        let tracing = arguments.trace.is_some();
+        anyhow::ensure!(
+            !tracing,
+            "`--trace` is for logs; a run writes its own (`dotgen run --trace`)"
+        );
+    }
+    let interrupt = interrupt::on_terminal();
+    let Some((session, problem)) = one_problem(&files.texts, &arguments.reading)? else {
+        return Ok(Outcome::Unusable);
+    };
+    let trace = arguments.trace.iter();
+    let written: Vec<Output<'_>> = trace
+        .map(|path| Output {
+            path,
+            endings: &[PERFETTO],
+        })
+        .collect();
+    let read = problem
+        .files()
+        .chain(files.logs.iter().map(|it| it.as_path()));
+    outputs::check(&written, read)?;
+    let options = Options {
+        cores: arguments.cores.map(|it| it.0),
+        policy: arguments.policy.map(PolicyName::policy),
+        semantics: arguments.semantics.map(SemanticsName::preset),
+        ..Options::default()
+    };
+    let input = SystemInput {
+        specs: problem.specs(),
+    };
+    let prepared = prepare(&input, &problem.scenario, &options);
+    if prepared.report.has_errors() {
+        let told = together(&prepared.report.diagnostics);
+        Told::by_verifier(&session, &problem, &told, &[])?.print()?;
+        return Ok(Outcome::Unusable);
+    }
+    let bounds = bounds::of_tasks(arguments.bounds, &problem, &options, &prepared, &interrupt);
+    let names = Names::new(&input.specs);
+    let system = &prepared.built.system;
+    // The monitor compares no bounds then, but keeps them for ticks.
+    if let Some(note) = bounds::without_times(system, &mut [], true) {
+        report::note(&note);
+    }
+    // Each log is that of one run: what was awaited at the end of one does not come in the next.
+    let mut reports = Vec::new();
+    let mut trace = (arguments.trace.is_some()).then(|| Trace::new(Some(&names)));
+    for log in &files.logs {
+        let mut monitor = Monitor::new(system, &names, bounds.clone());
+        #[cfg(unix)]
+        if live::is_socket(log) {
+            live::follow(log, &mut monitor, arguments.format, &interrupt)?;
+            reports.push((log.clone(), monitor.report_so_far()));
+            continue;
+        }
+        match arguments.follow {
+            true => follow(log, &mut monitor, arguments.format, &interrupt)?,
+            false => read_log(log, |number, line, ended| {
+                monitor.line(number, line, ended);
+                if let Some(trace) = &mut trace {
+                    trace.line(line, ended);
+                }
+            })?,
+        }
+        reports.push((log.clone(), monitor.report_so_far()));
+    }
+    if let (Some(path), Some(trace)) = (&arguments.trace, trace) {
+        write_trace(path, &trace.finish())?;
+    }
+    let empty = |it: &(Utf8PathBuf, MonitorReport)| it.1.runs == 0 && it.1.deviation_count == 0;
+    let title = match problem.scenario.name.as_str() {
+        "" => display(&problem.path),
+        name => name.to_owned(),
+    };
+    let nothing = reports.iter().all(empty);
+    match arguments.format {
+        // A table of nothing says less than the error.
+        Format::Text if nothing => {}
+        Format::Text => text::print(&title, &reports)?,
+        Format::Json => print_json(&title, &reports)?,
+    }
+    if nothing {
+        bail!("the log has no line of a codel of {title}");
+    }
+    let deviates = reports.iter().any(|it| it.1.deviation_count > 0);
+    Ok(match deviates {
+        true => Outcome::Errors,
+        false => Outcome::Fine,
+    })
+}
+
+/// Deviations that were told as they came.
+#[derive(Debug, Default)]
+struct Fresh(usize);
+
+impl Fresh {
+    /// Tells what was found since, to people.
+    fn print(&mut self, monitor: &Monitor<'_>, format: Format) -> anyhow::Result<()> {
+        let fresh = monitor.found(self.0);
+        self.0 += fresh.len();
+        match format {
+            Format::Text => text::as_they_come(fresh),
+            Format::Json => Ok(()),
+        }
+    }
+}
+
+/// Reads a log as it grows. A pipe ends with its writer, a file with Ctrl-C.
+fn follow(
+    path: &Utf8Path,
+    monitor: &mut Monitor<'_>,
+    format: Format,
+    interrupt: &Interrupt,
+) -> anyhow::Result<()> {
+    let wrong = || format!("cannot read `{path}`");
+    let mut file = match is_standard_input(path) {
+        true => None,
+        false => Some(open(path)?),
+    };
+    let is_file = file.as_ref().and_then(|it| it.metadata().ok());
+    let is_file = is_file.is_some_and(|it| it.is_file());
+    let mut piece = vec![0; PIECE];
+    let mut lines = Lines::default();
+    let mut told = Fresh::default();
+    let mut place = 0u64;
+    loop {
+        let length = match &mut file {
+            Some(file) => file.read(&mut piece),
+            None => std::io::stdin().lock().read(&mut piece),
+        };
+        let length = match length {
+            Ok(length) => length,
+            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => continue,
+            Err(error) => return Err(error).with_context(wrong),
+        };
+        place += length as u64;
+        let read = piece.get(..length).unwrap_or_default();
+        lines.feed(read, |number, line| monitor.line(number, line, true));
+        told.print(monitor, format)?;
+        if interrupt.is_raised() {
+            break;
+        }
+        if length > 0 {
+            continue;
+        }
+        let Some(file) = file.as_mut().filter(|_| is_file) else {
+            break;
+        };
+        // A server that was started anew has emptied it.
+        if file.metadata().with_context(wrong)?.len() < place {
+            file.seek(SeekFrom::Start(0)).with_context(wrong)?;
+            (place, lines) = (0, Lines::default());
+        }
+        std::thread::sleep(PAUSE);
+    }
+    Ok(())
+}
+
+fn write_trace(path: &Utf8Path, bytes: &[u8]) -> anyhow::Result<()> {
+    let wrong = || format!("cannot write `{path}`");
+    let mut stream = Stream::create(path.as_std_path()).with_context(wrong)?;
+    stream.write_all(bytes).with_context(wrong)?;
+    stream.finish().with_context(wrong)
+}
+
+/// One document: an object for one log, a list for several.
+fn print_json(title: &str, reports: &[(Utf8PathBuf, MonitorReport)]) -> anyhow::Result<()> {
+    let mut documents = Vec::new();
+    for (log, report) in reports {
+        let mut document = serde_json::to_value(report)?;
+        document["scenario"] = title.into();
+        document["log"] = log.as_str().into();
+        documents.push(document);
+    }
+    let document = match documents.len() {
+        1 => documents.remove(0),
+        _ => serde_json::Value::Array(documents),
+    };
+    let text = serde_json::to_string_pretty(&document)? + "\n";
+    std::io::stdout().write_all(text.as_bytes())?;
+    Ok(())
+}

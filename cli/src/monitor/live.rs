@@ -1,0 +1,55 @@
+//! `dotgen monitor SOCKET`: a run is followed while it goes on.
+
+use std::os::unix::fs::FileTypeExt as _;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+
+use camino::Utf8Path;
+use dotgen_recording::monitor::Monitor;
+use dotgen_timing::verify::Interrupt;
+use serde_json::json;
+
+use super::{Format, Fresh, PAUSE};
+use crate::call::Talk;
+
+/// Whether a path leads to a socket.
+pub(super) fn is_socket(path: &Utf8Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|it| it.file_type().is_socket())
+}
+
+/// Hears of the runs of codels until the run ends, or Ctrl-C.
+pub(super) fn follow(
+    path: &Utf8Path,
+    monitor: &mut Monitor<'_>,
+    format: Format,
+    interrupt: &Interrupt,
+) -> anyhow::Result<()> {
+    let mut talk = Talk::begin(Some(&path.to_owned()))?;
+    talk.say(&json!({"id": 1, "profile": null}))?;
+    let (sender, lines) = channel();
+    // It waits for what comes, also when nobody hears it any more.
+    std::thread::spawn(move || {
+        loop {
+            let heard = talk.hear();
+            let goes_on = matches!(heard, Ok(Some(_)));
+            if sender.send(heard).is_err() || !goes_on {
+                return;
+            }
+        }
+    });
+    let mut told = Fresh::default();
+    let mut number = 0;
+    while !interrupt.is_raised() {
+        let heard = match lines.recv_timeout(PAUSE) {
+            Ok(heard) => heard?,
+            Err(RecvTimeoutError::Timeout) => continue,
+            Err(RecvTimeoutError::Disconnected) => break,
+        };
+        let Some(heard) = heard else { break };
+        if let Some(line) = heard["line"].as_str() {
+            number += 1;
+            monitor.line(number, line.as_bytes(), true);
+            told.print(monitor, format)?;
+        }
+    }
+    Ok(())
+}

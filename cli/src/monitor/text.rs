@@ -1,0 +1,217 @@
+//! `--format text` of `dotgen monitor`.
+
+use std::io::Write;
+
+use camino::Utf8PathBuf;
+use clap::builder::styling::{AnsiColor, Style};
+use dotgen_analysis::terminal;
+use dotgen_recording::matching::Stray;
+use dotgen_recording::monitor::{Deviation, MonitorReport, What};
+
+use crate::wcet::stats::{nanos, table, told};
+
+const TITLE: Style = Style::new().bold();
+const GOOD: Style = AnsiColor::Green.on_default();
+const BAD: Style = AnsiColor::Red.on_default().bold();
+
+/// More of a list are counted only.
+const MOST: usize = 20;
+
+pub(super) fn print(title: &str, reports: &[(Utf8PathBuf, MonitorReport)]) -> anyhow::Result<()> {
+    let mut out = anstream::AutoStream::auto(std::io::stdout().lock());
+    for (i, (log, report)) in reports.iter().enumerate() {
+        if i > 0 {
+            writeln!(out)?;
+        }
+        let (title, log) = (terminal::text(title), terminal::name(log.as_str()));
+        writeln!(
+            out,
+            "{TITLE}{title}{TITLE:#}: {} runs of codels in {log}",
+            report.runs
+        )?;
+        one(&mut out, report)?;
+    }
+    Ok(())
+}
+
+fn one(out: &mut impl Write, report: &MonitorReport) -> anyhow::Result<()> {
+    let or_none = |time: Option<i64>| time.map_or("-".to_owned(), nanos);
+    let head = ["task", "chains", "greatest response", "bound", "period"];
+    let mut rows = vec![head.map(str::to_owned)];
+    for it in &report.tasks {
+        rows.push([
+            it.task.clone(),
+            it.chains.to_string(),
+            nanos(it.greatest),
+            or_none(it.bound),
+            or_none(it.period),
+        ]);
+    }
+    table(out, &rows)?;
+    let head = ["codel", "runs", "greatest", "declared", "waited"];
+    let mut rows = vec![head.map(str::to_owned)];
+    for it in &report.codels {
+        rows.push([
+            it.codel.clone(),
+            it.runs.to_string(),
+            nanos(it.greatest),
+            or_none(it.declared),
+            nanos(it.waited),
+        ]);
+    }
+    writeln!(out)?;
+    table(out, &rows)?;
+    let never = report.never_taken.iter();
+    let never = never.map(|it| format!("{}: {} -> {}", it.machine, it.from, it.to));
+    list(out, "transitions never taken", &never.collect::<Vec<_>>())?;
+    list(out, "codels never executed", &report.never_executed)?;
+    for (instance, lines) in &report.foreign {
+        let instance = terminal::text(instance);
+        writeln!(
+            out,
+            "{TITLE}note{TITLE:#}: {lines} lines of `{instance}`, which the scenario does not have, \
+             were not compared"
+        )?;
+    }
+    for it in told(&report.left) {
+        writeln!(out, "{TITLE}left out{TITLE:#}: {it}")?;
+    }
+    if report.deviation_count == 0 {
+        writeln!(out, "{GOOD}nothing deviates{GOOD:#}")?;
+        return Ok(());
+    }
+    let deviations: Vec<String> = report.deviations.iter().map(deviation).collect();
+    let many = if report.deviation_count == 1 {
+        "deviation"
+    } else {
+        "deviations"
+    };
+    writeln!(out, "\n{BAD}{} {many}{BAD:#}", report.deviation_count)?;
+    for it in deviations.iter().take(MOST) {
+        writeln!(out, "  {it}")?;
+    }
+    let more = report
+        .deviation_count
+        .saturating_sub(deviations.len().min(MOST) as u64);
+    if more > 0 {
+        let counts = report
+            .counts
+            .iter()
+            .map(|(kind, count)| format!("{count} {kind}"));
+        let counts: Vec<String> = counts.collect();
+        writeln!(
+            out,
+            "  and {more} more; all together: {}",
+            counts.join(", ")
+        )?;
+    }
+    Ok(())
+}
+
+fn list(out: &mut impl Write, title: &str, all: &[String]) -> anyhow::Result<()> {
+    if all.is_empty() {
+        return Ok(());
+    }
+    writeln!(out, "\n{TITLE}{title}{TITLE:#}")?;
+    for it in all.iter().take(MOST) {
+        writeln!(out, "  {it}")?;
+    }
+    if all.len() > MOST {
+        writeln!(out, "  and {} more", all.len() - MOST)?;
+    }
+    Ok(())
+}
+
+/// Deviations of a log that is followed.
+pub(super) fn as_they_come(deviations: &[Deviation]) -> anyhow::Result<()> {
+    if deviations.is_empty() {
+        return Ok(());
+    }
+    let mut out = anstream::AutoStream::auto(std::io::stdout().lock());
+    for it in deviations {
+        writeln!(out, "{}", deviation(it))?;
+    }
+    out.flush()?;
+    Ok(())
+}
+
+fn deviation(it: &Deviation) -> String {
+    let line = it.line;
+    let what = words(&it.what);
+    let rule = it.what.rule();
+    let text = format!(
+        "line {line}, at {}: {} {what} (rule: {rule})",
+        nanos(it.at),
+        it.of
+    );
+    terminal::text(&text).into_owned()
+}
+
+fn words(what: &What) -> String {
+    match what {
+        What::Unknown {
+            task,
+            service,
+            function,
+            from,
+            why,
+        } => {
+            let why = match why {
+                Stray::Component => "has no such component",
+                Stray::Task => "has no such task",
+                Stray::State => "has no such state or codel",
+                Stray::Function => "has another function there",
+                Stray::WrongTask => "has this activity in another task",
+                Stray::NoCodel => "has no codel there",
+            };
+            format!("executed `{function}` ({task} {service} {from}), but the specification {why}")
+        }
+        What::Transition { from, to } => format!("led from {from} to {to}, which is not declared"),
+        What::Elsewhere { state, awaited } => match awaited {
+            Some(awaited) => format!("was executed in {state}, while {awaited} was to follow"),
+            None => format!("was executed in {state}, to which nothing had led"),
+        },
+        What::Longer { took, limit } => {
+            format!(
+                "took {}, more than the declared {}",
+                nanos(*took),
+                nanos(*limit)
+            )
+        }
+        What::Shorter { took, limit } => {
+            format!(
+                "took {}, less than the declared {}",
+                nanos(*took),
+                nanos(*limit)
+            )
+        }
+        What::Together { other } => format!("was executed together with {other}"),
+        What::Overtaken { other } => {
+            format!("got its locks before {other}, which had asked earlier")
+        }
+        What::SameTask { other } => format!("was executed while its task executed {other}"),
+        What::SameCore { other, core } => {
+            format!("was executed while {other} had their only core, {core}")
+        }
+        What::Cores { executing, cores } => {
+            format!("was one of {executing} codels that executed at one time on {cores} cores")
+        }
+        What::Early { by, period } => format!(
+            "began a turn at least {} before its tick, with a period of {}",
+            nanos(*by),
+            nanos(*period)
+        ),
+        What::Late { by, period } => format!(
+            "began a turn at least {} later than its response time allows, with a period of {}",
+            nanos(*by),
+            nanos(*period)
+        ),
+        What::Response { response, bound } => {
+            format!(
+                "took {} for a job, more than the proved {}",
+                nanos(*response),
+                nanos(*bound)
+            )
+        }
+    }
+}

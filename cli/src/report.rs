@@ -1,0 +1,159 @@
+//! What a command found, and the formats it is printed in.
+
+pub(super) mod json;
+pub(super) mod sarif;
+pub(super) mod text;
+
+use std::collections::HashSet;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use clap::ValueEnum;
+use dotgen_analysis::deps::Dependencies;
+use dotgen_analysis::diagnostic::{Diagnostic, Severity};
+use dotgen_analysis::terminal;
+use dotgen_codegen::codels::coverage::Coverage;
+use dotgen_codegen::disk::{Disk as _, NewContent};
+use dotgen_syntax::encoding;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::session::{SourceFile, Texts, absolute, display};
+use dotgen_platform::files::disk::SystemDisk;
+use dotgen_platform::files::vfs;
+use dotgen_views::verification::problem::EXTENSION;
+
+/// Diagnostics of all files checked.
+#[derive(Default)]
+pub(super) struct FileReports {
+    pub(super) diagnostics: Vec<Diagnostic>,
+    /// The texts they talk about.
+    pub(super) texts: Texts,
+    /// Number of specifications.
+    pub(super) checked: usize,
+    /// How much of the codels was compared, by component.
+    pub(super) compared: Vec<Compared>,
+    /// What could not be checked for want of packages and files.
+    pub(super) waiting: Vec<OpenNames>,
+}
+
+/// Names of a specification that only a missing package or file can explain.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub(super) struct OpenNames {
+    /// The names, each once.
+    pub(super) names: Vec<String>,
+    /// The packages and files that are missing.
+    #[serde(rename = "for")]
+    pub(super) missing: Vec<String>,
+}
+
+impl OpenNames {
+    /// The names that wait, if some do.
+    pub(super) fn of(needs: &Dependencies) -> Option<OpenNames> {
+        let unknown = needs.unknown.iter().map(|it| it.name.to_string());
+        let interfaces = needs.interfaces.iter().filter(|it| it.found.is_none());
+        let interfaces = interfaces.map(|it| it.name.to_string());
+        let mut names: Vec<String> = unknown.chain(interfaces).collect();
+        names.sort();
+        names.dedup();
+        let packages = needs.missing_packages();
+        let packages = packages.flat_map(|it| it.brought_by.iter().map(|it| it.package.clone()));
+        let files = needs.includes.iter().filter(|it| it.found.is_none());
+        let mut missing: Vec<String> = packages.collect();
+        if missing.is_empty() {
+            missing.extend(files.map(|it| it.path.clone()));
+        }
+        (!names.is_empty()).then_some(OpenNames { names, missing })
+    }
+}
+
+/// How much of the codels of a component was compared.
+#[derive(Debug, Serialize)]
+pub(super) struct Compared {
+    /// The specification, relative to the current directory if it is below it.
+    pub(super) file: String,
+    pub(super) component: String,
+    #[serde(flatten)]
+    pub(super) coverage: Coverage,
+}
+
+impl FileReports {
+    /// What several units say about a file they share is said once.
+    pub(super) fn finish(&mut self) {
+        let mut seen = HashSet::new();
+        self.diagnostics.retain(|it| {
+            let place = (it.path.clone(), it.range.start, it.range.end);
+            seen.insert((place, it.code, it.message.clone()))
+        });
+    }
+
+    /// Number of diagnostics of a severity.
+    pub(super) fn count(&self, severity: Severity) -> usize {
+        let of = |it: &&Diagnostic| it.severity == severity;
+        self.diagnostics.iter().filter(of).count()
+    }
+}
+
+/// Output format of diagnostics.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(super) enum Format {
+    /// For people
+    Text,
+    /// For programs: positions as in the LSP (from 0, in UTF-16 units)
+    Json,
+    /// SARIF 2.1.0, for code scanning services
+    Sarif,
+}
+
+/// Prints a report.
+pub(super) fn print(report: &FileReports, format: Format) -> anyhow::Result<()> {
+    match format {
+        Format::Text => text::print(report),
+        Format::Json => json::print(report),
+        Format::Sarif => sarif::print(report),
+    }
+}
+
+/// Says on standard error what one may like to know.
+pub(super) fn note(text: &str) {
+    use std::io::Write;
+    let style = clap::builder::styling::AnsiColor::Cyan.on_default().bold();
+    let text = encoding::shown(text);
+    let text = terminal::text(&text);
+    let _ = writeln!(anstream::stderr(), "{style}note{style:#}: {text}");
+}
+
+/// Notes the scenarios of directories that stand for their specifications. Scenarios in `files` are named.
+pub(super) fn note_unused_scenarios(arguments: &[Utf8PathBuf], files: &[SourceFile]) {
+    for argument in arguments.iter().filter(|it| it.is_dir()) {
+        let Ok(path) = absolute(argument) else {
+            continue;
+        };
+        let mut found = vfs::files_below(&path, &[EXTENSION]);
+        found.retain(|it| !files.iter().any(|file| file.path == *it));
+        let names: Vec<_> = (found.iter())
+            .map(|it| format!("`{}`", display(it)))
+            .collect();
+        match names.as_slice() {
+            [] => {}
+            [one] => note(&format!("{one} is not used; name it to use its checks")),
+            several => note(&format!(
+                "not used: {}; name a scenario to use its checks",
+                several.join(", ")
+            )),
+        }
+    }
+}
+
+/// Gives files their new content, all of them or none.
+pub(super) fn write_files(files: &[NewContent]) -> anyhow::Result<()> {
+    Ok(SystemDisk.write(files)?)
+}
+
+/// The new content of a file that is edited as text.
+pub(super) fn new_content(path: &Utf8Path, text: &str) -> NewContent {
+    NewContent {
+        path: path.as_std_path().to_owned(),
+        bytes: encoding::encode(text).into_owned(),
+        mode: None,
+    }
+}

@@ -1,0 +1,120 @@
+//! `--format sarif`: SARIF 2.1.0 (OASIS), as code scanning services read it.
+
+use std::collections::BTreeSet;
+use std::io::Write;
+
+use camino::Utf8Path;
+use dotgen_analysis::diagnostic::{Diagnostic, Fix, FixKind, Severity};
+use serde_json::{Value, json};
+
+use super::FileReports;
+use crate::session;
+use dotgen_lsp_server::protocol::convert::uri;
+use dotgen_lsp_server::protocol::types::Uri;
+use dotgen_views::manual;
+
+pub(crate) fn print(report: &FileReports) -> anyhow::Result<()> {
+    let mut text = serde_json::to_string_pretty(&document(report))?;
+    text.push('\n');
+    Ok(std::io::stdout().write_all(dotgen_syntax::encoding::shown(&text).as_bytes())?)
+}
+
+fn document(report: &FileReports) -> Value {
+    let codes: BTreeSet<&str> = report.diagnostics.iter().map(|it| it.code).collect();
+    let rules = codes.iter().map(
+        |code| match manual::page(code).and_then(Uri::from_file_path) {
+            Some(page) => json!({ "id": code, "helpUri": page.as_str() }),
+            None => json!({ "id": code }),
+        },
+    );
+    let results = report.diagnostics.iter().map(|it| result(report, it));
+    json!({
+        "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
+        "version": "2.1.0",
+        "runs": [{
+            "tool": { "driver": {
+                "name": "dotgen",
+                "version": env!("CARGO_PKG_VERSION"),
+                "rules": rules.collect::<Vec<_>>(),
+            }},
+            "columnKind": "utf16CodeUnits",
+            "results": results.collect::<Vec<_>>(),
+        }],
+    })
+}
+
+fn result(report: &FileReports, it: &Diagnostic) -> Value {
+    let level = match it.severity {
+        Severity::Error => "error",
+        Severity::Warning => "warning",
+        Severity::Information | Severity::Hint => "note",
+    };
+    let related = it.related.iter().map(|it| {
+        let mut location = location(report, &it.path, &it.range);
+        location["message"] = json!({ "text": it.message });
+        location
+    });
+    let mut result = json!({
+        "ruleId": it.code,
+        "level": level,
+        "message": { "text": it.message },
+        "locations": [location(report, &it.path, &it.range)],
+    });
+    if !it.related.is_empty() {
+        result["relatedLocations"] = related.collect();
+    }
+    if !it.fixes.is_empty() {
+        result["fixes"] = it.fixes.iter().map(|it| fix(report, it)).collect();
+    }
+    result
+}
+
+/// A fix; whether it can be applied unasked is a property of ours.
+fn fix(report: &FileReports, it: &Fix) -> Value {
+    let changes = it.edits.iter().map(|it| {
+        json!({
+            "artifactLocation": { "uri": artifact(&it.path) },
+            "replacements": [{
+                "deletedRegion": region(report, &it.path, &it.range),
+                "insertedContent": { "text": it.new_text },
+            }],
+        })
+    });
+    json!({
+        "description": { "text": it.title },
+        "artifactChanges": changes.collect::<Vec<_>>(),
+        "properties": { "safe": it.kind == FixKind::Plain },
+    })
+}
+
+fn location(report: &FileReports, path: &Utf8Path, range: &std::ops::Range<usize>) -> Value {
+    json!({
+        "physicalLocation": {
+            "artifactLocation": { "uri": artifact(path) },
+            "region": region(report, path, range),
+        },
+    })
+}
+
+fn region(report: &FileReports, path: &Utf8Path, range: &std::ops::Range<usize>) -> Value {
+    let range = super::json::range(&report.texts, path, range);
+    json!({
+        "startLine": range.start.line + 1,
+        "startColumn": range.start.character + 1,
+        "endLine": range.end.line + 1,
+        "endColumn": range.end.character + 1,
+    })
+}
+
+/// A relative reference for files below the current directory, so that the result holds on other
+/// machines; a URI otherwise.
+fn artifact(path: &Utf8Path) -> String {
+    let whole = uri::from_path(path).map_or_else(|| path.to_string(), |it| it.as_str().to_owned());
+    let shown = session::display(path);
+    if Utf8Path::new(&shown).is_absolute() {
+        return whole;
+    }
+    let root = path.as_str().strip_suffix(&shown).unwrap_or_default();
+    let root = uri::from_path(Utf8Path::new(root)).map_or(0, |it| it.as_str().len());
+    whole[root..].trim_start_matches('/').to_owned()
+}

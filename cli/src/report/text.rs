@@ -1,0 +1,309 @@
+//! `--format text`: for people, in the style of rustc.
+
+use std::io::Write;
+use std::ops::Range;
+
+use annotate_snippets::{
+    Annotation, AnnotationKind, Group, Level, Origin, Patch, Renderer, Snippet,
+};
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::diagnostic::{Diagnostic, Fix, Severity};
+use dotgen_analysis::parallel;
+use dotgen_analysis::terminal;
+use dotgen_syntax::encoding;
+
+use super::{Compared, FileReports};
+use crate::session::{self, Texts};
+use dotgen_lsp_server::protocol::convert::Lines;
+use dotgen_platform::panic;
+
+/// Lines longer than this many bytes are not shown: they are no help.
+const LONGEST_LINE: usize = 1000;
+/// An explanation further away in the same file than this many lines gets a snippet of its own.
+const NEAR: u32 = 40;
+
+/// Diagnostics and a line that sums them up.
+pub(crate) fn print(report: &FileReports) -> anyhow::Result<()> {
+    let mut out = std::io::BufWriter::new(anstream::AutoStream::auto(std::io::stdout().lock()));
+    let (texts, cores) = (&report.texts, parallel::cores());
+    // Not all at once: the texts may be many.
+    for some in report.diagnostics.chunks(1024) {
+        let parts: Vec<&[Diagnostic]> = some.chunks(some.len().div_ceil(4 * cores)).collect();
+        let one = |part: &&[Diagnostic]| -> String {
+            let all = part.iter().map(|it| render(it, texts) + "\n\n");
+            all.collect()
+        };
+        for text in parallel::map(&parts, || (), one, |(), part| one(part)) {
+            out.write_all(encoding::shown(&text).as_bytes())?;
+        }
+    }
+    let in_part = |it: &&Compared| !it.coverage.is_complete();
+    for it in report.compared.iter().filter(in_part) {
+        let (file, component) = (terminal::name(&it.file), terminal::text(&it.component));
+        writeln!(out, "{file}: {component}: {}", it.coverage)?;
+    }
+    // If nothing could be checked, the errors say why.
+    if report.checked > 0 || !report.diagnostics.is_empty() {
+        writeln!(out, "{}", summary(report))?;
+    }
+    Ok(out.flush()?)
+}
+
+/// The errors alone, on standard error.
+pub(crate) fn print_errors(diagnostics: &[Diagnostic], texts: &Texts) -> anyhow::Result<()> {
+    let errors = diagnostics
+        .iter()
+        .filter(|it| it.severity == Severity::Error);
+    print_to_stderr(errors, texts)
+}
+
+/// Some diagnostics, on standard error.
+pub(crate) fn print_to_stderr<'d>(
+    diagnostics: impl IntoIterator<Item = &'d Diagnostic>,
+    texts: &Texts,
+) -> anyhow::Result<()> {
+    let mut out = anstream::AutoStream::auto(std::io::stderr().lock());
+    for diagnostic in diagnostics {
+        writeln!(out, "{}\n", encoding::shown(&render(diagnostic, texts)))?;
+    }
+    Ok(())
+}
+
+/// `checked 3 files: 2 errors, 1 warning; 2 names wait for openrobots2-idl`
+fn summary(report: &FileReports) -> String {
+    let counted = |count: usize, one: &str, many: &str| match count {
+        1 => format!("1 {one}"),
+        _ => format!("{count} {many}"),
+    };
+    let found: Vec<String> = [
+        (Severity::Error, "error", "errors"),
+        (Severity::Warning, "warning", "warnings"),
+        (Severity::Information, "remark", "remarks"),
+        (Severity::Hint, "hint", "hints"),
+    ]
+    .into_iter()
+    .map(|(severity, one, many)| (report.count(severity), one, many))
+    .filter(|it| it.0 > 0)
+    .map(|(count, one, many)| counted(count, one, many))
+    .collect();
+    let files = counted(report.checked, "file", "files");
+    let mut out = match found.is_empty() {
+        true => format!("checked {files}: no problems"),
+        false => format!("checked {files}: {}", found.join(", ")),
+    };
+    for it in &report.waiting {
+        let (names, wait) = match it.names.len() {
+            1 => ("1 name".to_owned(), "waits"),
+            count => (format!("{count} names"), "wait"),
+        };
+        out += &format!("; {names} {wait} for {}", it.missing.join(", "));
+    }
+    out
+}
+
+/// One diagnostic, with colours that the stream takes away where they are not wanted.
+fn render(diagnostic: &Diagnostic, texts: &Texts) -> String {
+    let render = || {
+        let mut groups = vec![main_group(diagnostic, texts)];
+        groups.extend(diagnostic.fixes.first().and_then(|it| fix_group(it, texts)));
+        Renderer::styled().render(&groups)
+    };
+    // The snippet library indexes texts; a diagnostic is worth more than its picture.
+    panic::isolate(render).unwrap_or_else(|_| {
+        let position = texts
+            .get(&diagnostic.path)
+            .map(|it| it.position(diagnostic.range.start))
+            .unwrap_or_default();
+        format!(
+            "{}[{}]: {}\n  --> {}:{}:{}",
+            name(diagnostic.severity),
+            diagnostic.code,
+            terminal::text(&diagnostic.message),
+            shown(&diagnostic.path),
+            position.line + 1,
+            position.character + 1,
+        )
+    })
+}
+
+fn name(severity: Severity) -> &'static str {
+    match severity {
+        Severity::Error => "error",
+        Severity::Warning => "warning",
+        Severity::Information => "info",
+        Severity::Hint => "hint",
+    }
+}
+
+fn level(severity: Severity) -> Level<'static> {
+    match severity {
+        Severity::Error => Level::ERROR,
+        Severity::Warning => Level::WARNING,
+        Severity::Information => Level::INFO,
+        Severity::Hint => Level::NOTE.with_name("hint"),
+    }
+}
+
+/// A path for a terminal. The snippet library sees to messages and sources.
+fn shown(path: &Utf8Path) -> String {
+    terminal::name(&session::display(path)).into_owned()
+}
+
+/// Ranges of one file that are shown together.
+struct Excerpt<'d> {
+    path: &'d Utf8PathBuf,
+    marks: Vec<(Range<usize>, Option<&'d str>)>,
+}
+
+fn main_group<'d>(diagnostic: &'d Diagnostic, texts: &'d Texts) -> Group<'d> {
+    let mut excerpts = vec![Excerpt {
+        path: &diagnostic.path,
+        marks: vec![(diagnostic.range.clone(), None)],
+    }];
+    let line = |path: &Utf8Path, offset| texts.get(path).map(|it| it.position(offset).line);
+    for related in &diagnostic.related {
+        let at = line(&related.path, related.range.start);
+        let near = |it: &&mut Excerpt<'_>| {
+            let first = it
+                .marks
+                .first()
+                .and_then(|mark| line(it.path, mark.0.start));
+            it.path == &related.path && first.zip(at).is_some_and(|(a, b)| a.abs_diff(b) <= NEAR)
+        };
+        let mark = (related.range.clone(), Some(related.message.as_str()));
+        match excerpts.iter_mut().find(near) {
+            Some(excerpt) => excerpt.marks.push(mark),
+            None => excerpts.push(Excerpt {
+                path: &related.path,
+                marks: vec![mark],
+            }),
+        }
+    }
+    let mut group = level(diagnostic.severity)
+        .primary_title(diagnostic.message.as_str())
+        .id(diagnostic.code)
+        .elements(Vec::<Origin<'_>>::new());
+    for (index, excerpt) in excerpts.iter().enumerate() {
+        group = add_excerpt(group, excerpt, index == 0, texts);
+    }
+    group
+}
+
+fn add_excerpt<'d>(
+    group: Group<'d>,
+    excerpt: &Excerpt<'d>,
+    is_primary: bool,
+    texts: &'d Texts,
+) -> Group<'d> {
+    let path = shown(excerpt.path);
+    let Some(lines) = texts.get(excerpt.path) else {
+        return group.element(Origin::path(path));
+    };
+    let ranges = excerpt.marks.iter().map(|it| it.0.clone());
+    let Some(window) = Window::around(lines, ranges) else {
+        let start = excerpt.marks.first().map_or(0, |it| it.0.start);
+        let at = lines.position(start);
+        let origin = Origin::path(path)
+            .line(at.line as usize + 1)
+            .char_column(at.character as usize + 1);
+        return group.element(origin);
+    };
+    let marks = excerpt.marks.iter().enumerate();
+    let annotations = marks.map(|(index, (range, label))| {
+        let kind = match index == 0 && is_primary {
+            true => AnnotationKind::Primary,
+            false => AnnotationKind::Context,
+        };
+        let annotation: Annotation<'_> = kind.span(window.span(lines, range));
+        annotation.label(*label)
+    });
+    group.element(
+        Snippet::source(window.text(lines))
+            .line_start(window.first_line)
+            .path(path)
+            .annotations(annotations.collect::<Vec<_>>()),
+    )
+}
+
+/// The title of a fix as it stands after a colon, without the capital letter that it has in menus.
+pub(crate) fn title(of_fix: &str) -> String {
+    let mut rest = of_fix.chars();
+    let first = rest.next().into_iter().flat_map(char::to_lowercase);
+    first.chain(rest).collect()
+}
+
+/// The best fix as the text it makes, if it is in one file.
+fn fix_group<'d>(fix: &'d Fix, texts: &'d Texts) -> Option<Group<'d>> {
+    let path = &fix.edits.first()?.path;
+    let lines = texts.get(path)?;
+    let title = title(&fix.title);
+    if fix.edits.iter().any(|it| it.path != *path) {
+        return Some(Group::with_title(Level::HELP.secondary_title(title)));
+    }
+    let ranges = fix.edits.iter().map(|it| it.range.clone());
+    let window = Window::around(lines, ranges)?;
+    let patches = fix.edits.iter().map(|it| {
+        let range = it.range.start - window.bytes.start..it.range.end - window.bytes.start;
+        Patch::new(range, it.new_text.as_str())
+    });
+    let snippet = Snippet::source(window.text(lines))
+        .line_start(window.first_line)
+        .path(shown(path))
+        .patches(patches.collect::<Vec<_>>());
+    Some(Level::HELP.secondary_title(title).element(snippet))
+}
+
+/// Whole lines of a file.
+struct Window {
+    bytes: Range<usize>,
+    /// From 1.
+    first_line: usize,
+}
+
+impl Window {
+    /// The lines in which the ranges begin and the edits end; `None` if one is too long to show.
+    fn around(lines: &Lines, ranges: impl Iterator<Item = Range<usize>>) -> Option<Window> {
+        let (mut first, mut last) = (u32::MAX, 0);
+        let mut end = 0;
+        for range in ranges {
+            let line = lines.position(range.start).line;
+            first = first.min(line);
+            last = last.max(line).max(lines.position(range.end).line);
+            end = end.max(range.end);
+        }
+        let last = last.min(first.saturating_add(2 * NEAR));
+        for line in first..=last {
+            if lines.line(line)?.len() > LONGEST_LINE {
+                return None;
+            }
+        }
+        Some(Window {
+            bytes: lines.line(first)?.start..lines.line(last)?.end,
+            first_line: first as usize + 1,
+        })
+    }
+
+    /// The text, with every line end one that the snippet library knows. Same length.
+    fn text(&self, lines: &Lines) -> String {
+        let text = &lines.text()[self.bytes.clone()];
+        let mut bytes = text.chars().peekable();
+        let mut out = String::with_capacity(text.len());
+        while let Some(c) = bytes.next() {
+            let lone = c == '\r' && bytes.peek() != Some(&'\n');
+            out.push(if lone { '\n' } else { c });
+        }
+        out
+    }
+
+    /// A range in [`Window::text`]. What spans lines is shown by its first.
+    fn span(&self, lines: &Lines, range: &Range<usize>) -> Range<usize> {
+        let line = lines.position(range.start).line;
+        let line_end = lines.line(line).map_or(range.end, |it| it.end);
+        let start = range.start.min(line_end);
+        let end = range.end.min(line_end).max(start);
+        start - self.bytes.start..end - self.bytes.start
+    }
+}
+
+#[cfg(test)]
+mod tests;

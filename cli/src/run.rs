@@ -1,0 +1,524 @@
+//! `dotgen run`
+
+pub(super) mod bounds;
+mod execute;
+#[cfg(unix)]
+mod hosted;
+mod record;
+mod recorder;
+#[cfg(unix)]
+mod serve;
+mod text;
+
+use std::io::Write;
+
+use camino::Utf8PathBuf;
+use clap::{Args, ValueEnum};
+use dotgen_analysis::model::Seconds;
+use dotgen_runtime::decide;
+use dotgen_runtime::engine::End;
+use dotgen_runtime::report::RunReport;
+use dotgen_runtime::simulation::Plan;
+use dotgen_timing::diagnostic::remark::together;
+use dotgen_timing::scn::ast::Unit;
+use dotgen_timing::scn::names::Names;
+use dotgen_timing::verify::{Options, Prepared, SystemInput, prepare};
+use num_rational::Ratio;
+
+use super::outputs::{self, MCAP, Output, PERFETTO, VIEWER};
+use super::verify::told::Told;
+use super::verify::{Cores, PolicyName, SemanticsName, body, cores, interrupt, parsed, problems};
+use super::{Outcome, Reading, report, trace};
+use dotgen_views::verification::Problem;
+use dotgen_views::verification::timeline::Ending;
+use recorder::Files;
+
+/// Run components and watch the checks of a scenario
+///
+/// A scenario (FILE.scn) names its specifications, platform, clients and checks. Without a scenario, all
+/// FILE.gen run together as one system; on the virtual clock, a client sends any request at any time.
+///
+/// Codels with sources are compiled and executed, each component in its own process. Times and yields of
+/// other codels are random, and the same for the same seed. The run follows the model of `dotgen verify`;
+/// deviations are reported as violations.
+///
+/// Exit status: 0 without violations, 1 with violations of a check, a proved bound or a codel, 2 if nothing
+/// could be run (wrong usage, a file that cannot be read or has errors, codels that do not compile), 3 if the
+/// run ended early.
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// Scenarios (.scn), specifications (.gen), and directories to search for .gen files
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<Utf8PathBuf>,
+
+    /// Clock of the run
+    #[arg(long, value_enum, default_value_t = Clock::Virtual)]
+    clock: Clock,
+
+    /// Codels to simulate instead of executing them; their yields are random
+    #[arg(long, value_enum, default_value_t = Simulate::Missing)]
+    simulate: Simulate,
+
+    /// Duration of the run, with a unit (us, ms, s, min, h) [default: 10s; on the real clock, until Ctrl-C]
+    #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true)]
+    until: Option<Seconds>,
+
+    /// Inputs of the scenario's requests, for example pump.fill={"height": 2}
+    #[arg(long = "input", value_name = "SERVICE=JSON", action = clap::ArgAction::Append)]
+    inputs: Vec<String>,
+
+    /// Socket for `dotgen call`, with --clock real [default: NAME.sock in a folder of this user]
+    #[arg(long, value_name = "PATH")]
+    socket: Option<Utf8PathBuf>,
+
+    /// Also listen on this local TCP port, with --clock real; 0 selects a free port. Clients send the token
+    /// in PORT.token, which only this user can read
+    #[arg(long, value_name = "PORT")]
+    listen: Option<u16>,
+
+    /// Serve all users of this machine on the TCP port, without a token
+    #[arg(long, requires = "listen")]
+    listen_anyone: bool,
+
+    /// Exchange port data with other machines, with --clock real: listen for Zenoh at this endpoint, for
+    /// example tcp/0.0.0.0:7447
+    #[arg(long, value_name = "ENDPOINT", action = clap::ArgAction::Append)]
+    zenoh_listen: Vec<String>,
+
+    /// Exchange port data with other machines, with --clock real: connect to a peer or Zenoh router at this
+    /// endpoint, for example tcp/robot2:7447
+    #[arg(long, value_name = "ENDPOINT", action = clap::ArgAction::Append)]
+    zenoh_connect: Vec<String>,
+
+    /// Key that an input port reads from other machines, for example pump.goal=planner/goal [default: the
+    /// output port of the same name]
+    #[arg(long = "zenoh-read", value_name = "PORT=KEY", action = clap::ArgAction::Append)]
+    zenoh_reads: Vec<String>,
+
+    /// Number of runs, each with the next seed
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
+    runs: u64,
+
+    /// Seed of random times and yields
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0,
+        allow_negative_numbers = true
+    )]
+    seed: u64,
+
+    /// Execution times of simulated codels, within their intervals
+    #[arg(long, value_enum, default_value_t = DurationsName::Random)]
+    durations: DurationsName,
+
+    /// Number of cores, or `free` for one core per task
+    #[arg(long, value_name = "N|free", value_parser = cores)]
+    cores: Option<Cores>,
+
+    /// Semantics of the model
+    #[arg(long, value_enum)]
+    semantics: Option<SemanticsName>,
+
+    /// Order in which tasks get a core
+    #[arg(long, value_enum)]
+    policy: Option<PolicyName>,
+
+    /// Watch CHECK instead of the scenario's checks, for example "response arm.motion <= 5 ms"
+    #[arg(long = "check", value_name = "CHECK", action = clap::ArgAction::Append)]
+    checks: Vec<String>,
+
+    /// Bounds to compare response times with
+    #[arg(long, value_enum, default_value_t = bounds::Source::Proved)]
+    bounds: bounds::Source,
+
+    /// Reaction to a violation
+    #[arg(long, value_enum, default_value_t = OnViolation::Report)]
+    on_violation: OnViolation,
+
+    /// Write all executions of codels to FILE, in the format of GenoM3's profiler
+    #[arg(long, value_name = "FILE")]
+    profile: Option<Utf8PathBuf>,
+
+    /// Write a trace: FILE.pftrace (tasks, cores, locks, requests) for https://ui.perfetto.dev, or FILE.json
+    /// (the first run) for the trace viewer
+    #[arg(long, value_name = "FILE")]
+    trace: Option<Utf8PathBuf>,
+
+    /// Write a recording (.mcap): values of ports for https://foxglove.dev, and steps for `dotgen replay`
+    #[arg(long, value_name = "FILE")]
+    record: Option<Utf8PathBuf>,
+
+    /// Compile codels with debug information; each component prints its process id and waits for a debugger
+    #[arg(long)]
+    debug: bool,
+
+    /// Output format
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+
+    #[command(flatten)]
+    reading: Reading,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Clock {
+    /// Simulated time: discrete events, no waiting
+    Virtual,
+    /// The clock of this machine
+    Real,
+}
+
+impl Clock {
+    fn word(self) -> &'static str {
+        match self {
+            Clock::Virtual => "virtual",
+            Clock::Real => "real",
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Simulate {
+    /// Codels without a function in the sources
+    Missing,
+    /// All codels
+    All,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum DurationsName {
+    /// Always the longest time
+    Worst,
+    /// A random time of the interval
+    Random,
+    /// Always the shortest time
+    Best,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum OnViolation {
+    /// Report it at the end
+    Report,
+    /// Also stop the activity whose codel took too long
+    StopActivity,
+    /// Stop the run
+    Stop,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Format {
+    /// For people
+    Text,
+    /// For programs
+    Json,
+}
+
+/// A file, and how many of what are in it.
+type Written = (Utf8PathBuf, u64, Contents);
+
+/// What stands in a file.
+#[derive(Debug, Clone, Copy)]
+enum Contents {
+    Lines,
+    Codels,
+    Steps,
+    /// Of ports, and so many steps.
+    Messages(u64),
+}
+
+/// A run that is over.
+struct Answer {
+    problem: Problem,
+    options: Options,
+    report: RunReport,
+    clock: Clock,
+    /// How many codels were executed, of how many.
+    executed: (usize, usize),
+    /// Files that were written.
+    written: Vec<Written>,
+}
+
+/// A time with its unit.
+fn time(text: &str) -> Result<Seconds, String> {
+    let wrong = || "give a time with a unit, for example 10s, 500ms or 2min".to_owned();
+    let at = text.find(|c: char| c.is_ascii_alphabetic());
+    let (number, unit) = text.split_at(at.ok_or_else(wrong)?);
+    let number: Seconds = exact(number.trim()).ok_or_else(wrong)?;
+    let unit = match unit {
+        "us" | "µs" => Unit::Microseconds.seconds(),
+        "ms" => Unit::Milliseconds.seconds(),
+        "s" => Ratio::from_integer(1),
+        "min" => Ratio::from_integer(60),
+        "h" => Ratio::from_integer(3600),
+        _ => return Err(wrong()),
+    };
+    Ok(number * unit)
+}
+
+/// A decimal number that is not negative.
+fn exact(text: &str) -> Option<Seconds> {
+    let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
+    let digits = format!("{whole}{fraction}");
+    let short = fraction.len() <= 9 && digits.len() <= 18;
+    if !short || digits.is_empty() || !digits.bytes().all(|it| it.is_ascii_digit()) {
+        return None;
+    }
+    let scale = 10i128.pow(u32::try_from(fraction.len()).ok()?);
+    Some(Ratio::new(digits.parse().ok()?, scale))
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    let checks: Vec<&str> = arguments.checks.iter().map(|it| body(it)).collect();
+    // A run ends what it has begun, whoever ends it.
+    let interrupt = interrupt::on_signals();
+    let (all, mut trouble) = problems(&arguments.files, &arguments.reading);
+    if arguments.profile.is_some() && all.len() > 1 {
+        anyhow::bail!("`--profile` writes one file: run one scenario at a time");
+    }
+    if arguments.trace.is_some() && all.len() > 1 {
+        anyhow::bail!("`--trace` writes one file: run one scenario at a time");
+    }
+    if arguments.record.is_some() && (all.len() > 1 || arguments.runs > 1) {
+        anyhow::bail!("`--record` writes one run: one scenario, without `--runs`");
+    }
+    if arguments.debug && (all.len() > 1 || arguments.runs > 1) {
+        anyhow::bail!("`--debug` is for one run: one scenario, without `--runs`");
+    }
+    if arguments.debug && arguments.simulate == Simulate::All {
+        anyhow::bail!("`--debug` is for codels that are executed: leave `--simulate all` out");
+    }
+    if arguments.debug && !cfg!(target_os = "linux") {
+        anyhow::bail!("components wait for a debugger on Linux only");
+    }
+    if arguments.socket.is_some() && arguments.clock == Clock::Virtual {
+        anyhow::bail!(
+            "`--socket` needs `--clock real`: no request can come in time on the virtual clock"
+        );
+    }
+    if arguments.listen.is_some() && arguments.clock == Clock::Virtual {
+        anyhow::bail!(
+            "`--listen` needs `--clock real`: no request can come in time on the virtual clock"
+        );
+    }
+    if arguments.has_network() && arguments.clock == Clock::Virtual {
+        anyhow::bail!(
+            "`--zenoh-listen` and `--zenoh-connect` are for `--clock real`: other machines have another \
+             virtual clock"
+        );
+    }
+    if !arguments.zenoh_reads.is_empty() && !arguments.has_network() {
+        anyhow::bail!(
+            "`--zenoh-read` needs other machines: add `--zenoh-listen` or `--zenoh-connect`"
+        );
+    }
+    let output = |path, endings| Output { path, endings };
+    let log = arguments.profile.iter().map(|it| output(it, &[]));
+    let trace = arguments.trace.iter();
+    let trace = trace.map(|it| output(it, &[PERFETTO, VIEWER]));
+    let record = arguments.record.iter().map(|it| output(it, &[MCAP]));
+    let written: Vec<Output<'_>> = log.chain(trace).chain(record).collect();
+    outputs::check(&written, all.iter().flat_map(|it| it.1.files()))?;
+    let mut answers = Vec::new();
+    for (session, problem) in all {
+        if !problem.errors.is_empty() {
+            Told::about(&session, &problem, problem.errors.clone())?.print()?;
+            trouble.told();
+            continue;
+        }
+        let options = Options {
+            cores: arguments.cores.map(|it| it.0),
+            policy: arguments.policy.map(PolicyName::policy),
+            semantics: arguments.semantics.map(SemanticsName::preset),
+            checks: parsed(&checks, &problem)?,
+            ..Options::default()
+        };
+        let input = SystemInput {
+            specs: problem.specs(),
+        };
+        let prepared = prepare(&input, &problem.scenario, &options);
+        let told = |all: &[dotgen_timing::diagnostic::Diagnostic]| {
+            Told::by_verifier(&session, &problem, all, &checks)
+        };
+        if matches!(arguments.format, Format::Text) || prepared.report.has_errors() {
+            told(&together(&prepared.report.diagnostics))?.print()?;
+        }
+        if prepared.report.has_errors() {
+            trouble.told();
+            continue;
+        }
+        let source = (arguments.bounds, arguments.clock);
+        let (mut bounds, proving) =
+            bounds::at_once(source, &problem, &options, &prepared, &interrupt);
+        let measured = arguments.clock == Clock::Real && arguments.simulate == Simulate::Missing;
+        let untimed = bounds::without_times(&prepared.built.system, &mut bounds, measured);
+        let names = Names::new(&input.specs);
+        let (trace, perfetto) = match &arguments.trace {
+            Some(path) if path.extension() == Some(PERFETTO) => (None, Some(path)),
+            other => (other.as_ref(), None),
+        };
+        let log = arguments.profile.as_ref();
+        let mut files = Files::open(
+            log.map(|it| it.as_path()),
+            perfetto.map(|it| it.as_path()),
+            arguments.record.as_ref().map(|it| it.as_path()),
+            &names,
+        )?;
+        let context = execute::Context {
+            session: &session,
+            problem: &problem,
+            names: &names,
+            options: &options,
+            bounds,
+            proving: proving.as_ref(),
+            measured,
+            interrupt: &interrupt,
+        };
+        let Some(run) = context.run_while_proving(arguments, prepared, &mut files)? else {
+            if interrupt.is_raised() {
+                report::note("interrupted before it ran");
+                return Ok(Outcome::GaveUp);
+            }
+            return Ok(Outcome::Unusable);
+        };
+        let execute::Run {
+            mut report,
+            executed,
+            lines,
+            messages,
+            told,
+        } = run;
+        report.notes.extend(untimed);
+        let mut written = Vec::new();
+        if let (Some(path), Some(it)) = (&arguments.record, trouble.or_tell(messages).flatten()) {
+            match it.whole {
+                true => written.push((path.clone(), it.data, Contents::Messages(it.steps))),
+                false => trouble.told(),
+            }
+        }
+        // What happened is told also where it could not be written down.
+        let recorded = lines.and_then(|lines| {
+            let whole = files.runs.map(|it| it.finish()).transpose()?;
+            Ok((lines, whole))
+        });
+        if let Some((lines, Some(whole))) = trouble.or_tell(recorded.map_err(Into::into)) {
+            let files = [
+                (log, whole.log, Contents::Lines),
+                (perfetto, whole.trace, Contents::Codels),
+            ];
+            for (path, whole, of) in files {
+                match (path, whole) {
+                    (Some(path), true) => written.push((path.clone(), lines, of)),
+                    (Some(_), false) => trouble.told(),
+                    (None, _) => {}
+                }
+            }
+        }
+        if let (Some(path), Some(run)) = (trace, told) {
+            let recorded = trace::Recorded {
+                title: format!("a run of {}, seed {}", report.scenario, arguments.seed),
+                unit: &report.unit,
+                events: &run.events,
+                ending: Ending::Fine,
+                cycle: None,
+                notes: match run.left_out {
+                    true => vec!["the run goes on, but not here: it is too long".to_owned()],
+                    false => Vec::new(),
+                },
+            };
+            let steps = trouble.or_tell(trace::write(path, recorded, &problem, &options));
+            let steps = steps.and_then(|it| u64::try_from(it).ok());
+            written.extend(steps.map(|it| (path.clone(), it, Contents::Steps)));
+        }
+        answers.push(Answer {
+            clock: arguments.clock,
+            executed,
+            options,
+            report,
+            written,
+            problem,
+        });
+    }
+    if !answers.is_empty() {
+        match arguments.format {
+            Format::Text => text::print(&answers)?,
+            Format::Json => print_json(&answers)?,
+        }
+    }
+    let ended = |it: &Answer| !matches!(it.report.end, End::Done | End::NothingLeft);
+    Ok(
+        trouble.outcome(if answers.iter().any(|it| it.report.violated()) {
+            Outcome::Errors
+        } else if answers.iter().any(ended) {
+            Outcome::GaveUp
+        } else {
+            Outcome::Fine
+        }),
+    )
+}
+
+impl Arguments {
+    /// Tells of components that wait for a debugger: people on the error output; programs in a line of JSON
+    /// for each, before the report.
+    #[cfg(unix)]
+    fn waiting(&self) -> dotgen_hosting::children::Waiting {
+        let format = self.format;
+        Box::new(move |component, process| match format {
+            Format::Text => report::note(&format!(
+                "`{component}` waits for a debugger: gdb -p {process}"
+            )),
+            Format::Json => {
+                let line = serde_json::json!({ "component": component, "process": process });
+                let mut out = std::io::stdout();
+                // Where nobody hears it, nobody attaches.
+                let _ = writeln!(out, "{line}").and_then(|()| out.flush());
+            }
+        })
+    }
+
+    /// Whether ports are exchanged with other machines.
+    fn has_network(&self) -> bool {
+        !self.zenoh_listen.is_empty() || !self.zenoh_connect.is_empty()
+    }
+
+    fn plan(&self, prepared: &Prepared) -> Plan {
+        let ten_seconds = Ratio::from_integer(10);
+        Plan {
+            until: match (self.until, self.clock) {
+                (Some(it), _) => prepared.ticks(it),
+                (None, Clock::Virtual) => prepared.ticks(ten_seconds),
+                (None, Clock::Real) => u64::MAX,
+            },
+            runs: self.runs,
+            seed: self.seed,
+            durations: match self.durations {
+                DurationsName::Worst => decide::Durations::Worst,
+                DurationsName::Random => decide::Durations::Random,
+                DurationsName::Best => decide::Durations::Best,
+            },
+            stop_at_violation: self.on_violation == OnViolation::Stop,
+            record: (self.trace.as_ref()).is_some_and(|it| it.extension() != Some(PERFETTO)),
+        }
+    }
+}
+
+/// One document: an object for one scenario, a list for several.
+fn print_json(answers: &[Answer]) -> anyhow::Result<()> {
+    let mut documents = Vec::new();
+    for it in answers {
+        let mut document = serde_json::to_value(&it.report)?;
+        document["file"] = super::session::display(&it.problem.path).into();
+        document["clock"] = it.clock.word().into();
+        document["executed-codels"] = it.executed.0.into();
+        document["simulated-codels"] = it.executed.1.into();
+        documents.push(document);
+    }
+    let document = match documents.len() {
+        1 => documents.remove(0),
+        _ => serde_json::Value::Array(documents),
+    };
+    let mut out = serde_json::to_string_pretty(&document)?;
+    out.push('\n');
+    std::io::stdout().write_all(out.as_bytes())?;
+    Ok(())
+}

@@ -1,0 +1,201 @@
+//! Bounds on response times, for a run to be compared with.
+
+use std::collections::HashMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use clap::ValueEnum;
+use dotgen_runtime::counted::{has_times, untimed};
+use dotgen_timing::analytic::response_bounds;
+use dotgen_timing::explore::Limits;
+use dotgen_timing::property::PropertyKind;
+use dotgen_timing::report::{Value, Verdict};
+use dotgen_timing::scn::parse_check;
+use dotgen_timing::system::{Ticks, TimedSystem};
+use dotgen_timing::verify::{Cancel, Interrupt, Options, Prepared};
+
+use super::Clock;
+use dotgen_views::verification::Problem;
+
+/// Sources of bounds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Source {
+    /// Response-time analysis, lowered by a short verification
+    Proved,
+    /// Response-time analysis
+    Analysed,
+    /// No bounds
+    None,
+}
+
+/// States of the verification that goes on during a run.
+pub(super) const STATES: usize = 200_000;
+
+/// States of the verification before a run begins. A run does not wait for more.
+const STATES_BEFORE: usize = 1_000;
+
+/// By task; `None` where no bound is known.
+pub(crate) fn of_tasks(
+    source: Source,
+    problem: &Problem,
+    options: &Options,
+    prepared: &Prepared,
+    interrupt: &Interrupt,
+) -> Vec<Option<Ticks>> {
+    let mut bounds = analysed(source, &prepared.built.system);
+    if source == Source::Proved {
+        let proving = Proving::new(prepared);
+        proving.prove(problem, options, STATES, &Cancel::interrupted_by(interrupt));
+        proving.add_to(&mut bounds);
+    }
+    bounds
+}
+
+/// As [`of_tasks`], as far as the bounds are known at once. On the real clock, also what may prove more of
+/// them. On the virtual clock a report must not depend on the speed of the machine.
+pub(super) fn at_once(
+    (source, clock): (Source, Clock),
+    problem: &Problem,
+    options: &Options,
+    prepared: &Prepared,
+    interrupt: &Interrupt,
+) -> (Vec<Option<Ticks>>, Option<Proving>) {
+    let mut bounds = analysed(source, &prepared.built.system);
+    if source != Source::Proved {
+        return (bounds, None);
+    }
+    let proving = Proving::new(prepared);
+    let cancel = Cancel::interrupted_by(interrupt);
+    proving.prove(problem, options, STATES_BEFORE, &cancel);
+    proving.add_to(&mut bounds);
+    let left = clock == Clock::Real && !proving.is_done();
+    (bounds, left.then_some(proving))
+}
+
+fn analysed(source: Source, system: &TimedSystem) -> Vec<Option<Ticks>> {
+    match source {
+        Source::None => vec![None; system.tasks.len()],
+        Source::Proved | Source::Analysed => response_bounds(system),
+    }
+}
+
+/// A verification of response times.
+pub(super) struct Proving {
+    /// Tasks by component and number, as in the report.
+    tasks: HashMap<(usize, u32), usize>,
+    /// A tick in the unit of the report.
+    tick: f64,
+    /// By task, what was proved; `None` before everything was answered or given up.
+    proved: Mutex<Option<Answers>>,
+}
+
+#[derive(Default)]
+struct Answers {
+    bounds: Vec<(usize, Ticks)>,
+    given_up: bool,
+}
+
+impl Proving {
+    fn new(prepared: &Prepared) -> Proving {
+        Proving {
+            tasks: prepared.built.tasks.clone(),
+            tick: prepared.time(1),
+            proved: Mutex::default(),
+        }
+    }
+
+    /// Verifies, within this number of states.
+    pub(super) fn prove(
+        &self,
+        problem: &Problem,
+        options: &Options,
+        states: usize,
+        cancel: &Cancel,
+    ) {
+        let Ok(check) = parse_check("response *") else {
+            return;
+        };
+        let options = Options {
+            checks: vec![check],
+            limits: Limits {
+                states,
+                ..options.limits
+            },
+            ..options.clone()
+        };
+        let report = problem.verify(&options, cancel, &|_| {});
+        let mut answers = Answers::default();
+        for it in &report.checks {
+            answers.given_up |= it.verdict == Verdict::Unknown;
+            let known = it.verdict == Verdict::Proved && it.kind == PropertyKind::Response;
+            let task = it.id.task.and_then(|it| self.tasks.get(&it));
+            if let (true, Some(&task), Some(Value::Time(time))) = (known, task, it.value) {
+                let ticks = (time / self.tick).round() as Ticks;
+                answers.bounds.push((task, ticks));
+            }
+        }
+        if !cancel.is_abandoned() {
+            *self.proved() = Some(answers);
+        }
+    }
+
+    /// Whether every response time was answered, none given up.
+    fn is_done(&self) -> bool {
+        self.proved().as_ref().is_some_and(|it| !it.given_up)
+    }
+
+    /// Begins anew: what is proved from here on counts.
+    pub(super) fn reset(&self) {
+        *self.proved() = None;
+    }
+
+    /// Lowers bounds to what was proved; `false` if the verification has not ended.
+    pub(super) fn add_to(&self, bounds: &mut [Option<Ticks>]) -> bool {
+        let proved = self.proved();
+        let Some(answers) = proved.as_ref() else {
+            return false;
+        };
+        for &(task, ticks) in &answers.bounds {
+            bounds[task] = Some(bounds[task].map_or(ticks, |it| it.min(ticks)));
+        }
+        true
+    }
+
+    fn proved(&self) -> MutexGuard<'_, Option<Answers>> {
+        self.proved.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Drops bounds that say nothing because codels have no execution time: of tasks without any; if times are
+/// measured, of all tasks, because codels delay each other. Returns a note on codels without a time.
+pub(crate) fn without_times(
+    system: &TimedSystem,
+    bounds: &mut [Option<Ticks>],
+    measured: bool,
+) -> Option<String> {
+    let untimed = untimed(system);
+    for (task, bound) in bounds.iter_mut().enumerate() {
+        let is_unknown = measured && !untimed.is_empty();
+        if is_unknown || !has_times(system, task) {
+            *bound = None;
+        }
+    }
+    let all = system.codels.iter().filter(|it| it.site.is_some());
+    let none_has = all.clone().next().is_some() && all.clone().all(|it| it.upper == 0);
+    let names = || match untimed.len() {
+        n if n > NAMED => format!("{} and {} more", untimed[..NAMED].join(", "), n - NAMED),
+        _ => untimed.join(", "),
+    };
+    match (measured, none_has) {
+        _ if untimed.is_empty() => None,
+        (false, true) => Some(
+            "no execution times: this run shows the order of codels, not their timing; measure with `dotgen \
+             run --clock real --profile FILE` and `dotgen wcet import`, or write `wcet`"
+                .to_owned(),
+        ),
+        (false, false) => Some(format!("no execution time, taken as 0: {}", names())),
+        (true, _) => Some(format!("no bounds, because no execution time: {}", names())),
+    }
+}
+
+/// More codels without a time are counted only.
+const NAMED: usize = 10;

@@ -1,0 +1,372 @@
+//! One system, run: on the virtual or the real clock, with or without its codels.
+
+use std::io::{self, Write};
+
+use dotgen_recording::log::origins;
+use dotgen_runtime::profile::{Profile, functions};
+use dotgen_runtime::report::RunReport;
+use dotgen_runtime::simulation::{Outcome, Record, simulate_recorded};
+use dotgen_timing::report::Event;
+use dotgen_timing::scn::names::Names;
+use dotgen_timing::system::Ticks;
+use dotgen_timing::verify::{Cancel, Interrupt, Options, Prepared, SystemInput};
+
+use super::bounds::{self, Proving};
+use super::record::Recording;
+use super::recorder::{Files, Recorder, Runs};
+use super::{Arguments, Clock, Simulate};
+use crate::session::Session;
+use dotgen_platform::files::disk::Growing;
+use dotgen_views::verification::Problem;
+
+/// What a run is about.
+pub(super) struct Context<'c, 's> {
+    pub(super) session: &'c Session,
+    pub(super) problem: &'c Problem,
+    pub(super) names: &'c Names<'s>,
+    pub(super) options: &'c Options,
+    /// On response times, in units of the system.
+    pub(super) bounds: Vec<Option<Ticks>>,
+    /// What proves more bounds while the system runs.
+    pub(super) proving: Option<&'c Proving>,
+    /// Codels are executed on the real clock.
+    pub(super) measured: bool,
+    pub(super) interrupt: &'c Interrupt,
+}
+
+/// What came of it.
+pub(super) struct Run {
+    pub(super) report: RunReport,
+    /// How many codels were executed, and how many simulated.
+    pub(super) executed: (usize, usize),
+    /// Lines of the profile; the first error where they could not be written.
+    pub(super) lines: io::Result<u64>,
+    /// The recording, if one is made.
+    pub(super) messages: anyhow::Result<Option<Recorded>>,
+    /// The first run, if it is to be shown.
+    pub(super) told: Option<Told>,
+}
+
+/// A recording that has ended.
+pub(super) struct Recorded {
+    /// Messages of ports.
+    pub(super) data: u64,
+    pub(super) steps: u64,
+    /// All of it could be written; otherwise the reason was told.
+    pub(super) whole: bool,
+}
+
+/// What happened in a run.
+pub(super) struct Told {
+    pub(super) events: Vec<Event>,
+    /// Only its beginning is there.
+    pub(super) left_out: bool,
+}
+
+/// A note for a run that ended before the verification of its response times.
+const NOT_PROVED: &str = "verification of response times cancelled: the run ended first; bounds are those \
+     known before the run; `dotgen verify` may prove lower ones";
+
+impl Context<'_, '_> {
+    /// Runs, and proves bounds meanwhile. Bounds that are not proved when the run ends are not waited for.
+    pub(super) fn run_while_proving(
+        &self,
+        arguments: &Arguments,
+        prepared: Prepared,
+        files: &mut Files<'_>,
+    ) -> anyhow::Result<Option<Run>> {
+        let cancel = Cancel::interrupted_by(self.interrupt);
+        std::thread::scope(|scope| {
+            if let Some(proving) = self.proving {
+                proving.reset();
+                let (problem, options, cancel) = (self.problem, self.options, &cancel);
+                scope.spawn(move || {
+                    #[cfg(unix)]
+                    dotgen_hosting::realtime::lower_priority();
+                    proving.prove(problem, options, bounds::STATES, cancel);
+                });
+            }
+            let run = self.run(arguments, prepared, files);
+            cancel.abandon();
+            run
+        })
+    }
+
+    /// The bounds that are known when a run has ended, and a note if some may be missing.
+    fn bounds_in_the_end(&self, prepared: &Prepared) -> (Vec<Option<Ticks>>, Option<String>) {
+        let mut bounds = self.bounds.clone();
+        let proved = self.proving.is_none_or(|it| it.add_to(&mut bounds));
+        bounds::without_times(&prepared.built.system, &mut bounds, self.measured);
+        (bounds, (!proved).then(|| NOT_PROVED.to_owned()))
+    }
+
+    /// `None` if it cannot run, which was told, or was interrupted before it ran.
+    fn run(
+        &self,
+        arguments: &Arguments,
+        prepared: Prepared,
+        files: &mut Files<'_>,
+    ) -> anyhow::Result<Option<Run>> {
+        let real = arguments.clock == Clock::Real;
+        if arguments.simulate == Simulate::All && !real {
+            return self.simulated(arguments, &prepared, files).map(Some);
+        }
+        #[cfg(unix)]
+        return self.executed(arguments, &prepared, files);
+        #[cfg(not(unix))]
+        anyhow::bail!("codels are executed on Unix systems only; use `--simulate all`");
+    }
+
+    fn simulated(
+        &self,
+        arguments: &Arguments,
+        prepared: &Prepared,
+        files: &mut Files<'_>,
+    ) -> anyhow::Result<Run> {
+        let plan = arguments.plan(prepared);
+        let system = &prepared.built.system;
+        let mut profile = self.profile(prepared, files.runs.as_mut(), None, None)?;
+        let interrupted = || self.interrupt.is_raised();
+        let bounds = self.bounds.clone();
+        let mut recording = self.recording(files.recording.take(), prepared, false)?;
+        let mut outcome = simulate_recorded(
+            prepared,
+            bounds,
+            &plan,
+            profile.as_mut(),
+            recording.as_mut().map(|it| it as &mut dyn Record),
+            None,
+            &interrupted,
+        );
+        let (bounds, note) = self.bounds_in_the_end(prepared);
+        outcome.judge.bound_late(&bounds);
+        let mut report = RunReport::new(prepared, &plan, &outcome, &bounds);
+        report.notes.extend(note);
+        Ok(Run {
+            lines: lines(profile),
+            messages: messages(recording),
+            executed: (0, system.codels.len()),
+            told: self.told(prepared, &outcome),
+            report,
+        })
+    }
+
+    /// What writes the runs of codels, if somebody wants them. `measured`: on the real clock, the codels that
+    /// are executed.
+    fn profile<'r, 'a>(
+        &self,
+        prepared: &'r Prepared,
+        mut recorder: Option<&'r mut Recorder<'a>>,
+        followers: Option<Box<dyn Write>>,
+        measured: Option<&dyn Fn(usize) -> bool>,
+    ) -> anyhow::Result<Option<Profile<'r, Runs<'r, 'a>>>> {
+        if recorder.is_none() && followers.is_none() {
+            return Ok(None);
+        }
+        let system = &prepared.built.system;
+        if let Some(recorder) = &mut recorder {
+            let codels = system.codels.iter().enumerate();
+            let simulated = codels.filter(|(number, codel)| {
+                codel.site.is_some() && measured.is_some_and(|is_executed| !is_executed(*number))
+            });
+            let simulated = simulated.map(|(_, codel)| codel.path.as_str());
+            recorder.say(&origins(measured.is_some(), simulated))?;
+        }
+        let runs = Runs {
+            recorder,
+            followers,
+        };
+        let functions = functions(system, self.names);
+        Ok(Some(Profile::new(system, functions, runs)))
+    }
+
+    /// The recording that is wanted, if one is.
+    fn recording<'r>(
+        &'r self,
+        file: Option<Growing>,
+        prepared: &'r Prepared,
+        real: bool,
+    ) -> anyhow::Result<Option<Recording<'r, 'r>>> {
+        let Some(file) = file else {
+            return Ok(None);
+        };
+        let scenario = match self.problem.scenario.name.as_str() {
+            "" => crate::session::display(&self.problem.path),
+            name => name.to_owned(),
+        };
+        Recording::new(file, prepared, self.names, scenario, real).map(Some)
+    }
+
+    fn told(&self, prepared: &Prepared, outcome: &Outcome<'_>) -> Option<Told> {
+        let run = outcome.recorded.as_ref()?;
+        let input = SystemInput {
+            specs: self.problem.specs(),
+        };
+        Some(Told {
+            events: prepared.told(&input, run),
+            left_out: run.left_out,
+        })
+    }
+
+    #[cfg(unix)]
+    fn executed(
+        &self,
+        arguments: &Arguments,
+        prepared: &Prepared,
+        files: &mut Files<'_>,
+    ) -> anyhow::Result<Option<Run>> {
+        use super::hosted;
+        use dotgen_hosting::children::Children;
+        use dotgen_hosting::realtime;
+        use dotgen_hosting::server::Server;
+        use dotgen_hosting::strays::Strays;
+        use dotgen_runtime::engine::End;
+        use dotgen_runtime::live::Live;
+        use dotgen_runtime::paced::Pace;
+        use dotgen_runtime::progress::Follow;
+        use dotgen_runtime::simulation::Execution;
+        use dotgen_timing::verify::settings;
+
+        let real = arguments.clock == Clock::Real;
+        let inputs = hosted::inputs(&arguments.inputs, self.names)?;
+        let hosted = match arguments.simulate {
+            Simulate::All => hosted::Hosted::none(self.names),
+            Simulate::Missing => {
+                match hosted::build(
+                    self.session,
+                    self.problem,
+                    self.names,
+                    arguments.debug,
+                    self.interrupt,
+                )? {
+                    Some(it) => it,
+                    None => return Ok(None),
+                }
+            }
+        };
+        if hosted.is_empty() && !real {
+            return self.simulated(arguments, prepared, files).map(Some);
+        }
+        let settings = settings(&self.problem.scenario, self.options);
+        let parts = hosted.parts(prepared, self.names, &settings, &inputs);
+        // Without a scenario nobody sends requests but who is outside.
+        let default = self.problem.path.extension() == Some("gen");
+        let (opened, factor, first) = hosted::opened(prepared, &parts, real, default);
+        let parts = match first {
+            Some(first) => parts.with_outside(first),
+            None => parts,
+        };
+        let system = &opened.built.system;
+        let names = system.components.iter().map(|it| it.name.clone()).collect();
+        let tasks = system.tasks.iter();
+        let tasks = tasks.map(|it| (it.component, it.name.clone()));
+        // Dropped after the hosts.
+        let _strays = Strays::adopt();
+        let mut children = Children::new(
+            hosted.libraries(prepared),
+            names,
+            tasks.collect(),
+            real,
+            self.interrupt.clone(),
+        );
+        if arguments.debug {
+            children.debug(arguments.waiting());
+        }
+        let mut notes = hosted.notes.clone();
+        notes.extend(parts.unlike.iter().cloned());
+        let pace = real.then(|| Pace {
+            nanos: hosted::nanos(&opened),
+        });
+        if real && !realtime::raise_priority() {
+            notes.push(
+                "the system grants no real-time scheduling: times depend on what else runs"
+                    .to_owned(),
+            );
+        }
+        if real {
+            // What is not granted, hosts tell.
+            realtime::lock_memory(realtime::Pages::Present);
+        }
+        let serving = match real {
+            true => Some(super::serve::start(
+                arguments,
+                self.problem,
+                self.names,
+                &opened,
+                &parts,
+                &mut children,
+            )?),
+            false => None,
+        };
+        let server = serving.as_ref().map(|it| &it.server);
+        let plan = arguments.plan(&opened);
+        let grown = |it: &Option<Ticks>| it.map(|it| it.saturating_mul(factor));
+        let bounds: Vec<_> = self.bounds.iter().map(grown).collect();
+        let followers = server.map(|it| Box::new(it.followers()) as Box<dyn Write>);
+        let is_executed = |codel: usize| parts.codel(codel).is_some();
+        let mut lookers = server.map(Server::lookers);
+        let mut profile = self.profile(
+            &opened,
+            files.runs.as_mut(),
+            followers,
+            real.then_some(&is_executed as &dyn Fn(usize) -> bool),
+        )?;
+        let interrupted = || self.interrupt.is_raised();
+        let stops_activities = arguments.on_violation == super::OnViolation::StopActivity;
+        let mut live = Live::new(system, &parts, &mut children, !real, stops_activities);
+        let execution = Execution {
+            live: &mut live,
+            pace,
+            follow: lookers.as_mut().map(|it| it as &mut dyn Follow),
+        };
+        let mut recording = self.recording(files.recording.take(), &opened, real)?;
+        let mut outcome = simulate_recorded(
+            &opened,
+            bounds,
+            &plan,
+            profile.as_mut(),
+            recording.as_mut().map(|it| it as &mut dyn Record),
+            Some(execution),
+            &interrupted,
+        );
+        if outcome.end == End::NotStarted && self.interrupt.is_raised() {
+            return Ok(None);
+        }
+        if outcome.end == End::NotStarted {
+            let why = live.fault().unwrap_or("a component could not be started");
+            anyhow::bail!("{why}");
+        }
+        let (bounds, note) = self.bounds_in_the_end(prepared);
+        let bounds: Vec<_> = bounds.iter().map(grown).collect();
+        outcome.judge.bound_late(&bounds);
+        let mut report = RunReport::new(&opened, &plan, &outcome, &bounds);
+        notes.extend(note);
+        let told = self.told(&opened, &outcome);
+        let (lines, messages) = (lines(profile), messages(recording));
+        drop(outcome);
+        let denied = children.denied().iter();
+        notes.extend(denied.map(|it| format!("the system does not grant {it}")));
+        report.notes.extend(notes);
+        Ok(Some(Run {
+            lines,
+            messages,
+            executed: parts.counts(system),
+            told,
+            report,
+        }))
+    }
+}
+
+/// Ends a recording.
+fn messages(recording: Option<Recording<'_, '_>>) -> anyhow::Result<Option<Recorded>> {
+    let Some(it) = recording else {
+        return Ok(None);
+    };
+    let (data, steps) = (it.data, it.steps);
+    let whole = it.finish()?;
+    Ok(Some(Recorded { data, steps, whole }))
+}
+
+fn lines(profile: Option<Profile<'_, Runs<'_, '_>>>) -> io::Result<u64> {
+    profile.map_or(Ok(0), |it| it.finish().map(|it| it.1))
+}

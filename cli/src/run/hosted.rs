@@ -1,0 +1,225 @@
+//! Codels of their own: what of a system is executed, and built for that.
+
+use std::collections::{HashMap, HashSet};
+
+use anyhow::{Context, bail};
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::diagnostic::Severity;
+use dotgen_codegen::codels::build::Optimization;
+use dotgen_codegen::codels::files::{Files as _, Sources};
+use dotgen_codegen::codels::folder::folders;
+use dotgen_codegen::codels::value::Values;
+use dotgen_runtime::live::{Part, Parts};
+use dotgen_runtime::refine;
+use dotgen_timing::scn::names::Names;
+use dotgen_timing::system::Ticks;
+use dotgen_timing::system::settings::Settings;
+use dotgen_timing::verify::{Interrupt, Prepared};
+
+use crate::codels::build;
+use crate::report::{self, FileReports};
+use crate::session::Session;
+use dotgen_lsp_server::features::codels::Disk;
+use dotgen_lsp_server::protocol::convert::{Encoding, Lines};
+use dotgen_views::verification::Problem;
+
+/// What is executed of a system.
+pub(super) struct Hosted<'s> {
+    /// By component of [`Names`].
+    parts: Vec<Option<Part<'s>>>,
+    /// Shared objects, likewise.
+    libraries: Vec<Option<Utf8PathBuf>>,
+    /// What people should know of it.
+    pub(super) notes: Vec<String>,
+}
+
+/// Builds what has sources, for a debugger if one is wanted; `None` if that does not compile, which is told,
+/// or is interrupted.
+pub(super) fn build<'s>(
+    session: &Session,
+    problem: &Problem,
+    names: &Names<'s>,
+    debug: bool,
+    interrupt: &Interrupt,
+) -> anyhow::Result<Option<Hosted<'s>>> {
+    let mut out = Hosted {
+        parts: names.components.iter().map(|_| None).collect(),
+        libraries: vec![None; names.components.len()],
+        notes: Vec::new(),
+    };
+    let mut said = FileReports::default();
+    let mut failed = false;
+    let config = session.codels();
+    for (number, unit) in problem.units.iter().enumerate() {
+        let mut sources = |it: &Utf8Path| Sources::load(it, &config, &Disk);
+        for folder in folders(unit, &mut sources) {
+            if folder.sources.sources.is_empty() {
+                continue;
+            }
+            let optimization = match debug {
+                true => Optimization::None,
+                false => Optimization::Some,
+            };
+            let built = build::hosts(&folder, session.packages(), optimization, interrupt)?;
+            failed |= built.failed;
+            for it in &built.diagnostics {
+                for path in std::iter::once(&it.path).chain(it.related.iter().map(|it| &it.path)) {
+                    let text = || Disk.read(path).unwrap_or_default();
+                    let lines = || Lines::new(text(), Encoding::Utf16);
+                    said.texts.entry(path.clone()).or_insert_with(lines);
+                }
+            }
+            let errors = built.diagnostics.into_iter();
+            let errors = errors.filter(|it| it.severity == Severity::Error);
+            said.diagnostics.extend(errors);
+            said.checked += 1;
+            for it in built.hosted {
+                let name = &unit.spec.components[it.component as usize].name;
+                let found = names.components.iter().position(|member| {
+                    member.spec_index == number && member.component.name == *name
+                });
+                let Some(found) = found else { continue };
+                out.libraries[found] = Some(it.link.output);
+                let missing: HashSet<_> = it.missing.into_iter().collect();
+                out.parts[found] = Some(Part {
+                    member: names.components[found],
+                    missing,
+                });
+            }
+        }
+    }
+    if interrupt.is_raised() {
+        return Ok(None);
+    }
+    if failed {
+        said.finish();
+        // On the error output: what comes of a run may be read by a program.
+        report::text::print_errors(&said.diagnostics, &said.texts)?;
+        report::note("codels that do not compile cannot run; `--simulate all` does without them");
+        return Ok(None);
+    }
+    for (part, member) in out.parts.iter().zip(&names.components) {
+        let name = &member.component.name;
+        match part {
+            None => out.notes.push(format!(
+                "`{name}` is simulated: it has no sources of codels; `dotgen codels stub` writes them"
+            )),
+            Some(part) if !part.missing.is_empty() => {
+                let mut missing: Vec<&str> = part.missing.iter().map(|it| it.as_str()).collect();
+                missing.sort_unstable();
+                out.notes.push(format!(
+                    "simulated codels of `{name}`, which have no function (`dotgen codels stub` writes \
+                        them): {}",
+                    missing.join(", ")
+                ));
+            }
+            Some(_) => {}
+        }
+    }
+    Ok(Some(out))
+}
+
+impl<'s> Hosted<'s> {
+    /// Nothing is executed.
+    pub(super) fn none(names: &Names<'s>) -> Self {
+        Hosted {
+            parts: names.components.iter().map(|_| None).collect(),
+            libraries: vec![None; names.components.len()],
+            notes: Vec::new(),
+        }
+    }
+
+    /// Whether anything is executed.
+    pub(super) fn is_empty(&self) -> bool {
+        self.parts.iter().all(Option::is_none)
+    }
+
+    /// Shared objects by component of the system.
+    pub(super) fn libraries(&self, prepared: &Prepared) -> Vec<Option<Utf8PathBuf>> {
+        let built = &prepared.built;
+        let mut out = vec![None; built.system.components.len()];
+        for (&name, &component) in &built.components {
+            out[component] = self.libraries.get(name).cloned().flatten();
+        }
+        out
+    }
+
+    /// The parts of a system, with what requests send.
+    pub(super) fn parts(
+        &self,
+        prepared: &Prepared,
+        names: &Names<'s>,
+        settings: &Settings,
+        inputs: &HashMap<String, Vec<u8>>,
+    ) -> Parts<'s> {
+        let parts = self.parts.clone();
+        Parts::new(prepared, names, settings, parts, &|it| {
+            inputs.get(it).cloned()
+        })
+    }
+}
+
+/// A system with room for what codels do; on the real clock also for how long they take, and for who is
+/// outside. The factor by which its times have grown, and the first client from outside.
+pub(super) fn opened(
+    prepared: &Prepared,
+    parts: &Parts<'_>,
+    real: bool,
+    without_clients: bool,
+) -> (Prepared, Ticks, Option<usize>) {
+    let mut out = prepared.clone();
+    let is_real = |codel: usize| parts.codel(codel).is_some();
+    refine::open(&mut out, &is_real);
+    if !real {
+        return (out, 1, None);
+    }
+    let factor = refine::scale(&mut out);
+    refine::release(&mut out, &is_real);
+    if without_clients {
+        out.built.system.clients.clear();
+    }
+    let first = refine::add_outside(&mut out);
+    (out, factor, Some(first))
+}
+
+/// What `--input COMPONENT.SERVICE=JSON` gives, as bytes.
+pub(super) fn inputs(
+    given: &[String],
+    names: &Names<'_>,
+) -> anyhow::Result<HashMap<String, Vec<u8>>> {
+    let mut out = HashMap::new();
+    for it in given {
+        let (path, json) = it
+            .split_once('=')
+            .with_context(|| format!("`--input {it}`: write COMPONENT.SERVICE={{…}}"))?;
+        let (path, json) = (path.trim(), json.trim());
+        let (component, service) = path.split_once('.').unwrap_or((path, ""));
+        let member = names
+            .components
+            .iter()
+            .find(|it| it.component.name == component);
+        let Some(member) = member else {
+            bail!("`--input {path}`: there is no component `{component}`");
+        };
+        let found = member
+            .component
+            .services
+            .iter()
+            .find(|it| it.name == service);
+        let Some(found) = found else {
+            bail!("`--input {path}`: `{component}` has no service `{service}`");
+        };
+        let values = serde_json::from_str(json)
+            .with_context(|| format!("`--input {path}`: the inputs are no JSON object"))?;
+        let bytes = Values::new(member.spec).inputs(found, &values);
+        let bytes = bytes.map_err(|it| anyhow::anyhow!("`--input {path}`: {it}"))?;
+        out.insert(path.to_owned(), bytes);
+    }
+    Ok(out)
+}
+
+/// The unit of a clock in nanoseconds.
+pub(super) fn nanos(prepared: &Prepared) -> u64 {
+    let unit = prepared.built.system.unit * num_rational::Ratio::from_integer(1_000_000_000);
+    u64::try_from(unit.to_integer()).unwrap_or(1).max(1)
+}

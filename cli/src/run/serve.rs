@@ -1,0 +1,165 @@
+//! A run that listens: the socket, other machines, and what is known of the components there.
+
+use std::collections::BTreeMap;
+
+use anyhow::Context;
+#[cfg(feature = "zenoh")]
+use dotgen_analysis::model::PortDir;
+use dotgen_runtime::live::Parts;
+use dotgen_timing::scn::names::Names;
+use dotgen_timing::verify::Prepared;
+use std::os::unix::fs::DirBuilderExt as _;
+
+use super::Arguments;
+use crate::report;
+use dotgen_hosting::children::Children;
+use dotgen_hosting::known::Known;
+#[cfg(feature = "zenoh")]
+use dotgen_hosting::network::Network;
+use dotgen_hosting::places;
+use dotgen_hosting::server::{Clients, Server, listen};
+use dotgen_views::verification::Problem;
+
+/// Who listens; nobody does any more when it is dropped.
+pub(super) struct Serving {
+    pub(super) server: Server,
+    #[cfg(feature = "zenoh")]
+    _network: Option<Network>,
+}
+
+/// Listens for whoever wants something of a run.
+pub(super) fn start(
+    arguments: &Arguments,
+    problem: &Problem,
+    names: &Names<'_>,
+    prepared: &Prepared,
+    parts: &Parts<'_>,
+    children: &mut Children,
+) -> anyhow::Result<Serving> {
+    let path = match &arguments.socket {
+        Some(path) => {
+            let folder = path.parent().filter(|it| !it.as_str().is_empty());
+            if let Some(folder) = folder.filter(|it| !it.exists()) {
+                let made = std::fs::DirBuilder::new().mode(0o700).create(folder);
+                made.with_context(|| format!("cannot make the folder `{folder}` for the socket"))?;
+            }
+            path.clone().into_std_path_buf()
+        }
+        None => {
+            let name = problem.path.file_stem().unwrap_or("run");
+            places::socket(name)?
+        }
+    };
+    let built = &prepared.built;
+    let mut known: BTreeMap<usize, Known> = BTreeMap::new();
+    for (name, member) in names.components.iter().enumerate() {
+        let Some(&at) = built.components.get(&name) else {
+            continue;
+        };
+        let spec = problem.units[member.spec_index].spec.clone();
+        let mut all = (0u32..).zip(&spec.components);
+        let Some((component, _)) = all.find(|it| it.1.name == member.component.name) else {
+            continue;
+        };
+        let count = member.component.services.len() as u32;
+        let services = (0..count).map(|it| built.services.get(&(name, it)).copied());
+        let known_here = Known {
+            services: services.collect(),
+            executed: parts.of(at).is_some(),
+            component,
+            spec,
+        };
+        known.insert(at, known_here);
+    }
+    #[cfg(feature = "zenoh")]
+    let _network = join(arguments, &known, parts, children)?;
+    #[cfg(not(feature = "zenoh"))]
+    if arguments.has_network() {
+        anyhow::bail!(
+            "this build of dotgen has no Zenoh: install it with `cargo install --path cli --features \
+             zenoh`"
+        );
+    }
+    let (mut server, outside) =
+        listen(&path, known, parts.feeds.clone(), children.door()).map_err(anyhow::Error::msg)?;
+    children.tell(outside);
+    if let Some(port) = arguments.listen {
+        let clients = match arguments.listen_anyone {
+            true => Clients::Anyone,
+            false => Clients::OfThisUser,
+        };
+        let (address, token) = server
+            .listen_on_loopback(port, clients)
+            .map_err(anyhow::Error::msg)?;
+        report::note(&match token {
+            Some(file) => format!(
+                "listening at {address}, with the token in `{}`",
+                file.display()
+            ),
+            None => format!("listening at {address}, for all users of this machine"),
+        });
+    }
+    report::note(&format!("listening at `{}`", path.display()));
+    Ok(Serving {
+        server,
+        #[cfg(feature = "zenoh")]
+        _network,
+    })
+}
+
+/// Joins other machines, if they are named.
+#[cfg(feature = "zenoh")]
+fn join(
+    arguments: &Arguments,
+    known: &BTreeMap<usize, Known>,
+    parts: &Parts<'_>,
+    children: &mut Children,
+) -> anyhow::Result<Option<Network>> {
+    use dotgen_hosting::network::{self, Wanted};
+
+    if !arguments.has_network() {
+        return Ok(None);
+    }
+    let mut reads = Vec::new();
+    for it in &arguments.zenoh_reads {
+        reads.push(read(it, known)?);
+    }
+    let wanted = Wanted {
+        listen: &arguments.zenoh_listen,
+        connect: &arguments.zenoh_connect,
+        reads: &reads,
+    };
+    let is_fed = |component, port| {
+        let mut feeds = parts.feeds.iter();
+        feeds.any(|it| it.to == (component, port))
+    };
+    let tell: network::Tell = std::sync::Arc::new(|what: &str| report::note(what));
+    let joined = network::join(wanted, known, &is_fed, &children.door(), &tell);
+    let (network, outside) = joined.map_err(anyhow::Error::msg)?;
+    children.tell(outside);
+    Ok(Some(network))
+}
+
+/// `pump.goal=planner/goal`
+#[cfg(feature = "zenoh")]
+fn read(text: &str, known: &BTreeMap<usize, Known>) -> anyhow::Result<(usize, u32, String)> {
+    let split = text.split_once('=').and_then(|(port, key)| {
+        let (component, port) = port.split_once('.')?;
+        Some((component, port, key))
+    });
+    let Some((component, port, key)) = split else {
+        anyhow::bail!(
+            "`--zenoh-read {text}`: write COMPONENT.PORT=KEY, for example pump.goal=planner/goal"
+        );
+    };
+    let mut all = known.iter();
+    let Some((&at, it)) = all.find(|it| it.1.component().name == component) else {
+        anyhow::bail!("`--zenoh-read {text}`: no component `{component}` runs");
+    };
+    let mut ports = (0u32..).zip(&it.component().ports);
+    let found = ports.find(|it| it.1.name == port && it.1.dir == PortDir::In);
+    match found {
+        Some((index, _)) => Ok((at, index, key.to_owned())),
+        None => anyhow::bail!("`--zenoh-read {text}`: `{component}` has no input port `{port}`"),
+    }
+}

@@ -1,0 +1,359 @@
+//! `--format text`: tables of tasks, services and checks, transitions that were never taken, violations.
+
+use std::io::Write;
+
+use clap::builder::styling::{AnsiColor, Style};
+use dotgen_analysis::terminal;
+use dotgen_runtime::engine::End;
+use dotgen_runtime::judge::Verdict;
+use dotgen_runtime::report::{At, OfCheck, RunReport, Violated};
+use dotgen_timing::report::Value;
+use dotgen_timing::verify::settings;
+
+use super::{Answer, Contents};
+use crate::session;
+use dotgen_views::verification::summary::{self, Scale};
+
+const TITLE: Style = Style::new().bold();
+const FAINT: Style = Style::new().dimmed();
+const GOOD: Style = AnsiColor::Green.on_default();
+const BAD: Style = AnsiColor::Red.on_default().bold();
+const OPEN: Style = AnsiColor::Yellow.on_default();
+
+/// More transitions that were never taken are counted only.
+const NEVER: usize = 20;
+
+pub(super) fn print(answers: &[Answer]) -> anyhow::Result<()> {
+    let mut out = anstream::AutoStream::auto(std::io::stdout().lock());
+    for (i, answer) in answers.iter().enumerate() {
+        if i > 0 {
+            writeln!(out)?;
+        }
+        print_one(&mut out, answer)?;
+    }
+    Ok(())
+}
+
+fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
+    let settings = settings(&answer.problem.scenario, &answer.options);
+    let scale = Scale::of(&settings);
+    let report = &answer.report;
+    writeln!(
+        out,
+        "{TITLE}{}{TITLE:#}: {} {FAINT}({}){FAINT:#}",
+        report.scenario,
+        summary::platform(&settings),
+        session::display(&answer.problem.path),
+    )?;
+    let runs = match report.runs {
+        1 => "1 run".to_owned(),
+        n => format!("{n} runs"),
+    };
+    writeln!(
+        out,
+        "{} clock, {} in {runs}, {}{} durations, seed {}",
+        answer.clock.word(),
+        scale.show_value(report.time),
+        executed(answer),
+        durations(report),
+        report.seed,
+    )?;
+    tasks(out, report, scale)?;
+    services(out, report)?;
+    transitions(out, report)?;
+    checks(out, report, scale)?;
+    violations(out, report, scale)?;
+    if !report.assumptions.is_empty() {
+        writeln!(out, "\n{TITLE}assuming{TITLE:#}")?;
+        for it in &report.assumptions {
+            writeln!(out, "  - {it}")?;
+        }
+    }
+    for it in &report.notes {
+        writeln!(out, "{TITLE}note{TITLE:#}: {it}")?;
+    }
+    for (path, count, of) in &answer.written {
+        let what = match of {
+            Contents::Lines => "lines",
+            Contents::Codels => "runs of codels",
+            Contents::Steps => "steps",
+            Contents::Messages(_) => "messages of ports",
+        };
+        let path = terminal::name(path.as_str());
+        let steps = match of {
+            Contents::Messages(steps) => format!(" and {steps} steps"),
+            _ => String::new(),
+        };
+        writeln!(
+            out,
+            "{TITLE}note{TITLE:#}: wrote {count} {what}{steps} to {path}"
+        )?;
+    }
+    let (style, what) = match report.violation_count {
+        0 => (GOOD, "nothing violated".to_owned()),
+        1 => (BAD, "1 violation".to_owned()),
+        n => (BAD, format!("{n} violations")),
+    };
+    write!(out, "\n{style}{what}{style:#}")?;
+    match ended(report.end) {
+        Some(why) => writeln!(out, "; {OPEN}{why}{OPEN:#}")?,
+        None => writeln!(out)?,
+    }
+    Ok(())
+}
+
+/// How many codels were executed, if any.
+fn executed(answer: &Answer) -> String {
+    match answer.executed {
+        (0, _) => String::new(),
+        (real, 0) => format!("{real} codels executed, "),
+        (real, simulated) => format!("{real} codels executed, {simulated} simulated, "),
+    }
+}
+
+fn durations(report: &RunReport) -> &'static str {
+    use dotgen_runtime::decide::Durations::{Best, Random, Worst};
+    match report.durations {
+        Worst => "worst",
+        Random => "random",
+        Best => "best",
+    }
+}
+
+/// Why the last run did not last as long as was asked for.
+fn ended(end: End) -> Option<&'static str> {
+    match end {
+        End::Done => None,
+        End::NothingLeft => Some("the last run ended when nothing was left to happen"),
+        End::Standstill => Some(
+            "ended where time stands still: codels that take no time follow each other without a pause; \
+             state their `wcet`",
+        ),
+        End::Stopped => Some("stopped at the first one, as was asked for"),
+        End::Interrupted => Some("interrupted"),
+        End::NotStarted => Some("a component could not be started"),
+    }
+}
+
+fn value(it: Option<Value>, scale: Scale) -> String {
+    it.map_or_else(String::new, |it| scale.show_value(it))
+}
+
+fn tasks(out: &mut impl Write, report: &RunReport, scale: Scale) -> std::io::Result<()> {
+    let rows = report.tasks.iter().map(|it| {
+        let missed = if it.period.is_some() {
+            it.missed.to_string()
+        } else {
+            String::new()
+        };
+        vec![
+            it.task.clone(),
+            value(it.period, scale),
+            it.jobs.to_string(),
+            value(it.mean, scale),
+            value(it.greatest, scale),
+            value(it.bound, scale),
+            missed,
+        ]
+    });
+    let head = [
+        "task", "period", "jobs", "mean", "greatest", "bound", "missed",
+    ];
+    table(out, &head, &rows.collect::<Vec<_>>())
+}
+
+fn services(out: &mut impl Write, report: &RunReport) -> std::io::Result<()> {
+    let rows = report.services.iter().filter(|it| it.requests > 0);
+    let rows = rows.map(|it| {
+        vec![
+            it.service.clone(),
+            it.requests.to_string(),
+            it.refused.to_string(),
+            it.ended.to_string(),
+        ]
+    });
+    let rows: Vec<_> = rows.collect();
+    table(out, &["service", "requests", "refused", "ended"], &rows)
+}
+
+fn transitions(out: &mut impl Write, report: &RunReport) -> std::io::Result<()> {
+    let all = report.machines.iter().flat_map(|machine| {
+        let of = machine.transitions.iter();
+        of.map(move |it| (&machine.machine, it))
+    });
+    let (mut taken, mut never) = (0, Vec::new());
+    for (machine, it) in all {
+        match it.taken {
+            0 => never.push(format!("{machine}: {} → {}", it.from, it.to)),
+            _ => taken += 1,
+        }
+    }
+    let of = taken + never.len();
+    if of == 0 {
+        return Ok(());
+    }
+    writeln!(out, "\n{TITLE}transitions{TITLE:#}: {taken} of {of} taken")?;
+    for it in never.iter().take(NEVER) {
+        writeln!(out, "  {FAINT}never{FAINT:#} {it}")?;
+    }
+    if never.len() > NEVER {
+        let more = never.len() - NEVER;
+        writeln!(
+            out,
+            "  {FAINT}… and {more} more; `--format json` has all{FAINT:#}"
+        )?;
+    }
+    Ok(())
+}
+
+fn word(it: &OfCheck) -> &'static str {
+    match it.verdict {
+        // The word of `dotgen verify`.
+        Verdict::Kept if it.exceeded => "exceeds",
+        Verdict::Kept => "kept",
+        Verdict::Violated => "violated",
+        Verdict::Seen => "seen",
+        Verdict::NotSeen => "not seen",
+    }
+}
+
+fn checks(out: &mut impl Write, report: &RunReport, scale: Scale) -> std::io::Result<()> {
+    let rows = report.checks.iter().map(|it| {
+        vec![
+            word(it).to_owned(),
+            title(it),
+            value(it.greatest, scale),
+            value(it.limit, scale),
+        ]
+    });
+    let rows: Vec<_> = rows.collect();
+    table(out, &["verdict", "check", "greatest", "limit"], &rows)
+}
+
+fn title(it: &OfCheck) -> String {
+    let named = it
+        .name
+        .as_ref()
+        .map_or(String::new(), |it| format!("{it}: "));
+    let of = match it.of.is_empty() {
+        true => String::new(),
+        false => format!(" {}", it.of),
+    };
+    format!("{named}{}{of}", it.check)
+}
+
+fn violations(out: &mut impl Write, report: &RunReport, scale: Scale) -> std::io::Result<()> {
+    for it in &report.violations {
+        let at = moment(&it.at, report, scale);
+        let (what, more) = match &it.what {
+            Violated::Check { check } => {
+                let check = &report.checks[*check];
+                (title(check), times(check.violations))
+            }
+            Violated::BeyondBound {
+                task,
+                response,
+                bound,
+            } => {
+                let what = format!(
+                    "the proved bound of {task}: {} is more than {}",
+                    scale.show_value(*response),
+                    scale.show_value(*bound)
+                );
+                (what, String::new())
+            }
+            Violated::Undeclared {
+                codel,
+                function,
+                event,
+            } => {
+                let what = match event.is_empty() {
+                    true => "something that is no event of its component".to_owned(),
+                    false => format!("`{event}`, which its specification does not declare"),
+                };
+                let what = format!("the transitions of {codel}: `{function}` returned {what}");
+                (what, String::new())
+            }
+            Violated::Lost {
+                component,
+                codel,
+                function,
+                why,
+            } => {
+                let of = match (codel, function) {
+                    (Some(codel), Some(function)) => format!(" in `{function}` ({codel})"),
+                    _ => String::new(),
+                };
+                let what = format!("that components run: `{component}` {why}{of}");
+                (what, String::new())
+            }
+            Violated::Overrun {
+                codel,
+                function,
+                took,
+                limit,
+            } => {
+                let what = format!(
+                    "the execution time of {codel}: `{function}` took {}, more than {}",
+                    scale.show_value(*took),
+                    scale.show_value(*limit)
+                );
+                (what, String::new())
+            }
+        };
+        writeln!(out, "\n{BAD}violated{BAD:#} {what}, {at}{more}")?;
+    }
+    Ok(())
+}
+
+fn times(count: u64) -> String {
+    match count {
+        0 | 1 => String::new(),
+        n => format!("; {n} times in all"),
+    }
+}
+
+/// When it was, and how to come there again.
+fn moment(at: &At, report: &RunReport, scale: Scale) -> String {
+    let time = scale.show_value(at.time);
+    match report.runs {
+        1 => format!("first at {time}"),
+        _ => format!("first at {time} of run {} (`--seed {}`)", at.run, at.seed),
+    }
+}
+
+/// The first column is on the left, and the second where it is a text; numbers are on the right.
+fn table(out: &mut impl Write, head: &[&str], rows: &[Vec<String>]) -> std::io::Result<()> {
+    if rows.is_empty() {
+        return Ok(());
+    }
+    let texts = if head[0] == "verdict" { 2 } else { 1 };
+    let widths: Vec<usize> = (0..head.len())
+        .map(|column| {
+            let cells = rows.iter().map(|it| it[column].chars().count());
+            let most = cells.max().unwrap_or(0);
+            // Columns that are empty are left out.
+            if most == 0 {
+                0
+            } else {
+                most.max(head[column].len())
+            }
+        })
+        .collect();
+    let line = |cells: &mut dyn Iterator<Item = &str>| {
+        let mut line = String::new();
+        for (column, (cell, &width)) in cells.zip(&widths).enumerate() {
+            match () {
+                () if width == 0 => {}
+                () if column < texts => line.push_str(&format!("  {cell:<width$}")),
+                () => line.push_str(&format!("  {cell:>width$}")),
+            }
+        }
+        line.trim_end().to_owned()
+    };
+    writeln!(out, "\n{FAINT}{}{FAINT:#}", line(&mut head.iter().copied()))?;
+    for row in rows {
+        writeln!(out, "{}", line(&mut row.iter().map(String::as_str)))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,472 @@
+//! A specification, or several, read for one command.
+
+use anyhow::{Context, bail};
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::diagnostic::Diagnostic;
+use dotgen_analysis::host::{Analysis, AnalysisHost, Cancellable, Change, FileContent};
+use dotgen_analysis::parallel;
+use dotgen_analysis::release::ReleaseOrigin;
+use dotgen_codegen::codels::files::FilesConfig;
+use dotgen_codegen::codels::source::Grammar;
+use dotgen_syntax::encoding;
+use rustc_hash::{FxHashMap, FxHashSet};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::{Outcome, Reading};
+use dotgen_lsp_server::config::{self, Config, Level, Problem, Settings};
+use dotgen_lsp_server::protocol::convert::{Encoding, Lines};
+use dotgen_platform::files::vfs::{self, PackageConfig, Vfs};
+use dotgen_platform::panic;
+use dotgen_views::verification::problem::EXTENSION;
+
+/// Files that are read before what is known of them is forgotten again.
+const BATCH: usize = 64;
+
+/// Files that share a configuration.
+pub(super) struct Session {
+    pub(super) files: Vec<SourceFile>,
+    /// What is wrong with the configuration file.
+    pub(super) config: Option<ConfigProblems>,
+    host: AnalysisHost,
+    packages: PackageConfig,
+    connections: Vec<dotgen_diagram::system::Connection>,
+    codels: FilesConfig,
+    /// The style of the formatter.
+    pub(super) format: config::Format,
+    /// Severity by diagnostic code.
+    pub(super) severity: BTreeMap<String, Level>,
+}
+
+/// A specification to read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct SourceFile {
+    pub(super) path: Utf8PathBuf,
+    /// Named by the user, not found in a directory.
+    pub(super) named: bool,
+    /// Its text, if that is not read from the disk: standard input.
+    pub(super) text: Option<Arc<str>>,
+}
+
+impl SourceFile {
+    /// Whether it says what is to be verified.
+    pub(super) fn is_scenario(&self) -> bool {
+        self.path.extension() == Some(EXTENSION)
+    }
+}
+
+/// Problems of a `dotgen.toml`.
+pub(super) struct ConfigProblems {
+    pub(super) path: Utf8PathBuf,
+    pub(super) text: Arc<str>,
+    pub(super) problems: Vec<Problem>,
+}
+
+/// The files that the arguments name: files themselves, directories all `.gen` below them. The first that
+/// cannot be used is an error.
+pub(super) fn files(arguments: &[Utf8PathBuf]) -> anyhow::Result<Vec<SourceFile>> {
+    let mut found = NamedFiles::default();
+    for argument in arguments {
+        found.add(argument, &["gen"])?;
+    }
+    Ok(found.files)
+}
+
+/// As [`files`], for commands that go on without what cannot be used.
+pub(super) fn usable(arguments: &[Utf8PathBuf], extensions: &[&str]) -> (Vec<SourceFile>, Trouble) {
+    let (mut found, mut trouble) = (NamedFiles::default(), Trouble::default());
+    for argument in arguments {
+        match found.add(argument, extensions) {
+            Ok(skipped) => skipped.iter().for_each(|it| trouble.tell(it)),
+            Err(error) => trouble.tell(&error),
+        }
+    }
+    (found.files, trouble)
+}
+
+/// As [`usable`], for commands that have nothing to do with scenarios.
+pub(super) fn specifications(arguments: &[Utf8PathBuf]) -> (Vec<SourceFile>, Trouble) {
+    let (mut files, mut trouble) = usable(arguments, &["gen"]);
+    files.retain(|it| match no_scenario(it) {
+        Ok(()) => true,
+        Err(error) => {
+            trouble.tell(&error);
+            false
+        }
+    });
+    (files, trouble)
+}
+
+fn no_scenario(file: &SourceFile) -> anyhow::Result<()> {
+    if file.is_scenario() {
+        let path = display(&file.path);
+        bail!("`{path}` is a scenario, not a specification: `dotgen verify {path}` verifies it");
+    }
+    Ok(())
+}
+
+/// Refuses a source of codels, which the preprocessor of specifications would read.
+fn no_codels(argument: &Utf8Path) -> anyhow::Result<()> {
+    if Grammar::of_path(argument.as_str()).is_some() {
+        bail!(
+            "`{argument}` is a source of codels, not a specification; `dotgen codels check` checks the codels \
+             of a specification"
+        );
+    }
+    Ok(())
+}
+
+/// The files that arguments name, each once.
+#[derive(Default)]
+struct NamedFiles {
+    files: Vec<SourceFile>,
+    known: FxHashSet<Utf8PathBuf>,
+}
+
+impl NamedFiles {
+    fn push(&mut self, path: Utf8PathBuf, named: bool, text: Option<Arc<str>>) {
+        if self.known.insert(path.clone()) {
+            self.files.push(SourceFile { path, named, text });
+        }
+    }
+
+    /// Adds what an argument names. Returns what is wrong with files below a directory.
+    fn add(
+        &mut self,
+        argument: &Utf8Path,
+        extensions: &[&str],
+    ) -> anyhow::Result<Vec<anyhow::Error>> {
+        if is_standard_input(argument) {
+            let path = absolute(Utf8Path::new(STANDARD_INPUT))?;
+            self.push(path, true, Some(standard_input()?.into()));
+            return Ok(Vec::new());
+        }
+        let path = absolute(argument)?;
+        let mut skipped = Vec::new();
+        match vfs::read(&path) {
+            FileContent::Directory => {
+                let found = vfs::files_below(&path, extensions);
+                skipped = unusable_names(&path, extensions);
+                if found.is_empty() && skipped.is_empty() {
+                    let all: Vec<String> = extensions.iter().map(|it| format!(".{it}")).collect();
+                    let all = match all.split_last() {
+                        Some((last, rest)) if !rest.is_empty() => {
+                            format!("{} or {last}", rest.join(", "))
+                        }
+                        _ => all.concat(),
+                    };
+                    bail!("no {all} file below `{argument}`");
+                }
+                found.into_iter().for_each(|it| self.push(it, false, None));
+            }
+            FileContent::Text(_) | FileContent::NotUtf8(_) => {
+                no_codels(argument)?;
+                self.push(path, true, None);
+            }
+            FileContent::Missing => bail!("cannot read `{argument}`: no such file or directory"),
+            FileContent::Unreadable(why) => bail!("cannot read `{argument}`: {why}"),
+        }
+        Ok(skipped)
+    }
+}
+
+/// Files below a directory whose names are no UTF-8, as errors: nobody could name them in a message or an
+/// include.
+fn unusable_names(directory: &Utf8Path, extensions: &[&str]) -> Vec<anyhow::Error> {
+    let entries = walkdir::WalkDir::new(directory)
+        .into_iter()
+        .filter_entry(|it| {
+            let hidden = it.file_name().to_string_lossy().starts_with('.');
+            it.depth() == 0 || !(hidden && it.file_type().is_dir())
+        });
+    let wanted = |it: &walkdir::DirEntry| {
+        let extension = it.path().extension().and_then(|it| it.to_str());
+        it.path().to_str().is_none() && extension.is_some_and(|it| extensions.contains(&it))
+    };
+    let found = entries.filter_map(Result::ok).filter(wanted);
+    let error = |it: walkdir::DirEntry| {
+        anyhow::anyhow!(
+            "`{}` is left out: its name is not UTF-8; rename it",
+            it.path().display()
+        )
+    };
+    found.map(error).collect()
+}
+
+/// How people write standard input.
+const STANDARD_INPUT: &str = "-";
+
+/// Whether an argument stands for standard input.
+pub(super) fn is_standard_input(argument: &Utf8Path) -> bool {
+    matches!(
+        argument.as_str(),
+        STANDARD_INPUT | "/dev/stdin" | "/dev/fd/0" | "/proc/self/fd/0"
+    )
+}
+
+/// All of standard input, as the text of a file.
+pub(super) fn standard_input() -> anyhow::Result<String> {
+    let mut bytes = Vec::new();
+    std::io::Read::read_to_end(&mut std::io::stdin(), &mut bytes)
+        .context("cannot read standard input")?;
+    Ok(encoding::decode(bytes))
+}
+
+/// Remembers that something could not be used, while the rest is done.
+#[derive(Debug, Default)]
+#[must_use]
+pub(super) struct Trouble {
+    any: bool,
+    silent: bool,
+}
+
+impl Trouble {
+    /// For a first look, when a second one tells what is wrong.
+    pub(super) fn silent() -> Trouble {
+        Trouble {
+            any: false,
+            silent: true,
+        }
+    }
+
+    /// Says on standard error what is wrong.
+    pub(super) fn tell(&mut self, error: &anyhow::Error) {
+        if !self.silent {
+            super::failure(error);
+        }
+        self.any = true;
+    }
+
+    /// Something is wrong, and that was said.
+    pub(super) fn told(&mut self) {
+        self.any = true;
+    }
+
+    /// Whether anything was wrong.
+    pub(super) fn any(&self) -> bool {
+        self.any
+    }
+
+    /// The value; `None` when there is none, and that is told.
+    pub(super) fn or_tell<T>(&mut self, result: anyhow::Result<T>) -> Option<T> {
+        result.inspect_err(|error| self.tell(error)).ok()
+    }
+
+    /// What the command comes to.
+    pub(super) fn outcome(&self, otherwise: Outcome) -> Outcome {
+        match self.any {
+            true => Outcome::Unusable,
+            false => otherwise,
+        }
+    }
+}
+
+/// The one specification that a command is about: a file, or the only one below a directory.
+pub(super) fn single(argument: &Utf8Path, reading: &Reading) -> anyhow::Result<Session> {
+    let files = files(&[argument.to_owned()])?;
+    files.iter().try_for_each(no_scenario)?;
+    if files.len() > 1 {
+        let names: Vec<_> = files.iter().map(|it| display(&it.path)).collect();
+        bail!(
+            "`{argument}` has {} specifications; name one: {}",
+            names.len(),
+            names.join(", ")
+        );
+    }
+    let mut sessions = open(files, reading)?;
+    sessions.pop().context("there is nothing to read")
+}
+
+/// Groups files by the nearest `dotgen.toml` around them.
+pub(super) fn open(files: Vec<SourceFile>, reading: &Reading) -> anyhow::Result<Vec<Session>> {
+    let mut groups: Vec<(Option<Utf8PathBuf>, Vec<SourceFile>)> = Vec::new();
+    let mut nearest: FxHashMap<Utf8PathBuf, Option<Utf8PathBuf>> = FxHashMap::default();
+    for file in files {
+        let around = file.path.parent().unwrap_or(&file.path).to_owned();
+        let directory = nearest
+            .entry(around)
+            .or_insert_with(|| config::nearest_directory(&file.path))
+            .clone();
+        match groups.iter_mut().find(|it| it.0 == directory) {
+            Some(group) => group.1.push(file),
+            None => groups.push((directory, vec![file])),
+        }
+    }
+    let here = absolute(Utf8Path::new("."))?;
+    let sessions = groups.into_iter();
+    Ok(sessions
+        .map(|(directory, files)| Session::new(directory.as_deref(), &here, files, reading))
+        .collect())
+}
+
+/// Files under the configuration that counts for `path`.
+pub(super) fn around(path: &Utf8Path, files: Vec<SourceFile>, reading: &Reading) -> Session {
+    let here = absolute(Utf8Path::new(".")).unwrap_or_default();
+    Session::new(
+        config::nearest_directory(path).as_deref(),
+        &here,
+        files,
+        reading,
+    )
+}
+
+pub(super) fn absolute(path: &Utf8Path) -> anyhow::Result<Utf8PathBuf> {
+    let path = camino::absolute_utf8(path)
+        .with_context(|| format!("`{path}` is not a path that can be used"))?;
+    Ok(vfs::normalize(&path))
+}
+
+impl Session {
+    fn new(
+        directory: Option<&Utf8Path>,
+        here: &Utf8Path,
+        files: Vec<SourceFile>,
+        reading: &Reading,
+    ) -> Session {
+        let mut arguments = Settings {
+            include_paths: reading.include_paths.clone(),
+            release: reading.release,
+            ..Settings::default()
+        }
+        .chosen_by(ReleaseOrigin::CommandLine);
+        for define in &reading.defines {
+            arguments.define(define);
+        }
+        let mut settings = arguments.anchored(here);
+        let mut config = None;
+        if let Some(directory) = directory {
+            let path = directory.join(config::FILE_NAME);
+            let text: Arc<str> = match vfs::read(&path) {
+                FileContent::Text(text) | FileContent::NotUtf8(text) => text.into(),
+                _ => "".into(),
+            };
+            let read = config::from_toml(&text);
+            let own = read.settings.anchored(directory);
+            settings = settings.over(own.chosen_by(ReleaseOrigin::ConfigurationFile(path.clone())));
+            config = Some(ConfigProblems {
+                path,
+                text,
+                problems: read.problems,
+            });
+        }
+        let mut configuration = Config::new(&settings, here, true);
+        configuration.packages.own_interfaces &= !reading.only_installed;
+        let vfs = Arc::new(Vfs::new(configuration.packages.clone()));
+        let mut host = AnalysisHost::new(vfs);
+        let given = files
+            .iter()
+            .filter_map(|it| Some((it.path.clone(), Some(it.text.as_deref()?.to_owned()))));
+        host.apply(Change {
+            files: given.collect(),
+            roots: Some(files.iter().map(|it| it.path.clone()).collect()),
+            config: Some(configuration.for_analysis()),
+            ..Change::default()
+        });
+        Session {
+            files,
+            config,
+            host,
+            packages: configuration.packages.clone(),
+            connections: configuration.connections,
+            codels: settings.codels.files(),
+            format: settings.format,
+            severity: configuration.severity,
+        }
+    }
+
+    /// The host, for commands that change texts before they ask.
+    pub(super) fn host_mut(&mut self) -> &mut AnalysisHost {
+        &mut self.host
+    }
+
+    /// Connections between components that the configuration gives.
+    pub(super) fn connections(&self) -> &[dotgen_diagram::system::Connection] {
+        &self.connections
+    }
+
+    /// How packages are looked up.
+    pub(super) fn packages(&self) -> &PackageConfig {
+        &self.packages
+    }
+
+    /// Which files hold codels.
+    pub(super) fn codels(&self) -> FilesConfig {
+        self.codels.clone()
+    }
+
+    /// Asks analysis something. A bug in there is an error of this command.
+    pub(super) fn ask<R>(
+        &self,
+        about: &Utf8Path,
+        question: impl FnOnce(&Analysis) -> Cancellable<R>,
+    ) -> anyhow::Result<R> {
+        let analysis = self.host.analysis();
+        told(about, panic::isolate(|| question(&analysis)))
+    }
+
+    /// Asks the same of many files, on all cores, and hands each answer on in the order of the files. What is
+    /// remembered from the files does not grow with their number.
+    pub(super) fn ask_each<R: Send>(
+        &mut self,
+        files: &[Utf8PathBuf],
+        question: impl Fn(&Analysis, &Utf8Path) -> Cancellable<R> + Sync,
+        mut answered: impl FnMut(&Session, &Utf8Path, R) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
+        self.host.keep_little();
+        for batch in files.chunks(BATCH) {
+            let analysis = self.host.analysis();
+            let one = |analysis: &Analysis, path: &Utf8PathBuf| {
+                panic::isolate(|| question(analysis, path))
+            };
+            let fork = || self.host.analysis();
+            let answers = parallel::map(batch, fork, |it| one(&analysis, it), one);
+            for (path, answer) in std::iter::zip(batch, answers) {
+                answered(self, path, told(path, answer)?)?;
+            }
+            // The host waits for the last snapshot.
+            drop(analysis);
+            self.host.shrink();
+        }
+        Ok(())
+    }
+
+    /// The texts that diagnostics talk about.
+    pub(super) fn add_texts(
+        &self,
+        diagnostics: &[Diagnostic],
+        texts: &mut Texts,
+    ) -> anyhow::Result<()> {
+        for diagnostic in diagnostics {
+            let related = diagnostic.related.iter().map(|it| &it.path);
+            let fixes = diagnostic.fixes.iter().flat_map(|it| &it.edits);
+            let paths = std::iter::once(&diagnostic.path).chain(related);
+            for path in paths.chain(fixes.map(|it| &it.path)) {
+                if !texts.contains_key(path) {
+                    let text = self.ask(path, |it| it.text(path))?.unwrap_or_default();
+                    texts.insert(path.clone(), Lines::new(text, Encoding::Utf16));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// An answer about a file. A bug in analysis is an error of the command.
+fn told<R>(about: &Utf8Path, answer: Result<Cancellable<R>, String>) -> anyhow::Result<R> {
+    match answer {
+        Ok(Ok(answer)) => Ok(answer),
+        Ok(Err(cancelled)) => bail!("reading `{about}` was cancelled ({cancelled:?})"),
+        Err(message) => bail!("internal error while reading `{about}`: {message}"),
+    }
+}
+
+/// Texts by path, with lines as the LSP counts them.
+pub(super) type Texts = FxHashMap<Utf8PathBuf, Lines>;
+
+/// A path as the user would write it: relative if it is below the current directory.
+pub(super) fn display(path: &Utf8Path) -> String {
+    match absolute(Utf8Path::new(".")) {
+        Ok(here) => path.strip_prefix(&here).unwrap_or(path).to_string(),
+        Err(_) => path.to_string(),
+    }
+}

@@ -1,0 +1,81 @@
+//! `--trace FILE` of `dotgen verify` and `dotgen run`: a run for the trace viewer.
+
+use std::collections::HashMap;
+use std::io::Write;
+
+use anyhow::Context;
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::host::FileContent;
+use dotgen_timing::report::Event;
+use dotgen_timing::verify::Options;
+
+use dotgen_lsp_server::protocol::convert::{Encoding, Lines, uri};
+use dotgen_lsp_server::protocol::types::Location;
+use dotgen_platform::files::disk::Stream;
+use dotgen_platform::files::vfs;
+use dotgen_views::verification::trace::{Told, Trace, of_run};
+use dotgen_views::verification::{Problem, blocking, timeline::Ending};
+
+/// A run that is over, as it was told.
+pub(super) struct Recorded<'r> {
+    /// What is shown.
+    pub(super) title: String,
+    /// Of the times of the events.
+    pub(super) unit: &'r str,
+    /// What happened.
+    pub(super) events: &'r [Event],
+    /// How it ends.
+    pub(super) ending: Ending<'r>,
+    /// The event from which on it repeats itself.
+    pub(super) cycle: Option<usize>,
+    /// What should be known about it.
+    pub(super) notes: Vec<String>,
+}
+
+/// Writes a run to a file, whole or not at all; how many steps it has.
+///
+/// # Errors
+///
+/// The file cannot be written.
+pub(super) fn write(
+    path: &Utf8Path,
+    recorded: Recorded,
+    problem: &Problem,
+    options: &Options,
+) -> anyhow::Result<usize> {
+    let mut trace = of_run(&Told {
+        title: recorded.title,
+        unit: recorded.unit,
+        events: recorded.events,
+        ending: recorded.ending,
+        cycle: recorded.cycle,
+        blocking: &blocking::table(problem, options),
+    });
+    trace.notes.extend(recorded.notes);
+    let mut texts: HashMap<Utf8PathBuf, Option<Lines>> = HashMap::new();
+    let trace: Trace<Option<Location>> = trace.placed(|(spec, src)| {
+        let place = problem.place(spec, src);
+        Ok::<_, anyhow::Error>(place.and_then(|(path, range)| {
+            let lines = texts.entry(path.clone()).or_insert_with(|| lines(&path));
+            Some(Location {
+                uri: uri::from_path(&path)?,
+                range: lines.as_ref()?.range(&range),
+            })
+        }))
+    })?;
+    let wrong = || format!("cannot write `{path}`");
+    let mut out = Stream::create(path.as_std_path()).with_context(wrong)?;
+    serde_json::to_writer(&mut out, &trace).with_context(wrong)?;
+    out.write_all(b"\n").with_context(wrong)?;
+    out.finish().with_context(wrong)?;
+    Ok(trace.steps.len())
+}
+
+fn lines(path: &Utf8Path) -> Option<Lines> {
+    match vfs::read(path) {
+        FileContent::Text(text) | FileContent::NotUtf8(text) => {
+            Some(Lines::new(text.into(), Encoding::Utf16))
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,508 @@
+//! `dotgen verify`
+
+mod explain;
+pub(super) mod interrupt;
+mod json;
+mod limits;
+mod progress;
+mod text;
+pub(super) mod told;
+
+use std::time::Duration;
+
+use anyhow::{anyhow, bail};
+use camino::{Utf8Path, Utf8PathBuf};
+use clap::{Args, ValueEnum};
+use dotgen_analysis::diagnostic::FileEdit;
+use dotgen_analysis::host::FileContent;
+use dotgen_timing::derive::Sensitivity;
+use dotgen_timing::diagnostic::remark::together;
+use dotgen_timing::explore::{Kind, Limits};
+use dotgen_timing::report::Report;
+use dotgen_timing::scn::ast::{Check, Durations, Policy};
+use dotgen_timing::scn::parse_check;
+use dotgen_timing::scn::semantics::Preset;
+use dotgen_timing::verify::{Cancel, Options, settings};
+
+use self::progress::Doing;
+use self::told::Told;
+use super::outputs::{self, Output, VIEWER};
+use super::session::{self, Session, SourceFile, Trouble};
+use super::{Outcome, Reading, report, trace};
+use dotgen_platform::files::vfs;
+use dotgen_views::verification::Problem;
+use dotgen_views::verification::changes::Repairs;
+use dotgen_views::verification::first::{self, FirstAnswer};
+use dotgen_views::verification::runs;
+use dotgen_views::verification::view::View;
+use dotgen_views::verification::why::{self, Why};
+
+/// Verify real-time properties: deadlines, response times, bounded responses
+///
+/// A scenario (FILE.scn) names its specifications, platform, clients and checks. Without a scenario, all
+/// FILE.gen are verified together as one system: their permanent activities, and a client that sends any
+/// request at any time. A directory stands for the .gen files below it. Options override the scenario.
+///
+/// Exit status: 0 if all checks hold, 1 if a check fails, 2 if nothing could be verified (wrong usage, or a
+/// file that cannot be read or has errors), 3 if no check fails but one was given up or had nothing to verify
+/// (missing execution times).
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// Scenarios (.scn), specifications (.gen), and directories to search for .gen files
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<Utf8PathBuf>,
+
+    /// Number of cores, or `free` for one core per task
+    #[arg(long, value_name = "N|free", value_parser = cores)]
+    cores: Option<Cores>,
+
+    /// Semantics of the model
+    #[arg(long, value_enum)]
+    semantics: Option<SemanticsName>,
+
+    /// Order in which tasks get a core
+    #[arg(long, value_enum)]
+    policy: Option<PolicyName>,
+
+    /// Execution times of codels
+    #[arg(long, value_enum)]
+    durations: Option<DurationsName>,
+
+    /// Check CHECK instead of the scenario's checks, for example "response arm.motion <= 5 ms"
+    #[arg(long = "check", value_name = "CHECK", action = clap::ArgAction::Append)]
+    checks: Vec<String>,
+
+    /// Give up a check after N states [default: 20000000; without a scenario 100000]
+    #[arg(long, value_name = "N")]
+    max_states: Option<usize>,
+
+    /// Give up a check when its states need more than MB megabytes
+    #[arg(long, value_name = "MB", default_value_t = Limits::default().bytes >> 20)]
+    max_memory: usize,
+
+    /// Number of threads for --sensitivity [default: one per processor core]
+    #[arg(long, value_name = "N", value_parser = threads)]
+    threads: Option<usize>,
+
+    /// Time limit for each scenario; checks without an answer are given up
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    timeout: Option<Duration>,
+
+    /// If deadlines are missed, list single changes that repair them; otherwise compute slack: fewest cores,
+    /// longest execution times, shortest periods
+    #[arg(long)]
+    sensitivity: bool,
+
+    /// List the reductions that the exploration used, and the reason against each other one
+    #[arg(long)]
+    explain: bool,
+
+    /// Write a trace of the first refuted check, or else the first witness, for the trace viewer
+    /// (docs/trace.md)
+    #[arg(long, value_name = "FILE")]
+    trace: Option<Utf8PathBuf>,
+
+    /// Switch off a reduction, by its name in the output of `--explain`
+    #[arg(long, value_name = "REDUCTION", value_parser = reduction, hide = true)]
+    without: Vec<Kind>,
+
+    /// Output format
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+
+    #[command(flatten)]
+    reading: Reading,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Format {
+    /// For people
+    Text,
+    /// For programs
+    Json,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Cores(pub(super) Option<u32>);
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(super) enum SemanticsName {
+    /// The servers that GenoM3 generates
+    Servers,
+    /// The published formal models
+    Published,
+}
+
+impl SemanticsName {
+    pub(super) fn preset(self) -> Preset {
+        match self {
+            SemanticsName::Servers => Preset::Servers,
+            SemanticsName::Published => Preset::Published,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(super) enum PolicyName {
+    /// First come, first served
+    Fifo,
+    /// Earliest deadline first
+    Edf,
+    /// Any ready task, without preemption
+    Any,
+    /// The ready tasks of highest priority, with preemption
+    Priority,
+    /// Any ready tasks, with preemption
+    Fair,
+}
+
+impl PolicyName {
+    pub(super) fn policy(self) -> Policy {
+        match self {
+            PolicyName::Fifo => Policy::Fifo,
+            PolicyName::Edf => Policy::Edf,
+            PolicyName::Any => Policy::Any,
+            PolicyName::Priority => Policy::Priority,
+            PolicyName::Fair => Policy::Fair,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum DurationsName {
+    /// From 0, or the minimum in the scenario, to the WCET
+    Interval,
+    /// Always the WCET
+    Fixed,
+    /// Greater than 0, up to the WCET
+    Open,
+}
+
+/// Maximum number of states for a specification without a scenario: with a client that may send anything,
+/// a longer search seldom finds more.
+const UNASKED_STATES: usize = 100_000;
+
+/// What `--sensitivity` finds.
+struct Slacks {
+    /// Where something is missed, the changes that repair it, each with its edit.
+    repairs: Repairs,
+    edits: Vec<Option<FileEdit>>,
+    /// None where the scenario has errors, which were told.
+    sensitivity: Option<Sensitivity>,
+}
+
+/// A problem and its answer.
+struct Answer {
+    problem: Problem,
+    options: Options,
+    report: Report,
+    /// By check: why it fails, and what would help.
+    why: Vec<Option<Why>>,
+    /// What holds with fewer requests, where no scenario is written.
+    first: Vec<FirstAnswer>,
+    /// What was said beside it, for programs.
+    diagnostics: serde_json::Value,
+    /// What repairs it, and how far it is from missing deadlines.
+    limits: Option<Slacks>,
+}
+
+pub(super) fn cores(text: &str) -> Result<Cores, String> {
+    match text.parse::<u32>() {
+        _ if text == "free" => Ok(Cores(None)),
+        Ok(0) => Err("a system needs at least one core".to_owned()),
+        Ok(n) => Ok(Cores(Some(n))),
+        Err(_) => Err("give a number of cores, or `free`".to_owned()),
+    }
+}
+
+fn threads(text: &str) -> Result<usize, String> {
+    let threads = text.parse().ok().filter(|&it| it > 0);
+    threads.ok_or_else(|| "give a number of threads from 1 on".to_owned())
+}
+
+fn reduction(text: &str) -> Result<Kind, String> {
+    Kind::named(text).ok_or_else(|| {
+        let names = Kind::ALL.map(Kind::name);
+        format!("give one of {}", names.join(", "))
+    })
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse().ok();
+    let time = seconds.and_then(|it| Duration::try_from_secs_f64(it).ok());
+    time.ok_or_else(|| "give a number of seconds".to_owned())
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    let checks: Vec<&str> = arguments.checks.iter().map(|it| body(it)).collect();
+    checks.iter().try_for_each(|it| check(it, 0).map(drop))?;
+    let mut answers = Vec::new();
+    let interrupt = interrupt::on_terminal();
+    let (all, mut trouble) = problems(&arguments.files, &arguments.reading);
+    let trace = arguments.trace.iter();
+    let written: Vec<Output<'_>> = trace
+        .map(|path| Output {
+            path,
+            endings: &[VIEWER],
+        })
+        .collect();
+    outputs::check(&written, all.iter().flat_map(|it| it.1.files()))?;
+    for (session, problem) in all {
+        if !problem.errors.is_empty() {
+            Told::about(&session, &problem, problem.errors.clone())?.print()?;
+            trouble.told();
+            continue;
+        }
+        let options = arguments.options(&checks, &problem)?;
+        let cancel = Cancel::interrupted_by(&interrupt);
+        if let Some(time) = arguments.timeout {
+            cancel.limit(time);
+        }
+        let doing = format!("verifying {}", problem.scenario.name);
+        let first = match checks.is_empty() {
+            true => first::answers(&problem, &options, &cancel),
+            false => Vec::new(),
+        };
+        let report = progress::during(&cancel, &doing, |tell| {
+            problem.verify(&options, &cancel, &|it| {
+                tell(Doing {
+                    what: doing.clone(),
+                    how_far: it.how_far(),
+                })
+            })
+        });
+        let told = |all: &[dotgen_timing::diagnostic::Diagnostic]| {
+            Told::by_verifier(&session, &problem, all, &checks)
+        };
+        // Programs are told everything, in their document if there is one.
+        if matches!(arguments.format, Format::Text) || report.has_errors() {
+            told(&together(&report.diagnostics))?.print()?;
+        }
+        if report.has_errors() {
+            trouble.told();
+            continue;
+        }
+        let diagnostics = told(&report.diagnostics)?.to_json()?;
+        let why = why::of_report(&problem, &options, &report, Some(&cancel));
+        let mut answer = Answer {
+            why,
+            problem,
+            options,
+            report,
+            first,
+            diagnostics,
+            limits: None,
+        };
+        let is_text = matches!(arguments.format, Format::Text);
+        if is_text {
+            text::head(&answer, answers.is_empty(), arguments.explain)?;
+        }
+        if arguments.sensitivity && !interrupt.is_raised() {
+            answer.limits = Some(limits::found(&session, &answer, &cancel, is_text)?);
+        }
+        if is_text {
+            text::tail(&answer, arguments.explain)?;
+        }
+        answers.push(answer);
+    }
+    if !answers.is_empty() && matches!(arguments.format, Format::Json) {
+        json::print(&answers)?;
+    }
+    if let Some(path) = &arguments.trace {
+        write_trace(path, &answers)?;
+    }
+    Ok(
+        trouble.outcome(if answers.iter().any(|it| it.report.refuted()) {
+            Outcome::Errors
+        } else if answers
+            .iter()
+            .any(|it| it.report.unknown() || it.report.nothing())
+        {
+            Outcome::GaveUp
+        } else {
+            Outcome::Fine
+        }),
+    )
+}
+
+/// Writes the run that shows most, of several scenarios that of the first which has one.
+fn write_trace(path: &Utf8Path, answers: &[Answer]) -> anyhow::Result<()> {
+    let with_run = |it: &'_ Answer| runs::chosen(&it.report, None);
+    let found = answers.iter().find_map(|it| Some((it, with_run(it)?)));
+    let Some((answer, number)) = found else {
+        bail!("`--trace`: no check has a run to be written");
+    };
+    let check = &answer.report.checks[number];
+    let recorded = trace::Recorded {
+        title: runs::title(check),
+        unit: &answer.report.unit,
+        events: check.run(),
+        ending: runs::ending(check),
+        cycle: check.cycle,
+        notes: check.note.iter().cloned().collect(),
+    };
+    trace::write(path, recorded, &answer.problem, &answer.options).map(drop)
+}
+
+/// One per scenario, and one for all specifications named. What cannot be used is told, and the others are
+/// there.
+pub(super) fn problems(
+    arguments: &[Utf8PathBuf],
+    reading: &Reading,
+) -> (Vec<(Session, Problem)>, Trouble) {
+    let (files, mut trouble) = session::usable(arguments, &["gen"]);
+    report::note_unused_scenarios(arguments, &files);
+    // Without one of its parts it would be another system.
+    let mut whole = !trouble.any();
+    let mut out = Vec::new();
+    let mut specifications = Vec::new();
+    for file in files {
+        match file.path.extension() {
+            Some("scn") => out.extend(trouble.or_tell(of_scenario(&file, reading))),
+            Some("gen") => specifications.push(file),
+            _ => {
+                let path = session::display(&file.path);
+                let error = "is neither a scenario (.scn) nor a specification (.gen)";
+                trouble.tell(&anyhow!("`{path}` {error}"));
+                whole = false;
+            }
+        }
+    }
+    if whole {
+        let together = trouble.or_tell(of_specifications(specifications, reading));
+        out.extend(together.flatten());
+    }
+    (out, trouble)
+}
+
+/// As [`problems`], when there may be only one. `None` if it cannot be used, which was told.
+pub(super) fn one_problem(
+    files: &[Utf8PathBuf],
+    reading: &Reading,
+) -> anyhow::Result<Option<(Session, Problem)>> {
+    let (mut all, trouble) = problems(files, reading);
+    if trouble.any() {
+        return Ok(None);
+    }
+    let (Some((session, problem)), true) = (all.pop(), all.is_empty()) else {
+        bail!("name one scenario, or specifications");
+    };
+    if !problem.errors.is_empty() {
+        Told::about(&session, &problem, problem.errors.clone())?.print()?;
+        return Ok(None);
+    }
+    Ok(Some((session, problem)))
+}
+
+fn of_scenario(file: &SourceFile, reading: &Reading) -> anyhow::Result<(Session, Problem)> {
+    let text = match vfs::read(&file.path) {
+        FileContent::Text(text) | FileContent::NotUtf8(text) => text,
+        _ => bail!("cannot read `{}`", session::display(&file.path)),
+    };
+    let session = session::around(&file.path, Vec::new(), reading);
+    let problem = session.ask(&file.path, |it| {
+        Problem::from_scenario(&file.path, text.clone(), it, vfs::read)
+    })?;
+    Ok((session, problem))
+}
+
+/// All of them as one system, though each may have a configuration of its own.
+fn of_specifications(
+    files: Vec<SourceFile>,
+    reading: &Reading,
+) -> anyhow::Result<Option<(Session, Problem)>> {
+    let Some(first) = files.first().map(|it| it.path.clone()) else {
+        return Ok(None);
+    };
+    let mut units = Vec::new();
+    let mut names = Vec::new();
+    let sessions = session::open(files, reading)?;
+    for session in &sessions {
+        for file in &session.files {
+            units.push(session.ask(&file.path, |it| it.root_unit(&file.path))?);
+            names.push(session::display(&file.path));
+        }
+    }
+    let problem = Problem::by_default(&first, &names, units);
+    Ok(sessions.into_iter().next().map(|it| (it, problem)))
+}
+
+impl Arguments {
+    fn options(&self, checks: &[&str], problem: &Problem) -> anyhow::Result<Options> {
+        let written = problem.path.extension() == Some("scn");
+        let most = match written {
+            true => Limits::default().states,
+            false => UNASKED_STATES,
+        };
+        let limits = Limits {
+            states: self.max_states.unwrap_or(most),
+            bytes: self.max_memory.saturating_mul(1 << 20),
+            threads: self.threads.unwrap_or(Limits::default().threads),
+            without: self.without.iter().copied().collect(),
+            ..Limits::default()
+        };
+        Ok(Options {
+            cores: self.cores.map(|it| it.0),
+            policy: self.policy.map(PolicyName::policy),
+            semantics: self.semantics.map(SemanticsName::preset),
+            durations: self.durations.map(|it| match it {
+                DurationsName::Interval => Durations::Interval,
+                DurationsName::Fixed => Durations::Fixed,
+                DurationsName::Open => Durations::Open,
+            }),
+            checks: parsed(checks, problem)?,
+            limits,
+        })
+    }
+}
+
+/// Checks of the command line, as if they stood after the scenario.
+pub(super) fn parsed(checks: &[&str], problem: &Problem) -> anyhow::Result<Vec<Check>> {
+    let mut at = problem.text.len();
+    let mut parsed = Vec::new();
+    for body in checks {
+        parsed.push(check(body, at)?);
+        at += body.len() + 1;
+    }
+    Ok(parsed)
+}
+
+/// A check of the command line; a `check` before it and a `;` after it are welcome.
+pub(super) fn body(text: &str) -> &str {
+    let body = text.trim().trim_end_matches(';');
+    body.strip_prefix("check ").unwrap_or(body).trim()
+}
+
+/// Parses a check as if it stood at `at`.
+fn check(body: &str, at: usize) -> anyhow::Result<Check> {
+    match parse_check(&format!("{}{body}", " ".repeat(at))) {
+        Ok(check) => Ok(check),
+        Err(error) => {
+            let at = error.range.start.min(body.len());
+            let at = body.get(..at).map_or(0, |it| it.chars().count());
+            bail!(
+                "in `--check`: {}\n  {body}\n  {}^",
+                error.message,
+                " ".repeat(at)
+            )
+        }
+    }
+}
+
+impl Answer {
+    fn settings(&self) -> dotgen_timing::system::settings::Settings {
+        settings(&self.problem.scenario, &self.options)
+    }
+
+    fn view(&self) -> View<'_> {
+        View::new(&self.problem, &self.options, &self.report, &self.why)
+    }
+
+    fn file(&self) -> String {
+        display(&self.problem.path)
+    }
+}
+
+fn display(path: &Utf8Path) -> String {
+    session::display(path)
+}

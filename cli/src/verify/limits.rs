@@ -1,0 +1,81 @@
+//! `--sensitivity`: what repairs a system, and how far it is from missing deadlines. Answers are printed as
+//! they come.
+
+use std::io::{IsTerminal, Write};
+
+use dotgen_timing::advice::Trying;
+use dotgen_timing::derive::Told;
+use dotgen_timing::verify::Cancel;
+
+use super::progress::{self, Doing};
+use super::{Answer, Session, Slacks, text};
+use dotgen_views::verification::changes::{self, Repair};
+
+/// Looks for all of it, and prints what is found if that is wanted.
+pub(super) fn found(
+    session: &Session,
+    answer: &Answer,
+    cancel: &Cancel,
+    prints: bool,
+) -> anyhow::Result<Slacks> {
+    let lines = text::Limits::of(answer);
+    let print = |text: &dyn Fn(&mut dyn Write) -> std::io::Result<()>| {
+        if prints {
+            let mut out = anstream::AutoStream::auto(std::io::stdout().lock());
+            // Whoever does not read it any more need not.
+            let _ = text(&mut out).and_then(|()| out.flush());
+        }
+    };
+    // Lines that come one by one say themselves how far it is.
+    let shows = prints && std::io::stdout().is_terminal();
+    type Work<'a> = &'a mut dyn FnMut(&(dyn Fn(Doing) + Sync));
+    let during = |doing: &str, work: Work<'_>| match shows {
+        true => work(&|_| {}),
+        false => progress::during(cancel, doing, work),
+    };
+    let (problem, options, report) = (&answer.problem, &answer.options, &answer.report);
+    let mut repairs = changes::Repairs::default();
+    during("looking for repairs", &mut |tell| {
+        let trying = |it: Trying| {
+            tell(Doing {
+                what: format!("trying {}", it.trying),
+                how_far: format!("{} of {}", it.done + 1, it.of),
+            });
+        };
+        let found = |it: &Repair| print(&|out| lines.repair(out, it));
+        repairs = changes::repairs(problem, options, report, (cancel, None), (&trying, &found));
+    });
+    print(&|out| lines.repaired(out, &repairs));
+    print(&|out| lines.heading(out));
+    let mut sensitivity = None;
+    during("looking for limits", &mut |tell| {
+        let told = |it: Told| match it {
+            Told::Asking(it) => tell(Doing {
+                what: format!("looking for {}", it.asking),
+                how_far: format!("{} of {}", it.done + 1, it.of),
+            }),
+            Told::Cores(it) => print(&|out| lines.cores(out, it)),
+            Told::Wcet(it) => print(&|out| lines.extreme(out, "largest WCET", it)),
+            Told::Period(it) => print(&|out| lines.extreme(out, "smallest period", it)),
+        };
+        // What is wrong with the scenario has been said.
+        sensitivity = problem.sensitivity(options, cancel, &told).ok();
+    });
+    if let Some(it) = &sensitivity {
+        print(&|out| lines.ending(out, it));
+    }
+    let edit = |it: &Repair| {
+        session.ask(&problem.path, |analysis| {
+            changes::edit(analysis, problem, &it.change)
+        })
+    };
+    Ok(Slacks {
+        edits: repairs
+            .all
+            .iter()
+            .map(edit)
+            .collect::<anyhow::Result<_>>()?,
+        repairs,
+        sensitivity,
+    })
+}

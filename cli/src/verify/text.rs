@@ -1,0 +1,480 @@
+//! `--format text`: a table of checks, the runs that refute them, the assumptions.
+
+use std::io::Write;
+
+use clap::builder::styling::{AnsiColor, Style};
+use dotgen_timing::derive::{Extreme, MinimumCores, Sensitivity};
+use dotgen_timing::explore::MomentKind;
+use dotgen_timing::report::Event;
+
+use super::{Answer, explain};
+use crate::width::wrapped;
+use dotgen_views::verification::advice;
+use dotgen_views::verification::blocking;
+use dotgen_views::verification::changes::{Repair, Repairs};
+use dotgen_views::verification::first::FirstAnswer;
+use dotgen_views::verification::folded::{Part, folded, words as again};
+use dotgen_views::verification::summary::{self, Scale};
+use dotgen_views::verification::view::{CheckView, Outcome};
+
+const TITLE: Style = Style::new().bold();
+const FAINT: Style = Style::new().dimmed();
+
+/// What was found of the checks, and the runs that show it; after another answer with a blank line between.
+pub(super) fn head(answer: &Answer, is_first: bool, explained: bool) -> anyhow::Result<()> {
+    let out = &mut anstream::AutoStream::auto(std::io::stdout().lock());
+    if !is_first {
+        writeln!(out)?;
+    }
+    let settings = answer.settings();
+    let scale = Scale::of(&settings);
+    let report = &answer.report;
+    writeln!(
+        out,
+        "{TITLE}{}{TITLE:#}: {} {FAINT}({}){FAINT:#}",
+        report.scenario,
+        summary::platform(&settings),
+        answer.file(),
+    )?;
+    // Without any execution time, the table says all there is to say.
+    let is_nothing = |it: &FirstAnswer| it.outcome == Outcome::Nothing;
+    if !answer.first.iter().all(is_nothing) {
+        writeln!(out)?;
+        let width = answer.first.iter().map(|it| it.assuming.len()).max();
+        let width = width.unwrap_or_default();
+        for it in &answer.first {
+            let open = match it.open.is_empty() {
+                true => String::new(),
+                false => format!(": {}", it.open.join(", ")),
+            };
+            writeln!(
+                out,
+                "  {:<width$}  {}{open}",
+                it.assuming,
+                it.outcome.counted()
+            )?;
+        }
+        writeln!(out, "  any client:")?;
+    }
+    let view = answer.view();
+    let mut rows: Vec<Row> = view.checks.iter().map(Row::new).collect();
+    let shared = shared_remarks(&mut rows);
+    table(out, &rows)?;
+    for (number, remark) in (1..).zip(shared) {
+        let remark = wrapped(&remark, 6, 6);
+        writeln!(
+            out,
+            "{}  [{number}] {remark}",
+            if number == 1 { "\n" } else { "" }
+        )?;
+    }
+    for it in &view.checks {
+        let check = it.report;
+        let (events, remark) = match check.counterexample.is_empty() {
+            true => (
+                &check.possible_run,
+                ", with rounded durations; it may not be possible",
+            ),
+            false => (&check.counterexample, ""),
+        };
+        if events.is_empty() {
+            continue;
+        }
+        let style = style(it.outcome);
+        let word = it.outcome.word();
+        writeln!(out, "\n{style}{word}{style:#} {}{remark}", it.title())?;
+        run(out, events, check.cycle, scale, explained)?;
+        let requests = events.iter().filter(|it| it.kind == MomentKind::Request);
+        let requests: Vec<&str> = requests.map(|it| it.what.as_str()).collect();
+        if !requests.is_empty() {
+            labelled(out, "requests", &requests.join(", then "))?;
+        }
+        if let Some(cause) = &it.cause {
+            labelled(out, "cause", cause)?;
+        }
+        if let Some(remedy) = &it.remedy {
+            labelled(out, "help", remedy)?;
+        }
+        for it in &it.reason {
+            labelled(out, "because", it)?;
+        }
+    }
+    Ok(())
+}
+
+/// A paragraph below a run, after its label.
+fn labelled(out: &mut impl Write, label: &str, text: &str) -> std::io::Result<()> {
+    let text = wrapped(text, label.len() + 3, 4);
+    writeln!(out, "  {TITLE}{label}{TITLE:#} {text}")
+}
+
+/// What it depends on, and what it amounts to.
+pub(super) fn tail(answer: &Answer, explained: bool) -> anyhow::Result<()> {
+    let out = &mut anstream::AutoStream::auto(std::io::stdout().lock());
+    let (report, view) = (&answer.report, answer.view());
+    if !report.assumptions.is_empty() {
+        writeln!(out, "\n{TITLE}assuming{TITLE:#}")?;
+        for it in &report.assumptions {
+            writeln!(out, "  - {it}")?;
+        }
+    }
+    for it in &report.notes {
+        writeln!(out, "{TITLE}note{TITLE:#}: {it}")?;
+    }
+    if let Some(it) = advice::of_report(report, &answer.problem, advice::Names::Options) {
+        writeln!(out, "\n{TITLE}help{TITLE:#}: {it}")?;
+    }
+    let count = |outcome| {
+        view.checks
+            .iter()
+            .filter(|it| it.outcome == outcome)
+            .count()
+    };
+    let counts: Vec<String> = Outcome::ALL
+        .into_iter()
+        .filter(|&it| count(it) > 0)
+        .map(|it| format!("{} {}", count(it), it.counted()))
+        .collect();
+    let counts = match counts.is_empty() {
+        true => "nothing checked".to_owned(),
+        false => counts.join(", "),
+    };
+    let by_analysis = report.checks.iter().any(|it| it.by.is_some());
+    let how = match report.states {
+        0 if by_analysis && !report.unknown() => "by analysis".to_owned(),
+        states => format!("{states} states"),
+    };
+    writeln!(
+        out,
+        "\n{TITLE}{counts}{TITLE:#} {FAINT}({how} in {:.3} s, {:.1} MB){FAINT:#}",
+        report.seconds,
+        report.memory as f64 / 1e6
+    )?;
+    match explained {
+        true => explain::print(out, &report.reductions),
+        false => Ok(()),
+    }
+}
+
+/// The lines of `--sensitivity`, each printed when it is found.
+pub(super) struct Limits {
+    scale: Scale,
+    width: usize,
+}
+
+impl Limits {
+    pub(super) fn of(answer: &Answer) -> Limits {
+        let table = blocking::table(&answer.problem, &answer.options);
+        let width = table.iter().map(|it| it.codel.path.len()).max();
+        Limits {
+            scale: Scale::of(&answer.settings()),
+            width: width.unwrap_or_default(),
+        }
+    }
+
+    /// A change that repairs what is missed.
+    pub(super) fn repair(&self, out: &mut dyn Write, it: &Repair) -> std::io::Result<()> {
+        writeln!(out, "  {TITLE}repair{TITLE:#} {}", it.words)
+    }
+
+    /// The smallest of several, and whether all were tried.
+    pub(super) fn repaired(&self, out: &mut dyn Write, all: &Repairs) -> std::io::Result<()> {
+        if let [smallest, _, ..] = &all.all[..] {
+            writeln!(out, "  {TITLE}smallest{TITLE:#} {}", smallest.words)?;
+        }
+        match all.incomplete {
+            true => writeln!(out, "  {FAINT}not every change was tried{FAINT:#}"),
+            false => Ok(()),
+        }
+    }
+
+    pub(super) fn heading(&self, out: &mut dyn Write) -> std::io::Result<()> {
+        writeln!(out, "\n{TITLE}with every deadline met{TITLE:#}")
+    }
+
+    pub(super) fn cores(&self, out: &mut dyn Write, it: &MinimumCores) -> std::io::Result<()> {
+        match it.cores {
+            Some(cores) => writeln!(out, "  smallest number of cores: {cores}"),
+            None => writeln!(out, "  smallest number of cores: none was found"),
+        }
+    }
+
+    /// How far a value can go.
+    pub(super) fn extreme(
+        &self,
+        out: &mut dyn Write,
+        what: &str,
+        it: &Extreme,
+    ) -> std::io::Result<()> {
+        let (extreme, remark) = summary::extreme(it, self.scale);
+        let now = self.scale.show_value(it.now);
+        let remark = match remark {
+            "" => String::new(),
+            remark => format!(", {remark}"),
+        };
+        let (of, width) = (&it.of, self.width);
+        writeln!(
+            out,
+            "  {what:<15} {of:<width$}  {extreme} {FAINT}(now {now}{remark}){FAINT:#}"
+        )
+    }
+
+    /// What breaks first, and whether something is missing.
+    pub(super) fn ending(&self, out: &mut dyn Write, it: &Sensitivity) -> std::io::Result<()> {
+        if let Some(next) = &it.next_to_break {
+            let next = summary::next_to_break(next, self.scale);
+            writeln!(out, "  next to break: {next}")?;
+        }
+        match it.incomplete {
+            true => writeln!(
+                out,
+                "  {FAINT}given up here: time is up, or it was interrupted{FAINT:#}"
+            ),
+            false => Ok(()),
+        }
+    }
+}
+
+/// A line of the table.
+struct Row {
+    verdict: &'static str,
+    style: Style,
+    check: String,
+    of: String,
+    value: String,
+    limit: String,
+    slack: String,
+    remark: String,
+    /// The number of a remark that is shown once, below the table.
+    shared: Option<usize>,
+}
+
+impl Row {
+    fn new(view: &CheckView) -> Row {
+        let check = view.report;
+        let note = check.note.as_deref();
+        let remarks: Vec<&str> = note.into_iter().chain(view.worth).collect();
+        Row {
+            verdict: view.outcome.word(),
+            style: style(view.outcome),
+            check: match &check.name {
+                Some(name) => format!("{name}: {}", check.kind),
+                None => check.kind.to_string(),
+            },
+            of: check.of.clone(),
+            value: view.value.clone().unwrap_or_default(),
+            limit: view.limit.clone().unwrap_or_default(),
+            slack: view.slack.clone().unwrap_or_default(),
+            remark: remarks.join("; "),
+            shared: None,
+        }
+    }
+}
+
+/// Takes long remarks that several rows have out of the rows, which refer to them by number.
+fn shared_remarks(rows: &mut [Row]) -> Vec<String> {
+    const LONG: usize = 100;
+    let mut shared: Vec<String> = Vec::new();
+    for at in 0..rows.len() {
+        let remark = rows[at].remark.clone();
+        if remark.len() <= LONG || shared.contains(&remark) {
+            continue;
+        }
+        if rows[at + 1..].iter().any(|it| it.remark == remark) {
+            shared.push(remark);
+        }
+    }
+    for row in rows {
+        row.shared = shared
+            .iter()
+            .position(|it| *it == row.remark)
+            .map(|it| it + 1);
+    }
+    shared
+}
+
+fn style(outcome: Outcome) -> Style {
+    match outcome {
+        Outcome::Proved | Outcome::Bounded => AnsiColor::Green.on_default(),
+        Outcome::Refuted | Outcome::Exceeds => AnsiColor::Red.on_default().bold(),
+        _ => AnsiColor::Yellow.on_default().bold(),
+    }
+}
+
+fn table(out: &mut impl Write, rows: &[Row]) -> std::io::Result<()> {
+    if rows.is_empty() {
+        return Ok(());
+    }
+    let width = |head: &str, cell: fn(&Row) -> &String| {
+        let cells = rows.iter().map(|it| cell(it).chars().count());
+        cells
+            .max()
+            .map_or(0, |it| if it == 0 { 0 } else { it.max(head.len()) })
+    };
+    let (check, of) = (width("check", |it| &it.check), width("of", |it| &it.of));
+    let (value, limit) = (
+        width("value", |it| &it.value),
+        width("limit", |it| &it.limit),
+    );
+    let slack = width("slack", |it| &it.slack);
+    // Columns that are empty are left out.
+    let right = |text: &str, width: usize| match width {
+        0 => String::new(),
+        _ => format!("  {text:>width$}"),
+    };
+    let head = |text: &'static str, width| if width == 0 { "" } else { text };
+    let line = format!(
+        "  {:<8}  {:<check$}  {:<of$}{}{}{}",
+        "verdict",
+        "check",
+        "of",
+        right(head("value", value), value),
+        right(head("limit", limit), limit),
+        right(head("slack", slack), slack),
+    );
+    writeln!(out, "\n{FAINT}{}{FAINT:#}", line.trim_end())?;
+    for row in rows {
+        let style = row.style;
+        let mut rest = format!(
+            "  {:<check$}  {:<of$}{}{}{}",
+            row.check,
+            row.of,
+            right(&row.value, value),
+            right(&row.limit, limit),
+            right(&row.slack, slack),
+        );
+        match (row.shared, row.remark.as_str()) {
+            (Some(number), _) => rest.push_str(&format!("  [{number}]")),
+            (None, "") => {}
+            (None, remark) => rest.push_str(&format!("  ({remark})")),
+        }
+        writeln!(
+            out,
+            "  {style}{:<8}{style:#}{}",
+            row.verdict,
+            rest.trim_end()
+        )?;
+    }
+    Ok(())
+}
+
+/// Of runs with more lines the beginning and the end are shown.
+const LONGEST: usize = 100;
+const FIRST: usize = 20;
+const LAST: usize = 50;
+
+/// A line of a run.
+enum Line {
+    Step(usize),
+    /// What repeats itself, and the last step of that.
+    Again(String, usize),
+}
+
+impl Line {
+    fn last(&self) -> usize {
+        match *self {
+            Line::Step(it) | Line::Again(_, it) => it,
+        }
+    }
+}
+
+fn lines(events: &[Event], cycle: Option<usize>) -> Vec<Line> {
+    let parts = folded(events, cycle).into_iter();
+    let lines = parts.flat_map(|part| match part {
+        Part::Steps(range) => range.map(Line::Step).collect(),
+        Part::Again { steps, times, last } => vec![Line::Again(again(steps, times), last)],
+    });
+    lines.collect()
+}
+
+/// A run as a list: times once each, who, what; and what repeats itself once.
+fn run(
+    out: &mut impl Write,
+    events: &[Event],
+    cycle: Option<usize>,
+    scale: Scale,
+    explained: bool,
+) -> std::io::Result<()> {
+    let who = |it: &Event| match &it.task {
+        Some(task) => format!("{}.{task}", it.component),
+        None => it.component.clone(),
+    };
+    let time = |step: usize| scale.show(events[step].time);
+    let lines = lines(events, cycle);
+    let left_out = match lines.len() > LONGEST {
+        true => FIRST..lines.len() - LAST,
+        false => 0..0,
+    };
+    let shown = lines
+        .iter()
+        .enumerate()
+        .filter(|it| !left_out.contains(&it.0));
+    let steps = shown.filter_map(|it| match it.1 {
+        Line::Step(step) => Some(*step),
+        Line::Again(..) => None,
+    });
+    let widths = steps.map(|it| (time(it).len(), who(&events[it]).len()));
+    let (time_width, who_width) = widths.fold((0, 0), |a, b| (a.0.max(b.0), a.1.max(b.1)));
+    let mut before = None;
+    for (i, line) in lines.iter().enumerate() {
+        if i == left_out.start && !left_out.is_empty() {
+            let (from, to) = (lines[i - 1].last(), lines[left_out.end - 1].last());
+            let cycle = cycle.filter(|it| (from + 1..=to).contains(it));
+            let cycle = cycle.map_or(String::new(), |it| {
+                format!("; what goes on for ever begins at {}", time(it))
+            });
+            writeln!(
+                out,
+                "  {FAINT}… {} steps until {}{cycle}; `--format json` has all of them …{FAINT:#}",
+                to - from,
+                time(to)
+            )?;
+            before = None;
+        }
+        if left_out.contains(&i) {
+            continue;
+        }
+        let step = match line {
+            Line::Step(step) => *step,
+            Line::Again(what, last) => {
+                writeln!(out, "  {FAINT}… {what}, until {} …{FAINT:#}", time(*last))?;
+                before = None;
+                continue;
+            }
+        };
+        let it = &events[step];
+        if cycle == Some(step) {
+            writeln!(out, "  {FAINT}from here on for ever:{FAINT:#}")?;
+        }
+        let at = if before == Some(it.time) {
+            String::new()
+        } else {
+            time(step)
+        };
+        before = Some(it.time);
+        let style = match it.kind {
+            MomentKind::Wait => AnsiColor::Yellow.on_default(),
+            MomentKind::Excess => AnsiColor::Red.on_default(),
+            MomentKind::Tick | MomentKind::Release | MomentKind::Grant => FAINT,
+            _ => Style::new(),
+        };
+        let rule = match explained {
+            true => format!("  {FAINT}[{}]{FAINT:#}", rule(it.kind)),
+            false => String::new(),
+        };
+        writeln!(
+            out,
+            "  {at:>time_width$}  {:<who_width$}  {style}{}{style:#}{rule}",
+            who(it),
+            it.what
+        )?;
+    }
+    Ok(())
+}
+
+/// The rule that acted in a step, as JSON and `docs/verification.md` call it.
+fn rule(kind: MomentKind) -> String {
+    let word = serde_json::to_value(kind).ok();
+    let word = word.as_ref().and_then(|it| it.as_str());
+    word.unwrap_or_default().to_owned()
+}

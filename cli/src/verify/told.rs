@@ -1,0 +1,78 @@
+//! What the verifier says about a scenario and its specifications, beside its answers.
+
+use camino::Utf8PathBuf;
+use dotgen_analysis::diagnostic::Diagnostic;
+
+use crate::report;
+use crate::session::{Session, Texts};
+use dotgen_lsp_server::config::Level;
+use dotgen_lsp_server::protocol::convert::{Encoding, Lines};
+use dotgen_views::verification::Problem;
+
+/// More places than this beside the first are not shown: a wall of them is no help.
+const PLACES: usize = 4;
+
+/// Diagnostics and the texts they talk about.
+pub(crate) struct Told {
+    found: Vec<Diagnostic>,
+    texts: Texts,
+}
+
+impl Told {
+    /// Why a problem cannot be verified.
+    pub(crate) fn about(
+        session: &Session,
+        problem: &Problem,
+        found: Vec<Diagnostic>,
+    ) -> anyhow::Result<Told> {
+        let mut texts = Texts::default();
+        if problem.is_written() {
+            let lines = Lines::new(problem.text.as_str().into(), Encoding::Utf16);
+            texts.insert(problem.path.clone(), lines);
+        }
+        session.add_texts(&found, &mut texts)?;
+        Ok(Told { found, texts })
+    }
+
+    /// What the verifier says, also about the checks of the command line, whose places follow the text of the
+    /// scenario.
+    pub(crate) fn by_verifier(
+        session: &Session,
+        problem: &Problem,
+        all: &[dotgen_timing::diagnostic::Diagnostic],
+        checks: &[&str],
+    ) -> anyhow::Result<Told> {
+        let option = Utf8PathBuf::from("--check");
+        let found = all.iter().filter_map(|it| {
+            let mut out = Level::apply(&session.severity, problem.diagnostic(it))?;
+            let after = it.range.start.checked_sub(problem.text.len());
+            if let Some(start) = after.filter(|_| !checks.is_empty()) {
+                out.path = option.clone();
+                out.range = start..start + it.range.len();
+            }
+            Some(out)
+        });
+        let (of_checks, of_files) = found.partition::<Vec<_>, _>(|it| it.path == option);
+        let mut out = Told::about(session, problem, of_files)?;
+        out.found.extend(of_checks);
+        let lines = Lines::new(checks.join("\n").into(), Encoding::Utf16);
+        out.texts.insert(option, lines);
+        Ok(out)
+    }
+
+    /// On standard error.
+    pub(crate) fn print(mut self) -> anyhow::Result<()> {
+        for it in &mut self.found {
+            if it.related.len() > PLACES {
+                it.related.clear();
+            }
+        }
+        report::text::print_to_stderr(&self.found, &self.texts)
+    }
+
+    /// As `dotgen check` has them.
+    pub(crate) fn to_json(&self) -> anyhow::Result<serde_json::Value> {
+        let entries = report::json::entries(&self.found, &self.texts);
+        Ok(serde_json::to_value(entries)?)
+    }
+}

@@ -1,0 +1,476 @@
+//! `dotgen wcet import`
+
+mod shown;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use anyhow::{bail, ensure};
+use camino::{Utf8Path, Utf8PathBuf};
+use clap::{Args, ValueEnum};
+use dotgen_analysis::diagnostic::{FileEdit, Severity};
+use dotgen_analysis::host::{Change, FileContent, UnitResult};
+use dotgen_analysis::model::{CodelRef, Seconds};
+use dotgen_analysis::source_map::{Location, Locations};
+use dotgen_recording::edits::{self, Form, Refusal, Wanted};
+use dotgen_recording::log::{Kind, Left};
+use dotgen_recording::matching::{Site, Stray, path};
+use dotgen_recording::measured::{Measure, Measured};
+use dotgen_recording::propose::{Decision, Margin, decide, micros, seconds};
+use dotgen_timing::scn::ast::{Item, Scenario};
+use dotgen_timing::scn::names::Names;
+use num_rational::Ratio;
+
+use super::{given, read_log};
+use crate::session::{Session, display};
+use crate::verify::one_problem;
+use crate::{Outcome, Reading, fmt, report};
+use dotgen_platform::files::vfs;
+use dotgen_views::verification::Problem;
+
+/// Write measured execution times into a specification
+///
+/// Each measured codel gets its longest time, multiplied by the margin and rounded up to two digits. Existing
+/// times are only raised; `--replace` lowers them too. Nothing else changes: bytes, line ends and comments
+/// stay.
+///
+/// Exit status: 0 if all times are written, 1 if some must be written by hand, 2 if nothing could be done.
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// Logs of GenoM3's profiler (`-` is standard input), and a specification (.gen) or scenario (.scn)
+    /// [default: the only specification in the current directory]
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<Utf8PathBuf>,
+
+    /// Specification or scenario, if not among the FILEs
+    #[arg(long, value_name = "FILE")]
+    spec: Vec<Utf8PathBuf>,
+
+    /// Factor for the longest measured time
+    #[arg(long, value_name = "FACTOR", default_value = "1.2", value_parser = Margin::parse)]
+    margin: Margin,
+
+    /// Form of new times
+    #[arg(long = "as", value_enum, default_value_t = FormName::Clause)]
+    form: FormName,
+
+    /// Also replace times that are longer than the proposed ones
+    #[arg(long)]
+    replace: bool,
+
+    /// Write nothing; print the changes
+    #[arg(long, visible_alias = "dry-run")]
+    diff: bool,
+
+    /// Output format
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+
+    #[command(flatten)]
+    reading: Reading,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum FormName {
+    /// `wcet 1 ms` in the declaration of the codel
+    Clause,
+    /// `#pragma wcet CODEL 1 ms`, which genom3 ignores
+    Pragma,
+    /// `duration PATH [0,1000] us;` in the scenario, for each state
+    Sidecar,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// For people
+    Text,
+    /// For programs
+    Json,
+}
+
+/// A codel in one of its states.
+struct Row {
+    path: String,
+    /// Where its codel is declared.
+    place: Option<Location>,
+    function: String,
+    measure: Measure,
+    declared: Option<Seconds>,
+    proposed: Option<u64>,
+    decision: Decision,
+}
+
+/// What came of it.
+struct Answer {
+    logs: Vec<Utf8PathBuf>,
+    rows: Vec<Row>,
+    strays: Vec<(Kind, Stray, u64)>,
+    /// Simulated codels, with the number of their runs.
+    simulated: BTreeMap<String, u64>,
+    left: Left,
+    refused: Vec<(String, Refusal)>,
+    edits: Vec<FileEdit>,
+    /// Texts before and after, by file.
+    changed: BTreeMap<Utf8PathBuf, (String, String)>,
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    let mut files = given(&arguments.files)?;
+    files.texts.extend(arguments.spec.iter().cloned());
+    if files.texts.is_empty() {
+        files.texts.push(only_specification()?);
+    }
+    let Some((mut session, problem)) = one_problem(&files.texts, &arguments.reading)? else {
+        return Ok(Outcome::Unusable);
+    };
+    let is_scenario = problem.path.extension() == Some("scn");
+    ensure!(
+        is_scenario || arguments.form != FormName::Sidecar,
+        "`--as sidecar` writes into a scenario: name one (.scn) that uses the specification"
+    );
+    let mut measured = Measured::default();
+    for (file, log) in files.logs.iter().enumerate() {
+        read_log(log, |number, line, ended| {
+            measured.line(file, number, line, ended);
+        })?;
+    }
+    let answer = answer(arguments, &mut session, &problem, files.logs, &measured)?;
+    if arguments.diff && arguments.format == Format::Text {
+        for (path, (old, new)) in &answer.changed {
+            fmt::print_diff(&display(path), old, new)?;
+        }
+    }
+    match arguments.format {
+        Format::Json => shown::print_json(&answer)?,
+        Format::Text => shown::print(&answer, arguments.diff)?,
+    }
+    if !arguments.diff {
+        let files = answer.changed.iter();
+        let files: Vec<_> = files
+            .map(|(path, (_, new))| report::new_content(path, new))
+            .collect();
+        report::write_files(&files)?;
+    }
+    Ok(match answer.refused.is_empty() {
+        true => Outcome::Fine,
+        false => Outcome::Errors,
+    })
+}
+
+/// The specification of the current directory.
+fn only_specification() -> anyhow::Result<Utf8PathBuf> {
+    let entries = std::fs::read_dir(".")?.flatten();
+    let paths = entries.filter_map(|it| Utf8PathBuf::from_path_buf(it.path()).ok());
+    let mut all = paths.filter(|it| it.extension() == Some("gen") && it.is_file());
+    match (all.next(), all.next()) {
+        (Some(only), None) => Ok(only),
+        (None, _) => bail!("no specification is here: name one (.gen), or a scenario (.scn)"),
+        _ => bail!("several specifications are here: name the one that was measured"),
+    }
+}
+
+fn answer(
+    arguments: &Arguments,
+    session: &mut Session,
+    problem: &Problem,
+    logs: Vec<Utf8PathBuf>,
+    measured: &Measured,
+) -> anyhow::Result<Answer> {
+    let specs = problem.specs();
+    let names = Names::new(&specs);
+    let found = measured.found(&names);
+    let sidecar = arguments.form == FormName::Sidecar;
+    let mut rows = Vec::new();
+    // A declaration is for all of its states: their greatest counts.
+    let mut greatest: BTreeMap<(usize, CodelRef), i64> = BTreeMap::new();
+    for (site, measure) in found.sites.iter().filter(|it| it.1.runs > 0) {
+        let entry = greatest.entry((site.component, site.codel)).or_default();
+        *entry = measure.greatest.max(*entry);
+    }
+    let mut wanted: Vec<(Site, u64)> = Vec::new();
+    for (site, measure) in found.sites {
+        let Some(member) = names.components.get(site.component) else {
+            continue;
+        };
+        let codel = member.component.codel(site.codel);
+        let of = (measure.runs > 0).then_some(measure.greatest);
+        let of = match sidecar {
+            true => of,
+            false => greatest.get(&(site.component, site.codel)).copied(),
+        };
+        let path = path(&names, &site);
+        let of_scenario = sidecar.then(|| stated(&problem.scenario, &path)).flatten();
+        let declared = match of_scenario {
+            Some(upper) => upper,
+            None => codel.wcet.as_ref().map(|it| it.value),
+        };
+        let proposed = of.map(|it| micros(it, arguments.margin));
+        // A duration without upper bound is greater than any.
+        let endless = of_scenario == Some(None);
+        let decision = match endless && proposed.is_some() && !arguments.replace {
+            true => Decision::Kept,
+            false => decide(declared, proposed, arguments.replace),
+        };
+        if let (true, Some(micros)) = (decision.writes(), proposed) {
+            wanted.push((site.clone(), micros));
+        }
+        let unit = problem.units.get(member.spec_index);
+        rows.push(Row {
+            place: unit.and_then(|it| it.locations.locate(codel.node)),
+            path,
+            function: codel.name.to_string(),
+            measure,
+            declared,
+            proposed,
+            decision,
+        });
+    }
+    let is_measured = rows.iter().any(|it| it.measure.runs > 0);
+    ensure!(
+        is_measured || found.simulated.is_empty(),
+        "these times were simulated, not measured: nothing to import; run the codels with `dotgen run --clock \
+         real --profile FILE`"
+    );
+    if !is_measured {
+        let strays: u64 = found.strays.iter().map(|it| it.2).sum();
+        let why = match (strays, measured.left.total()) {
+            (0, 0) => "the log is empty".to_owned(),
+            (0, n) => format!("none of its {n} lines is one of a codel"),
+            (n, _) => format!("its {n} runs are of other components or other codels"),
+        };
+        bail!("no codel of the specification was measured: {why}");
+    }
+    let mut answer = Answer {
+        logs,
+        rows,
+        strays: found.strays,
+        simulated: found.simulated,
+        left: measured.left,
+        refused: Vec::new(),
+        edits: Vec::new(),
+        changed: BTreeMap::new(),
+    };
+    if sidecar {
+        let mut times: Vec<(String, u64)> = Vec::new();
+        times.extend(
+            wanted
+                .iter()
+                .map(|(site, micros)| (path(&names, site), *micros)),
+        );
+        let text = text(&problem.path).unwrap_or_default();
+        let edits = edits::scenario(&problem.path, &text, &problem.scenario, &times);
+        change(&mut answer, &problem.path, &text, &edits);
+        check_scenario(&answer, problem, &times)?;
+        return Ok(answer);
+    }
+    let form = match arguments.form {
+        FormName::Pragma => Form::Pragma,
+        _ => Form::Clause,
+    };
+    let mut of_units: Vec<Vec<Wanted>> = Vec::new();
+    for (index, unit) in problem.units.iter().enumerate() {
+        let mut of_unit: Vec<Wanted> = Vec::new();
+        for (site, micros) in &wanted {
+            let Some(member) = names.components.get(site.component) else {
+                continue;
+            };
+            let mut components = unit.spec.components.iter();
+            let place = components.position(|it| std::ptr::eq(it, member.component));
+            if let (true, Some(place)) = (member.spec_index == index, place) {
+                of_unit.push(Wanted {
+                    component: place as u32,
+                    codel: site.codel,
+                    micros: *micros,
+                });
+            }
+        }
+        of_unit.dedup();
+        of_units.push(of_unit);
+    }
+    agree(&problem.units, &mut of_units);
+    let mut all: Vec<FileEdit> = Vec::new();
+    for (unit, of_unit) in problem.units.iter().zip(&of_units) {
+        let written = edits::specification(unit, &text, of_unit, form);
+        let known = |it: &(String, Refusal)| answer.refused.contains(it);
+        let fresh: Vec<_> = written
+            .refused
+            .into_iter()
+            .filter(|it| !known(it))
+            .collect();
+        answer.refused.extend(fresh);
+        all.extend(written.edits);
+    }
+    // A file that several specifications include is edited once.
+    all.sort_by(|a, b| {
+        let key = |it: &FileEdit| {
+            (
+                it.path.clone(),
+                it.range.start,
+                it.range.end,
+                it.new_text.clone(),
+            )
+        };
+        key(a).cmp(&key(b))
+    });
+    all.dedup();
+    for edits in all.chunk_by(|a, b| a.path == b.path) {
+        let Some(first) = edits.first() else { continue };
+        // Pragmas may stand one after the other at one place, such as the end of a file.
+        let apart = |it: &[FileEdit]| match it {
+            [a, b] => {
+                let lines = form == Form::Pragma && a.range.is_empty();
+                a.range.end <= b.range.start && (lines || a.range != b.range)
+            }
+            _ => true,
+        };
+        ensure!(
+            edits.windows(2).all(apart),
+            "two specifications want different times at one place of `{}`; import the logs for one of them \
+                at a time",
+            display(&first.path)
+        );
+        let old = text(&first.path).unwrap_or_default();
+        change(&mut answer, &first.path, &old, edits);
+    }
+    for (unit, of_unit) in problem.units.iter().zip(&of_units) {
+        check_unit(session, unit, of_unit, &answer)?;
+    }
+    Ok(answer)
+}
+
+/// A declaration that several specifications include, such as that of an interface, gets the greatest time of
+/// all of them; so does a function that is used there, as a pragma is about functions.
+fn agree(units: &[UnitResult], wanted: &mut [Vec<Wanted>]) {
+    let place = |unit: &UnitResult, it: &Wanted| {
+        let codel = (unit.spec.components.get(it.component as usize)?).codel(it.codel);
+        let place = unit.locations.locate(codel.node)?;
+        Some((codel.name.to_string(), (place.path, place.range.start)))
+    };
+    type Place = (Utf8PathBuf, usize);
+    let mut of_places: BTreeMap<Place, (BTreeSet<usize>, String)> = BTreeMap::new();
+    for (number, (unit, wanted)) in units.iter().zip(&*wanted).enumerate() {
+        for (function, place) in wanted.iter().filter_map(|it| place(unit, it)) {
+            let entry = of_places
+                .entry(place)
+                .or_insert((BTreeSet::new(), function));
+            entry.0.insert(number);
+        }
+    }
+    let shared = of_places.into_values().filter(|it| it.0.len() > 1);
+    let shared: BTreeSet<String> = shared.map(|it| it.1).collect();
+    let mut greatest: BTreeMap<&str, u64> = BTreeMap::new();
+    let name = |unit: &UnitResult, it: &Wanted| {
+        let name = place(unit, it).map(|it| it.0)?;
+        shared.get(&name).map(String::as_str)
+    };
+    for (unit, wanted) in units.iter().zip(&*wanted) {
+        for it in wanted {
+            if let Some(name) = name(unit, it) {
+                let entry = greatest.entry(name).or_default();
+                *entry = it.micros.max(*entry);
+            }
+        }
+    }
+    for (unit, wanted) in units.iter().zip(wanted) {
+        for it in wanted {
+            let most = name(unit, it).and_then(|it| greatest.get(it));
+            it.micros = most.map_or(it.micros, |&most| most.max(it.micros));
+        }
+    }
+}
+
+/// The upper bound that a scenario gives a codel, if it gives any.
+fn stated(scenario: &Scenario, codel: &str) -> Option<Option<Seconds>> {
+    scenario.items.iter().find_map(|it| match it {
+        Item::Duration(path, interval, unit) if path.text() == codel => {
+            let upper = interval.upper;
+            Some(upper.map(|it| unit.seconds() * Ratio::from_integer(i128::from(it))))
+        }
+        _ => None,
+    })
+}
+
+fn text(path: &Utf8Path) -> Option<Arc<str>> {
+    match vfs::read(path) {
+        FileContent::Text(text) | FileContent::NotUtf8(text) => Some(text.into()),
+        _ => None,
+    }
+}
+
+fn change(answer: &mut Answer, path: &Utf8Path, old: &str, edits: &[FileEdit]) {
+    if edits.is_empty() {
+        return;
+    }
+    let new = edits::applied(old, edits);
+    answer.edits.extend(edits.iter().cloned());
+    let entry = answer.changed.entry(path.to_owned());
+    entry.or_insert_with(|| (old.to_owned(), new));
+}
+
+/// Reads the specification as it would be: it must mean what it meant, with the times that were wanted.
+fn check_unit(
+    session: &mut Session,
+    unit: &UnitResult,
+    wanted: &[Wanted],
+    answer: &Answer,
+) -> anyhow::Result<()> {
+    let Some(root) = unit.files.first().filter(|_| !answer.changed.is_empty()) else {
+        return Ok(());
+    };
+    let files = answer.changed.iter();
+    let files = files.map(|(path, (_, new))| (path.clone(), Some(new.clone())));
+    session.host_mut().apply(Change {
+        files: files.collect(),
+        ..Change::default()
+    });
+    let new = session.ask(root, |it| it.root_unit(root))?;
+    let errors = |unit: &UnitResult| {
+        let all = unit.diagnostics.iter();
+        all.filter(|it| it.severity == Severity::Error).count()
+    };
+    let refused = |name: &str| answer.refused.iter().any(|it| it.0 == name);
+    for it in wanted {
+        let component = new.spec.components.get(it.component as usize);
+        let Some(component) = component.filter(|of| of.all_codels().any(|one| one == it.codel))
+        else {
+            bail!("writing the times would change the specification; nothing was written");
+        };
+        let codel = component.codel(it.codel);
+        let time = codel.wcet.as_ref().map(|it| it.value);
+        // A pragma for several uses has the greatest of them.
+        if !refused(&codel.name) && time.is_none_or(|time| time < seconds(it.micros)) {
+            bail!(
+                "the time of `{}` cannot be written where it is declared; write it by hand",
+                codel.name
+            );
+        }
+    }
+    ensure!(
+        errors(&new) <= errors(unit),
+        "writing the times would make errors in `{}`; nothing was written",
+        display(root)
+    );
+    Ok(())
+}
+
+/// The same for a scenario.
+fn check_scenario(
+    answer: &Answer,
+    problem: &Problem,
+    times: &[(String, u64)],
+) -> anyhow::Result<()> {
+    let Some((_, new)) = answer.changed.get(&problem.path) else {
+        return Ok(());
+    };
+    let parsed = dotgen_timing::scn::parse(new);
+    let stands = |(codel, micros): &(String, u64)| {
+        stated(&parsed.scenario, codel) == Some(Some(seconds(*micros)))
+    };
+    ensure!(
+        parsed.errors.is_empty() && times.iter().all(stands),
+        "the times cannot be written into `{}`, for example because a comment stands within a `duration`; nothing was \
+         written: write them by hand",
+        display(&problem.path)
+    );
+    Ok(())
+}

@@ -1,0 +1,230 @@
+//! What an import has found, for people and for programs.
+
+use std::io::Write;
+use std::ops::Range;
+
+use camino::Utf8Path;
+use clap::builder::styling::{AnsiColor, Style};
+use dotgen_analysis::model::Seconds;
+use dotgen_analysis::terminal;
+use dotgen_recording::edits::Refusal;
+use dotgen_recording::matching::Stray;
+use dotgen_recording::propose::{Decision, written};
+use dotgen_syntax::line_index::{LineIndex, PositionEncoding};
+use num_rational::Ratio;
+use serde_json::{Value, json};
+
+use super::super::stats::{nanos, table, told};
+use super::{Answer, Row};
+use crate::session::display;
+
+const TITLE: Style = Style::new().bold();
+const BAD: Style = AnsiColor::Red.on_default().bold();
+
+/// A greatest time this many times the mean is worth a look.
+const FAR: i64 = 100;
+
+/// Runs from which a mean says something.
+const MANY: u64 = 10;
+
+/// More lines that are about no codel are counted only.
+const STRAYS: usize = 10;
+
+pub(super) fn print(answer: &Answer, only_shown: bool) -> anyhow::Result<()> {
+    // A diff on standard output stays one.
+    let mut out: Box<dyn Write> = match only_shown {
+        true => Box::new(anstream::AutoStream::auto(std::io::stderr().lock())),
+        false => Box::new(anstream::AutoStream::auto(std::io::stdout().lock())),
+    };
+    let head = [
+        "codel", "runs", "mean", "greatest", "declared", "proposed", "",
+    ];
+    let mut rows = vec![head.map(str::to_owned)];
+    for it in answer.rows.iter().filter(|it| it.measure.runs > 0) {
+        rows.push([
+            terminal::text(&it.path).into_owned(),
+            it.measure.runs.to_string(),
+            nanos(it.measure.mean()),
+            nanos(it.measure.greatest),
+            it.declared.map_or("-".to_owned(), |it| nanos(in_nanos(it))),
+            it.proposed.map_or("-".to_owned(), written),
+            in_words(it).to_owned(),
+        ]);
+    }
+    table(&mut out, &rows)?;
+    let simulated: Vec<&str> = answer.simulated.keys().map(String::as_str).collect();
+    if !simulated.is_empty() {
+        writeln!(
+            out,
+            "{TITLE}left out{TITLE:#}: simulated, not measured: {}",
+            terminal::text(&simulated.join(", "))
+        )?;
+    }
+    let never = never_seen(answer);
+    let never: Vec<&str> = never.map(|it| it.path.as_str()).collect();
+    if !never.is_empty() {
+        writeln!(out, "{TITLE}never seen{TITLE:#}: {}", never.join(", "))?;
+    }
+    for it in answer.rows.iter().filter(|it| is_far(it)) {
+        let (file, line) = it.measure.at;
+        let log = answer.logs.get(file).map_or("", |it| it.as_str());
+        writeln!(
+            out,
+            "{TITLE}note{TITLE:#}: the greatest time of {} is {} times the mean: see {log}:{line}. \
+             A clock that was set forward looks like that",
+            it.path,
+            it.measure.greatest / it.measure.mean().max(1)
+        )?;
+    }
+    let strays = answer.strays.iter();
+    for (kind, stray, count) in strays.clone().take(STRAYS) {
+        let place = format!(
+            "{} {} {} {} {}",
+            kind.instance, kind.task, kind.service, kind.function, kind.from
+        );
+        let runs = if *count == 1 { "run" } else { "runs" };
+        writeln!(
+            out,
+            "{TITLE}note{TITLE:#}: {count} {runs} of `{}` left out: {}",
+            terminal::text(&place),
+            why(*stray)
+        )?;
+    }
+    if answer.strays.len() > STRAYS {
+        let more = answer.strays.len() - STRAYS;
+        writeln!(out, "{TITLE}note{TITLE:#}: {more} more of such kinds")?;
+    }
+    for it in told(&answer.left) {
+        writeln!(out, "{TITLE}left out{TITLE:#}: {it}")?;
+    }
+    for (function, why) in &answer.refused {
+        let why = match why {
+            Refusal::Macro => "its declaration, or the time it has, comes from a macro",
+            Refusal::Comment => "a comment stands within the time it has",
+        };
+        writeln!(
+            out,
+            "{BAD}not written{BAD:#}: the time of {function}: {why}; write it there by hand"
+        )?;
+    }
+    for path in answer.changed.keys() {
+        let done = if only_shown {
+            "would change"
+        } else {
+            "changed"
+        };
+        writeln!(out, "{done} {}", terminal::name(&display(path)))?;
+    }
+    if answer.changed.is_empty() {
+        writeln!(out, "nothing to change")?;
+    }
+    Ok(())
+}
+
+/// Codels without a run, measured or simulated.
+fn never_seen(answer: &Answer) -> impl Iterator<Item = &Row> {
+    let is_seen = |row: &Row| row.measure.runs > 0 || answer.simulated.contains_key(&row.path);
+    answer.rows.iter().filter(move |row| !is_seen(row))
+}
+
+fn is_far(row: &Row) -> bool {
+    let measure = &row.measure;
+    measure.runs >= MANY && measure.greatest / FAR > measure.mean()
+}
+
+fn in_words(row: &Row) -> &'static str {
+    let measured = Ratio::new(i128::from(row.measure.greatest), 1_000_000_000);
+    match row.decision {
+        Decision::New => "new",
+        Decision::Raised if row.declared.is_some_and(|it| it < measured) => "raised: was exceeded",
+        Decision::Raised => "raised: less than the margin",
+        Decision::Kept => "kept",
+        Decision::Lowered => "lowered",
+        Decision::NeverSeen => "never seen",
+    }
+}
+
+fn why(stray: Stray) -> &'static str {
+    match stray {
+        Stray::Component => "no component of that name is given",
+        Stray::Task => "the component has no such task",
+        Stray::State => "there is no such state or codel",
+        Stray::Function => "the specification has another function there",
+        Stray::WrongTask => "the activity belongs to another task",
+        Stray::NoCodel => "the attribute is handled without a codel",
+    }
+}
+
+fn in_nanos(time: Seconds) -> i64 {
+    let nanos = (time * Ratio::from_integer(1_000_000_000)).round();
+    i64::try_from(nanos.to_integer()).unwrap_or(i64::MAX)
+}
+
+/// A range of a file, as the Language Server Protocol has it.
+fn place(path: &Utf8Path, range: &Range<usize>) -> Value {
+    let text = super::text(path).unwrap_or_default();
+    let lines = LineIndex::new(&text);
+    let position = |offset: usize| {
+        let offset = u32::try_from(offset)
+            .unwrap_or(u32::MAX)
+            .min(lines.text_len().into());
+        let at = lines.line_col(offset.into(), PositionEncoding::Utf16);
+        json!({"line": at.line, "character": at.col})
+    };
+    json!({"file": path, "range": {"start": position(range.start), "end": position(range.end)}})
+}
+
+pub(super) fn print_json(answer: &Answer) -> anyhow::Result<()> {
+    let codels = answer.rows.iter().filter(|it| it.measure.runs > 0);
+    let codels = codels.map(|it| {
+        let (file, line) = it.measure.at;
+        json!({
+            "codel": it.path,
+            "function": it.function,
+            "runs": it.measure.runs,
+            "least": it.measure.least,
+            "mean": it.measure.mean(),
+            "greatest": it.measure.greatest,
+            "log": answer.logs.get(file).map(|it| it.as_str()),
+            "line": line,
+            "declared": it.declared.map(in_nanos),
+            "proposed": it.proposed.map(|it| it.saturating_mul(1_000)),
+            "decision": it.decision,
+            "place": it.place.as_ref().map(|it| place(&it.path, &it.range)),
+        })
+    });
+    let never = never_seen(answer);
+    let strays = answer.strays.iter().map(|(kind, stray, runs)| {
+        json!({
+            "instance": kind.instance,
+            "task": kind.task,
+            "service": kind.service,
+            "function": kind.function,
+            "from": kind.from,
+            "to": kind.to,
+            "why": stray,
+            "runs": runs,
+        })
+    });
+    let refused = answer.refused.iter();
+    let refused = refused.map(|(function, why)| json!({ "function": function, "why": why }));
+    let edits = answer.edits.iter().map(|it| {
+        let mut edit = place(&it.path, &it.range);
+        edit["text"] = it.new_text.as_str().into();
+        edit
+    });
+    let document = json!({
+        "format": 1,
+        "codels": codels.collect::<Vec<Value>>(),
+        "never-seen": never.map(|it| it.path.as_str()).collect::<Vec<_>>(),
+        "simulated": answer.simulated.keys().collect::<Vec<_>>(),
+        "unknown": strays.collect::<Vec<Value>>(),
+        "left": answer.left,
+        "refused": refused.collect::<Vec<Value>>(),
+        "edits": edits.collect::<Vec<_>>(),
+        "changed": answer.changed.keys().map(|it| display(it)).collect::<Vec<_>>(),
+    });
+    let text = serde_json::to_string_pretty(&document)? + "\n";
+    std::io::stdout().write_all(text.as_bytes())?;
+    Ok(())
+}

@@ -1,0 +1,187 @@
+//! `dotgen wcet stats`
+
+use std::io::{IsTerminal, Write};
+
+use anyhow::bail;
+use camino::Utf8PathBuf;
+use clap::{Args, ValueEnum};
+use dotgen_analysis::terminal;
+use dotgen_recording::log::Left;
+use dotgen_recording::statistics::{Collector, Group, Times, lines};
+use serde::Serialize;
+
+use super::read_log;
+use crate::{Outcome, report};
+
+/// Print statistics of logs: execution times, cycles, transitions
+///
+/// The numbers match `profundis -s`, which counts every line, including the recorder's lines about itself.
+/// Lines that do not belong to a log are skipped.
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// Logs; `-` is standard input
+    #[arg(value_name = "LOG", required = true)]
+    logs: Vec<Utf8PathBuf>,
+
+    /// Output format
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Format {
+    /// For people
+    Text,
+    /// For programs; times in nanoseconds
+    Json,
+    /// The machine-readable lines of `profundis -s`
+    Sum,
+}
+
+#[derive(Serialize)]
+struct Document<'d> {
+    format: u32,
+    groups: &'d [Group],
+    left: &'d Left,
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    let mut collector = Collector::default();
+    for log in &arguments.logs {
+        read_log(log, |_, line, ended| collector.line(line, ended))?;
+        collector.file_ended();
+    }
+    let groups = collector.groups_in_order();
+    if groups.is_empty() {
+        let why = told(&collector.left).join("; ");
+        let why = if why.is_empty() { "it is empty" } else { &why };
+        bail!("there is no run of a codel in what was read: {why}");
+    }
+    let text = match arguments.format {
+        Format::Sum => {
+            for it in told(&collector.left) {
+                report::note(&it);
+            }
+            let text = lines(&groups);
+            // Programs get the names as they are.
+            match std::io::stdout().is_terminal() {
+                true => terminal::text(&text).into_owned(),
+                false => text,
+            }
+        }
+        Format::Json => {
+            let document = Document {
+                format: 1,
+                groups: &groups,
+                left: &collector.left,
+            };
+            serde_json::to_string_pretty(&document)? + "\n"
+        }
+        Format::Text => return print(&groups, &collector.left),
+    };
+    std::io::stdout().write_all(text.as_bytes())?;
+    Ok(Outcome::Fine)
+}
+
+fn print(groups: &[Group], left: &Left) -> anyhow::Result<Outcome> {
+    let mut out = anstream::AutoStream::auto(std::io::stdout().lock());
+    let mut rows = vec![["", "runs", "least", "greatest", "mean", "deviation"].map(str::to_owned)];
+    for it in groups {
+        let depth = it.key.len();
+        let name = match depth {
+            2 => it.key.join(" "),
+            _ => it.key.last().cloned().unwrap_or_default(),
+        };
+        let name = match name.is_empty() {
+            true => "(missing)".to_owned(),
+            false => name,
+        };
+        let function = it.function.as_ref().filter(|it| !it.is_empty());
+        let function = function.map_or(String::new(), |it| format!(" ({it})"));
+        let indent = "  ".repeat(depth.saturating_sub(2));
+        let name = terminal::text(&format!("{name}{function}")).into_owned();
+        rows.push(row(format!("{indent}{name}"), &it.execution));
+        if let Some(cycle) = it.cycle.as_ref().filter(|_| depth == 3) {
+            rows.push(row(format!("{indent}  cycles"), cycle));
+        }
+    }
+    table(&mut out, &rows)?;
+    for it in told(left) {
+        writeln!(out, "{it}")?;
+    }
+    Ok(Outcome::Fine)
+}
+
+fn row(name: String, times: &Times) -> [String; 6] {
+    let [least, greatest, mean, deviation] =
+        [times.least, times.greatest, times.mean, times.deviation].map(nanos);
+    [
+        name,
+        times.count.to_string(),
+        least,
+        greatest,
+        mean,
+        deviation,
+    ]
+}
+
+/// A table whose first column stands on the left, the others on the right.
+pub(crate) fn table<const N: usize>(
+    out: &mut impl Write,
+    rows: &[[String; N]],
+) -> std::io::Result<()> {
+    let width = |column: usize| {
+        let widths = rows.iter().map(|it| it[column].chars().count());
+        widths.max().unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..N).map(width).collect();
+    for row in rows {
+        let cells = row.iter().zip(&widths).enumerate();
+        let cells = cells.map(|(column, (text, &width))| match column {
+            0 => format!("{text:<width$}"),
+            _ => format!("{text:>width$}"),
+        });
+        let line = cells.collect::<Vec<_>>().join("  ");
+        writeln!(out, "{}", line.trim_end())?;
+    }
+    Ok(())
+}
+
+/// Nanoseconds in a unit that people read.
+pub(crate) fn nanos(time: i64) -> String {
+    let (sign, time) = (if time < 0 { "-" } else { "" }, time.unsigned_abs());
+    let in_unit = |unit: u64, name: &str| {
+        let fraction = format!("{:03}", time % unit * 1_000 / unit);
+        let fraction = fraction.trim_end_matches('0');
+        let point = if fraction.is_empty() { "" } else { "." };
+        format!("{sign}{}{point}{fraction} {name}", time / unit)
+    };
+    match time {
+        0..1_000 => format!("{sign}{time} ns"),
+        1_000..1_000_000 => in_unit(1_000, "us"),
+        1_000_000..1_000_000_000 => in_unit(1_000_000, "ms"),
+        _ => in_unit(1_000_000_000, "s"),
+    }
+}
+
+/// What lines were left out, in words.
+pub(crate) fn told(left: &Left) -> Vec<String> {
+    let one = |count: u64, what: &str| {
+        let lines = if count == 1 { "line" } else { "lines" };
+        (count > 0).then(|| format!("{count} {lines} {what}"))
+    };
+    let all = [
+        one(left.recorder, "of the recorder about itself"),
+        one(
+            left.overloads,
+            "of threads that waited for the recorder: times near them may be late",
+        ),
+        one(
+            left.clock_steps,
+            "with times that go backwards: the clock was set meanwhile",
+        ),
+        one(left.cut, "cut: columns or their end are missing"),
+        one(left.garbage, "not of a log"),
+    ];
+    all.into_iter().flatten().collect()
+}

@@ -1,0 +1,300 @@
+//! The newest data of an output port, in memory that the engine shares with the hosts that read it.
+//!
+//! Two places take turns: the writer fills the one that nobody is led to, then leads there. So it never
+//! waits, and readers never wait for it; they look again only if it came round while they read. Readers map
+//! the memory without the right to write, so a codel that runs wild spoils nothing but its own component. The
+//! memory has no name where the system has such: then it goes with the last process that has it, however that
+//! ends.
+//!
+//! The other side is `glue_look` in `codegen/src/codels/glue/prelude.h`.
+#![allow(
+    unsafe_code,
+    reason = "memory that is shared with other processes is mapped, and reached through a pointer"
+)]
+
+use std::ffi::c_void;
+use std::fs::File;
+use std::io;
+use std::os::fd::AsRawFd as _;
+use std::ptr::NonNull;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Bytes before the first place: see `struct glue_board`.
+const HEAD: usize = 64;
+
+/// The least room of a place.
+const LEAST: usize = 1024;
+
+/// What stands at the start.
+#[repr(C)]
+struct Head {
+    /// How often it was written; 0 while there is nothing. The newest data is in place `turn % 2`.
+    turn: AtomicU64,
+    /// Bytes of a place.
+    room: AtomicU64,
+    /// Bytes of data, by place.
+    sizes: [AtomicU64; 2],
+}
+
+/// See the [module](self).
+#[derive(Debug)]
+pub(super) struct Board {
+    file: File,
+    memory: NonNull<Head>,
+    room: usize,
+    turn: u64,
+    /// It has a name only where there is no memory without one.
+    #[cfg(not(target_os = "linux"))]
+    passing: dotgen_platform::files::disk::Passing,
+}
+
+// SAFETY: the memory is reached through `&mut Board` only, and is mapped for all threads of this process.
+unsafe impl Send for Board {}
+
+impl Board {
+    /// For data of a size, and some more.
+    ///
+    /// # Errors
+    /// The system has no memory for it.
+    pub(super) fn new(size: usize) -> io::Result<Board> {
+        let room = size.max(LEAST).next_power_of_two();
+        let length = HEAD + 2 * room;
+        #[cfg(target_os = "linux")]
+        let file = nameless(length)?;
+        #[cfg(not(target_os = "linux"))]
+        let (file, passing) = named(length)?;
+        let memory = map(&file, length, libc::PROT_READ | libc::PROT_WRITE)?;
+        let board = Board {
+            turn: 0,
+            file,
+            memory,
+            room,
+            #[cfg(not(target_os = "linux"))]
+            passing,
+        };
+        board.head().room.store(room as u64, Ordering::Relaxed);
+        Ok(board)
+    }
+
+    /// Where a host of this user finds it.
+    pub(super) fn path(&self) -> String {
+        #[cfg(target_os = "linux")]
+        return format!("/proc/{}/fd/{}", std::process::id(), self.file.as_raw_fd());
+        #[cfg(not(target_os = "linux"))]
+        return self.passing.path().display().to_string();
+    }
+
+    /// Whether data of a size has room.
+    pub(super) fn holds(&self, size: usize) -> bool {
+        size <= self.room
+    }
+
+    /// Puts new data there; what is too long stays away.
+    pub(super) fn write(&mut self, data: &[u8]) {
+        if !self.holds(data.len()) {
+            return;
+        }
+        self.turn += 1;
+        let place = (self.turn % 2) as usize;
+        let head = self.head();
+        head.sizes[place].store(data.len() as u64, Ordering::Relaxed);
+        // SAFETY: the place lies within the mapping, and nobody else writes. Who still reads it sees then
+        // that another turn has begun, and looks again.
+        unsafe {
+            let to = self.memory.as_ptr().cast::<u8>();
+            let to = to.add(HEAD + place * self.room);
+            std::ptr::copy_nonoverlapping(data.as_ptr(), to, data.len());
+        }
+        head.turn.store(self.turn, Ordering::Release);
+        // What the next turn writes comes after: whoever sees it sees also that this one has begun.
+        std::sync::atomic::fence(Ordering::SeqCst);
+    }
+
+    fn head(&self) -> &Head {
+        // SAFETY: the mapping is longer than the head, aligned to a page, and lives as long as this.
+        unsafe { self.memory.as_ref() }
+    }
+}
+
+/// What a host sees of a board.
+#[derive(Debug)]
+pub(super) struct View {
+    memory: NonNull<Head>,
+    length: usize,
+}
+
+// SAFETY: what is mapped belongs to no thread, and is only read.
+unsafe impl Send for View {}
+
+// SAFETY: likewise.
+unsafe impl Sync for View {}
+
+impl View {
+    /// Of the board at a path.
+    ///
+    /// # Errors
+    /// It cannot be reached.
+    pub(super) fn open(path: &str) -> io::Result<View> {
+        let file = File::open(path)?;
+        let length = usize::try_from(file.metadata()?.len()).map_err(io::Error::other)?;
+        let memory = map(&file, length, libc::PROT_READ)?;
+        Ok(View { memory, length })
+    }
+
+    /// As the glue takes it: it stays mapped for as long as the glue may look there.
+    pub(super) fn address(&self) -> *const c_void {
+        self.memory.as_ptr().cast()
+    }
+}
+
+impl Drop for View {
+    fn drop(&mut self) {
+        // SAFETY: the mapping is this one's own, of that length.
+        unsafe {
+            libc::munmap(self.memory.as_ptr().cast(), self.length);
+        }
+    }
+}
+
+/// A new mapping of a file that never becomes shorter.
+fn map(file: &File, length: usize, access: libc::c_int) -> io::Result<NonNull<Head>> {
+    if length < HEAD {
+        return Err(io::ErrorKind::InvalidData.into());
+    }
+    // SAFETY: the system chooses where it is.
+    let memory = unsafe {
+        let file = file.as_raw_fd();
+        libc::mmap(
+            std::ptr::null_mut(),
+            length,
+            access,
+            libc::MAP_SHARED,
+            file,
+            0,
+        )
+    };
+    match memory {
+        libc::MAP_FAILED => Err(io::Error::last_os_error()),
+        it => NonNull::new(it.cast()).ok_or_else(io::Error::last_os_error),
+    }
+}
+
+impl Drop for Board {
+    fn drop(&mut self) {
+        // SAFETY: the mapping is this one's own, of that length; nothing refers to it any more.
+        unsafe {
+            libc::munmap(self.memory.as_ptr().cast(), HEAD + 2 * self.room);
+        }
+    }
+}
+
+/// Memory that has no name, cannot become shorter, and is there: who touches it is not ended for want of it.
+#[cfg(target_os = "linux")]
+fn nameless(length: usize) -> io::Result<File> {
+    use rustix::fs::{FallocateFlags, MemfdFlags, SealFlags};
+    use rustix::process::{DumpableBehavior, set_dumpable_behavior};
+
+    let flags = MemfdFlags::CLOEXEC | MemfdFlags::ALLOW_SEALING;
+    let file = rustix::fs::memfd_create("dotgen-port", flags)?;
+    rustix::fs::ftruncate(&file, length as u64)?;
+    rustix::fs::fallocate(&file, FallocateFlags::empty(), 0, length as u64)?;
+    rustix::fs::fcntl_add_seals(&file, SealFlags::SHRINK | SealFlags::GROW)?;
+    // A program with capabilities of its own (for real-time scheduling) hides its descriptors from hosts
+    // otherwise.
+    let _ = set_dumpable_behavior(DumpableBehavior::Dumpable);
+    Ok(File::from(file))
+}
+
+/// A file that only this user can open, and that goes with this process.
+#[cfg(not(target_os = "linux"))]
+fn named(length: usize) -> io::Result<(File, dotgen_platform::files::disk::Passing)> {
+    static COUNT: AtomicU64 = AtomicU64::new(0);
+    let number = COUNT.fetch_add(1, Ordering::Relaxed);
+    let name = format!("{}-{number}.port", std::process::id());
+    let path = super::places::folder()?.join(name);
+    let passing = dotgen_platform::files::disk::Passing::new(path.clone());
+    let mut options = File::options();
+    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+    let file = options
+        .read(true)
+        .write(true)
+        .create(true)
+        .truncate(true)
+        .open(&path)?;
+    file.set_len(length as u64)?;
+    Ok((file, passing))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What the glue does: the newest data, if it is whole.
+    fn look(view: &View, seen: &mut u64) -> Option<Vec<u8>> {
+        // SAFETY: the view is mapped, and longer than the head.
+        let head = unsafe { view.memory.as_ref() };
+        loop {
+            let turn = head.turn.load(Ordering::Acquire);
+            if turn == *seen {
+                return None;
+            }
+            let place = (turn % 2) as usize;
+            let room = head.room.load(Ordering::Relaxed) as usize;
+            let size = head.sizes[place].load(Ordering::Relaxed) as usize;
+            assert!(size <= room);
+            let mut bytes = vec![0; size];
+            // SAFETY: the place lies within the mapping.
+            unsafe {
+                let from = view.address().cast::<u8>().add(HEAD + place * room);
+                std::ptr::copy_nonoverlapping(from, bytes.as_mut_ptr(), size);
+            }
+            std::sync::atomic::fence(Ordering::Acquire);
+            if head.turn.load(Ordering::Relaxed) == turn {
+                *seen = turn;
+                return Some(bytes);
+            }
+        }
+    }
+
+    #[test]
+    fn readers_see_whole_data_only_and_the_last_one_for_sure() {
+        let mut board = Board::new(4096).expect("there is memory");
+        let view = View::open(&board.path()).expect("it is there");
+        let mut seen = 0;
+        assert_eq!(look(&view, &mut seen), None);
+        let reader = std::thread::scope(|scope| {
+            let reader = scope.spawn(|| {
+                let (mut seen, mut last) = (0, 0);
+                while last != 250 {
+                    let Some(bytes) = look(&view, &mut seen) else {
+                        continue;
+                    };
+                    let first = bytes[0];
+                    assert_eq!(bytes, vec![first; 1000 + usize::from(first)]);
+                    last = first;
+                }
+                seen
+            });
+            for turn in 0..20_000u64 {
+                let byte = (turn % 250) as u8;
+                board.write(&vec![byte; 1000 + usize::from(byte)]);
+            }
+            board.write(&[250; 1250]);
+            reader.join().expect("it has seen whole data")
+        });
+        assert_eq!(reader, 20_001);
+        assert!(!board.holds(4097));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn nobody_else_can_write_or_shorten_it() {
+        let board = Board::new(10).expect("there is memory");
+        assert!(board.file.set_len(10).is_err());
+        assert!(board.file.set_len(1 << 20).is_err());
+        assert!(
+            !board.path().contains("shm"),
+            "it has no name that could stay behind"
+        );
+    }
+}

@@ -1,0 +1,668 @@
+//! The engine's side of the hosts.
+
+use std::collections::{BTreeSet, HashMap, VecDeque};
+use std::io::{self, BufReader, Write as _};
+use std::path::PathBuf;
+use std::process::{ChildStdin, ExitStatus};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use camino::Utf8PathBuf;
+use dotgen_codegen::process::{Channels, Process, Processes as _, Program, Resources};
+use dotgen_runtime::hosts::{Answer, Call, Hosts, Message, Reader, Source, Unanswered};
+use dotgen_timing::verify::Interrupt;
+use rustix::event::{PollFd, PollFlags};
+use rustix::fs::OFlags;
+use rustix::process::Pid;
+
+use super::board::Board;
+use super::host::{COMMAND, Manner};
+use super::strays;
+use super::wire::{Order, Reply};
+use dotgen_platform::process::System;
+
+/// How long a host may take to say something that no codel is involved in.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// How long one may take that somebody looks at in a debugger; no run takes longer.
+const FOREVER: Duration = Duration::from_secs(100 * 365 * 24 * 60 * 60);
+
+/// How long a process may go on whose output has ended.
+const DYING: Duration = Duration::from_millis(20);
+
+/// How long an output may go on whose process has ended.
+const PARTING: Duration = Duration::from_secs(1);
+
+/// How long at most it takes until an interruption is seen.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// What arrives: from a host of a start, or from outside.
+enum Arrival {
+    Reply(usize, u64, Reply),
+    /// Its output has ended.
+    Closed(usize, u64),
+    Outside(Message),
+    /// An input port has data from outside.
+    Fed(Arc<Newest>),
+}
+
+/// The newest data from outside for an input port, until the engine takes it: what comes faster than that
+/// replaces what was there.
+pub(crate) struct Newest {
+    component: usize,
+    port: u32,
+    name: String,
+    data: Mutex<Option<Vec<u8>>>,
+}
+
+impl Newest {
+    /// For a port of a component, which knows the source by a name.
+    pub(crate) fn new(component: usize, port: u32, name: String) -> Newest {
+        Newest {
+            component,
+            port,
+            name,
+            data: Mutex::default(),
+        }
+    }
+
+    fn swap(&self, data: Option<Vec<u8>>) -> Option<Vec<u8>> {
+        let mut held = self.data.lock().unwrap_or_else(|it| it.into_inner());
+        std::mem::replace(&mut held, data)
+    }
+}
+
+/// Whoever is outside and wants to know.
+pub trait Outside {
+    /// What became of a request.
+    fn answer(&mut self, id: u64, answer: &Answer);
+    /// A component is gone, and how it ended.
+    fn gone(&mut self, component: usize, why: &str);
+    /// An output port has new data.
+    fn published(&mut self, component: usize, port: u32, id: &str, data: &[u8]);
+}
+
+/// Brings messages from outside.
+#[derive(Clone)]
+pub struct Door(Sender<Arrival>);
+
+impl Door {
+    /// Whether there is still somebody to hear it.
+    pub(crate) fn bring(&self, message: Message) -> bool {
+        self.0.send(Arrival::Outside(message)).is_ok()
+    }
+
+    /// Brings data for an input port. Returns whether there is still somebody to hear it.
+    pub(crate) fn feed(&self, newest: &Arc<Newest>, data: Vec<u8>) -> bool {
+        let waits = newest.swap(Some(data)).is_some();
+        waits || self.0.send(Arrival::Fed(newest.clone())).is_ok()
+    }
+}
+
+/// A component and the process that runs it.
+struct Child {
+    library: Option<Utf8PathBuf>,
+    process: Option<Process>,
+    /// Since when it is known that the process has ended, while its output has not.
+    parted: Option<Instant>,
+}
+
+/// Is told of a host that waits for a debugger: the component, and the number of the process.
+pub type Waiting = Box<dyn Fn(&str, u32)>;
+
+/// All hosts of a run.
+pub struct Children {
+    children: Vec<Child>,
+    names: Vec<String>,
+    /// Component and name of each task, by its lane.
+    tasks: Vec<(usize, String)>,
+    real: bool,
+    /// Hosts wait for a debugger, and nobody waits for them with a clock in the hand.
+    debug: Option<Waiting>,
+    interrupt: Interrupt,
+    /// How often they were started: what an earlier host says does not count.
+    started: u64,
+    begin: Instant,
+    arrivals: Receiver<Arrival>,
+    sender: Sender<Arrival>,
+    /// What came while something else was awaited.
+    early: VecDeque<Message>,
+    outside: Vec<Box<dyn Outside>>,
+    boards: Boards,
+    denied: BTreeSet<String>,
+    /// When it was last looked who has ended.
+    looked: Instant,
+}
+
+/// Where data of ports comes from.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+enum Origin {
+    /// Component, output port and instance.
+    Output(usize, u32, String),
+    /// Somebody outside; with the component, the input port and the name of the source.
+    Elsewhere(usize, u32, String),
+}
+
+/// The data of ports that is read.
+#[derive(Default)]
+struct Boards {
+    /// With the number of each.
+    of: HashMap<Origin, (u64, Board)>,
+    /// To which one an input port is led, by component, port and name of the source.
+    shown: HashMap<(usize, u32, String), u64>,
+    made: u64,
+    /// Those that have become too small. A host may still be on its way to one, by a path that no other may
+    /// have.
+    small: Vec<Board>,
+}
+
+impl Children {
+    /// Hosts of the components of a system that have a shared object, with the names of all, and the
+    /// component and name of each task.
+    pub fn new(
+        libraries: Vec<Option<Utf8PathBuf>>,
+        names: Vec<String>,
+        tasks: Vec<(usize, String)>,
+        real: bool,
+        interrupt: Interrupt,
+    ) -> Children {
+        let (sender, arrivals) = channel();
+        let children = libraries.into_iter().map(|library| Child {
+            process: None,
+            parted: None,
+            library,
+        });
+        Children {
+            children: children.collect(),
+            names,
+            tasks,
+            real,
+            debug: None,
+            interrupt,
+            started: 0,
+            begin: Instant::now(),
+            early: VecDeque::new(),
+            outside: Vec::new(),
+            boards: Boards::default(),
+            denied: BTreeSet::new(),
+            looked: Instant::now(),
+            arrivals,
+            sender,
+        }
+    }
+
+    /// What the system does not grant to hosts, in words.
+    pub fn denied(&self) -> &BTreeSet<String> {
+        &self.denied
+    }
+
+    /// Lets hosts wait for a debugger before they begin.
+    pub fn debug(&mut self, waiting: Waiting) {
+        self.debug = Some(waiting);
+    }
+
+    /// Until when something is awaited that no codel is involved in.
+    fn deadline(&self) -> Instant {
+        let patience = match &self.debug {
+            Some(_) => FOREVER,
+            None => PATIENCE,
+        };
+        Instant::now() + patience
+    }
+
+    /// By which messages come from outside.
+    pub fn door(&self) -> Door {
+        Door(self.sender.clone())
+    }
+
+    /// Tells somebody outside.
+    pub fn tell(&mut self, outside: Box<dyn Outside>) {
+        self.outside.push(outside);
+    }
+
+    fn spawn(&mut self, component: usize) -> Result<(), String> {
+        let Some(library) = self.children[component].library.clone() else {
+            return Ok(());
+        };
+        let name = &self.names[component];
+        let tasks = (0..).zip(&self.tasks).filter(|it| it.1.0 == component);
+        let manner = Manner {
+            component: name.clone(),
+            tasks: tasks
+                .map(|(lane, (_, name))| (lane, name.clone()))
+                .collect(),
+            real_time: self.real,
+            debug: self.debug.is_some(),
+        };
+        let wrong = |it: std::io::Error| format!("cannot start a host for `{name}`: {it}");
+        let manner = serde_json::to_string(&manner).map_err(|it| wrong(it.into()))?;
+        let program = Program {
+            path: own(),
+            arguments: vec![COMMAND.into(), manner.into(), library.as_std_path().into()],
+            directory: PathBuf::new(),
+            channels: Channels::PipesBut,
+            resources: Resources::default(),
+            access: None,
+        };
+        let mut process = System.start(&program).map_err(wrong)?;
+        let output = process.child.stdout.take();
+        let output = output.ok_or_else(|| format!("the host of `{name}` has no output"))?;
+        // The engine waits for nobody that does not read.
+        if let Some(input) = &process.child.stdin {
+            let flags = rustix::fs::fcntl_getfl(input).map_err(|it| wrong(it.into()))?;
+            rustix::fs::fcntl_setfl(input, flags | OFlags::NONBLOCK)
+                .map_err(|it| wrong(it.into()))?;
+        }
+        let (sender, started) = (self.sender.clone(), self.started);
+        std::thread::spawn(move || {
+            let mut output = BufReader::new(output);
+            while let Ok(Some(reply)) = Reply::receive(&mut output) {
+                if sender
+                    .send(Arrival::Reply(component, started, reply))
+                    .is_err()
+                {
+                    return;
+                }
+            }
+            let _ = sender.send(Arrival::Closed(component, started));
+        });
+        self.children[component].process = Some(process);
+        self.children[component].parted = None;
+        Ok(())
+    }
+
+    /// Puts new data where readers are led to.
+    fn show(&mut self, origin: Origin, readers: &[Reader<'_>], data: &[u8]) {
+        let fits = self
+            .boards
+            .of
+            .get(&origin)
+            .is_some_and(|it| it.1.holds(data.len()));
+        if !fits {
+            let Ok(board) = Board::new(data.len()) else {
+                // There is no memory left: readers keep what they have.
+                self.denied
+                    .insert("memory for the data of ports".to_owned());
+                return;
+            };
+            self.boards.made += 1;
+            let small = self
+                .boards
+                .of
+                .insert(origin.clone(), (self.boards.made, board));
+            self.boards.small.extend(small.map(|it| it.1));
+        }
+        let Some((number, board)) = self.boards.of.get_mut(&origin) else {
+            return;
+        };
+        board.write(data);
+        let (number, path) = (*number, board.path());
+        for reader in readers {
+            let place = (reader.component, reader.port, reader.name.to_owned());
+            if self.boards.shown.insert(place, number) != Some(number) {
+                let order = Order::Share {
+                    port: reader.port,
+                    id: reader.name.to_owned(),
+                    path: path.clone(),
+                };
+                self.order(reader.component, &order);
+            }
+        }
+    }
+
+    fn order(&mut self, component: usize, order: &Order) {
+        let process = self.children.get_mut(component);
+        let process = process.and_then(|it| it.process.as_mut());
+        let Some(process) = process else { return };
+        let sent = match (order.bytes(), &mut process.child.stdin) {
+            (Ok(bytes), Some(input)) => send(input, &bytes),
+            _ => Ok(()),
+        };
+        // Where it cannot be written the host has ended, and its output tells; one that does not read ends
+        // so.
+        if sent.is_err_and(|it| it.kind() == io::ErrorKind::TimedOut) {
+            process.kill();
+        }
+    }
+
+    /// Why a host has ended.
+    fn ended(&mut self, component: usize) -> String {
+        let Some(mut process) = self.children[component].process.take() else {
+            return "ended".to_owned();
+        };
+        let until = Instant::now() + DYING;
+        let mut status = process.child.try_wait();
+        while matches!(status, Ok(None)) && Instant::now() < until {
+            std::thread::sleep(Duration::from_millis(1));
+            status = process.child.try_wait();
+        }
+        if let Ok(Some(status)) = status {
+            return in_words(status);
+        }
+        // One that ends already ends as it would.
+        process.kill();
+        match process.wait() {
+            Ok(status) if std::os::unix::process::ExitStatusExt::signal(&status) != Some(9) => {
+                in_words(status)
+            }
+            _ => {
+                "has closed its channel to the engine, or written into it, and was ended".to_owned()
+            }
+        }
+    }
+
+    /// The next arrival of this start.
+    fn next(&mut self, until: Instant) -> Option<Arrival> {
+        loop {
+            let left = until.saturating_duration_since(Instant::now());
+            let arrival = match self.arrivals.recv_timeout(left) {
+                Ok(it) => it,
+                Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => return None,
+            };
+            match arrival {
+                Arrival::Reply(_, of, _) | Arrival::Closed(_, of) if of != self.started => {}
+                it => return Some(it),
+            }
+        }
+    }
+
+    /// Likewise; `None` also when nothing has come and this run is to end.
+    fn next_unless_interrupted(&mut self, until: Instant) -> Option<Arrival> {
+        loop {
+            if let Some(parted) = self.parted() {
+                return Some(parted);
+            }
+            let look = Instant::now() + LOOK;
+            match self.next(until.min(look)) {
+                None if look < until && !self.interrupt.is_raised() => {}
+                other => return other,
+            }
+        }
+    }
+
+    /// A host that has ended although its output has not: what a codel has started still has that.
+    fn parted(&mut self) -> Option<Arrival> {
+        let now = Instant::now();
+        if now < self.looked + LOOK {
+            return None;
+        }
+        self.looked = now;
+        let processes = self.children.iter().filter_map(|it| it.process.as_ref());
+        let hosts = processes.filter_map(|it| Pid::from_raw(it.child.id().try_into().ok()?));
+        strays::reap(&hosts.collect::<Vec<_>>());
+        for (component, child) in self.children.iter_mut().enumerate() {
+            let Some(process) = &mut child.process else {
+                continue;
+            };
+            match child.parted {
+                // What it has said until then was heard meanwhile.
+                Some(since) if now > since + PARTING => {
+                    return Some(Arrival::Closed(component, self.started));
+                }
+                None if matches!(process.child.try_wait(), Ok(Some(_))) => child.parted = Some(now),
+                _ => {}
+            }
+        }
+        None
+    }
+
+    /// What an arrival tells the engine.
+    fn message(&mut self, arrival: Arrival) -> Option<Message> {
+        match arrival {
+            Arrival::Reply(component, _, Reply::Ran(ran)) => Some(Message::Ran(component, ran)),
+            Arrival::Reply(_, _, Reply::Denied(what)) => {
+                self.denied.insert(what);
+                None
+            }
+            Arrival::Reply(
+                component,
+                _,
+                Reply::Asked {
+                    ask,
+                    remote,
+                    inputs,
+                },
+            ) => Some(Message::Asked {
+                component,
+                ask,
+                remote,
+                inputs,
+            }),
+            Arrival::Reply(..) => None,
+            Arrival::Closed(component, _) => {
+                // It may have been told before.
+                self.children.get(component)?.process.as_ref()?;
+                let why = self.ended(component);
+                Some(Message::Lost { component, why })
+            }
+            Arrival::Outside(message) => Some(message),
+            Arrival::Fed(newest) => Some(Message::Fed {
+                component: newest.component,
+                port: newest.port,
+                name: newest.name.clone(),
+                data: newest.swap(None)?,
+            }),
+        }
+    }
+}
+
+/// This program, where it can be started again.
+fn own() -> PathBuf {
+    let own = PathBuf::from("/proc/self/exe");
+    match own.exists() {
+        true => own,
+        false => std::env::current_exe().unwrap_or(own),
+    }
+}
+
+/// Writes to a host, which reads all the time; it gets some to do so.
+fn send(input: &mut ChildStdin, mut bytes: &[u8]) -> io::Result<()> {
+    let until = Instant::now() + PATIENCE;
+    while !bytes.is_empty() {
+        match input.write(bytes) {
+            Ok(count) => bytes = bytes.get(count..).unwrap_or_default(),
+            Err(it) if it.kind() == io::ErrorKind::Interrupted => {}
+            Err(it) if it.kind() == io::ErrorKind::WouldBlock => {
+                let left = until.saturating_duration_since(Instant::now());
+                if left.is_zero() {
+                    return Err(io::ErrorKind::TimedOut.into());
+                }
+                let left = rustix::event::Timespec::try_from(left).map_err(io::Error::other)?;
+                let mut wanted = [PollFd::new(&*input, PollFlags::OUT)];
+                match rustix::event::poll(&mut wanted, Some(&left)) {
+                    Ok(_) | Err(rustix::io::Errno::INTR) => {}
+                    Err(it) => return Err(it.into()),
+                }
+            }
+            Err(it) => return Err(it),
+        }
+    }
+    Ok(())
+}
+
+/// How a process ended.
+fn in_words(status: ExitStatus) -> String {
+    use std::os::unix::process::ExitStatusExt as _;
+    let name = |number: i32| match number {
+        4 => " (SIGILL)",
+        6 => " (SIGABRT)",
+        7 => " (SIGBUS)",
+        8 => " (SIGFPE)",
+        9 => " (SIGKILL)",
+        11 => " (SIGSEGV)",
+        15 => " (SIGTERM)",
+        _ => "",
+    };
+    match (status.signal(), status.code()) {
+        (Some(signal), _) => format!("was ended by signal {signal}{}", name(signal)),
+        (None, Some(code)) => format!("ended its process with exit status {code}"),
+        (None, None) => "ended".to_owned(),
+    }
+}
+
+impl Hosts for Children {
+    fn start(&mut self) -> Result<(), String> {
+        self.started += 1;
+        self.early.clear();
+        self.boards = Boards::default();
+        for component in 0..self.children.len() {
+            // Dropping a process ends it.
+            self.children[component].process = None;
+            self.spawn(component)?;
+        }
+        let until = self.deadline();
+        let wanted = self.children.iter().filter(|it| it.process.is_some());
+        let mut missing = wanted.count();
+        while missing > 0 {
+            match self.next_unless_interrupted(until) {
+                Some(Arrival::Reply(_, _, Reply::Ready)) => missing -= 1,
+                Some(Arrival::Reply(component, _, Reply::Waiting)) => {
+                    let process = &self.children[component].process;
+                    if let (Some(waiting), Some(process)) = (&self.debug, process) {
+                        waiting(&self.names[component], process.child.id());
+                    }
+                }
+                Some(Arrival::Reply(component, _, Reply::Unusable(why))) => {
+                    let name = &self.names[component];
+                    return Err(format!("the codels of `{name}` cannot be loaded: {why}"));
+                }
+                Some(Arrival::Closed(component, _)) => {
+                    let why = self.ended(component);
+                    let name = &self.names[component];
+                    return Err(format!(
+                        "the codels of `{name}` cannot be loaded: its host {why}"
+                    ));
+                }
+                Some(it) => {
+                    let message = self.message(it);
+                    self.early.extend(message);
+                }
+                None if self.interrupt.is_raised() => return Err("interrupted".to_owned()),
+                None => return Err("a host does not begin".to_owned()),
+            }
+        }
+        self.begin = Instant::now();
+        Ok(())
+    }
+
+    fn make(&mut self, component: usize, service: u32, instance: u32, inputs: &[u8]) {
+        let inputs = inputs.to_vec();
+        self.order(
+            component,
+            &Order::Make {
+                service,
+                instance,
+                inputs,
+            },
+        );
+    }
+
+    fn run(&mut self, call: &Call) {
+        self.order(call.component, &Order::of(call));
+    }
+
+    fn end(&mut self, component: usize, service: u32, instance: u32) -> Option<Vec<u8>> {
+        self.order(component, &Order::End { service, instance });
+        let until = self.deadline();
+        loop {
+            match self.next_unless_interrupted(until) {
+                None if self.interrupt.is_raised() => return None,
+                None => {
+                    self.kill(component);
+                    let why = "did not answer within 10 s".to_owned();
+                    self.early.push_back(Message::Lost { component, why });
+                    return None;
+                }
+                Some(Arrival::Reply(of, _, Reply::Ended(outputs))) if of == component => {
+                    return Some(outputs);
+                }
+                Some(arrival) => {
+                    let lost = matches!(&arrival, Arrival::Closed(of, _) if *of == component);
+                    let message = self.message(arrival);
+                    self.early.extend(message);
+                    if lost {
+                        return None;
+                    }
+                }
+            }
+        }
+    }
+
+    fn share(&mut self, from: Source<'_>, readers: &[Reader<'_>], data: &[u8]) {
+        let origin = Origin::Output(from.component, from.port, from.id.to_owned());
+        self.show(origin, readers, data);
+    }
+
+    fn feed(&mut self, reader: Reader<'_>, data: &[u8]) {
+        let origin = Origin::Elsewhere(reader.component, reader.port, reader.name.to_owned());
+        self.show(origin, &[reader], data);
+    }
+
+    fn wait(&mut self, until: u64) -> Option<Message> {
+        if let Some(it) = self.early.pop_front() {
+            return Some(it);
+        }
+        let until = Duration::from_nanos(until).min(FOREVER);
+        let until = self.begin + until;
+        loop {
+            let arrival = self.next_unless_interrupted(until)?;
+            if let Some(it) = self.message(arrival) {
+                return Some(it);
+            }
+        }
+    }
+
+    fn now(&self) -> u64 {
+        u64::try_from(self.begin.elapsed().as_nanos()).unwrap_or(u64::MAX)
+    }
+
+    fn patience(&self) -> Option<u64> {
+        match &self.debug {
+            Some(_) => None,
+            None => u64::try_from(PATIENCE.as_nanos()).ok(),
+        }
+    }
+
+    fn kill(&mut self, component: usize) {
+        if let Some(it) = self.children.get_mut(component) {
+            it.process = None;
+        }
+    }
+
+    fn reply(&mut self, component: usize, ask: u32, outputs: Result<Vec<u8>, Unanswered>) {
+        let (error, outputs) = match outputs {
+            Ok(outputs) => (0, outputs),
+            Err(Unanswered::Nobody) => (libc::ENOSYS, Vec::new()),
+            Err(Unanswered::Lost) => (libc::ENOTCONN, Vec::new()),
+            Err(Unanswered::Failed) => (libc::EIO, Vec::new()),
+        };
+        let error = error.unsigned_abs();
+        self.order(
+            component,
+            &Order::Answered {
+                ask,
+                error,
+                outputs,
+            },
+        );
+    }
+
+    fn answer(&mut self, id: u64, answer: Answer) {
+        for it in &mut self.outside {
+            it.answer(id, &answer);
+        }
+    }
+
+    fn gone(&mut self, component: usize, why: &str) {
+        for it in &mut self.outside {
+            it.gone(component, why);
+        }
+    }
+
+    fn published(&mut self, component: usize, port: u32, id: &str, data: &[u8]) {
+        for it in &mut self.outside {
+            it.published(component, port, id, data);
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! `dotgen host`: a component that runs. Not for people.
+//!
+//! It takes orders on its standard input until that ends, and tells on its standard output what came of them.
+//! What codels print goes to the error output, and they have nothing to read.
+
+use std::collections::{BTreeMap, HashMap};
+use std::ffi::c_int;
+use std::fs::File;
+use std::io::{self, BufReader};
+use std::os::fd::OwnedFd;
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::mpsc::{Sender, channel};
+use std::sync::{Arc, Mutex};
+use std::time::Instant;
+
+use dotgen_runtime::hosts::Ran;
+use serde::{Deserialize, Serialize};
+
+use super::debugger;
+use super::library::{BRING, Bring, Component};
+use super::realtime;
+use super::wire::{Order, Reply};
+
+/// The subcommand.
+pub(super) const COMMAND: &str = "host";
+
+/// How a host works: its first argument, as JSON.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Manner {
+    /// The component, which the process is named after.
+    pub(super) component: String,
+    /// Tasks by lane, which threads are named after.
+    pub(super) tasks: BTreeMap<u32, String>,
+    /// Threads have real-time priority and locked memory.
+    pub(super) real_time: bool,
+    /// It waits for a debugger before it begins.
+    pub(super) debug: bool,
+}
+
+/// Runs the subcommand when the words of the command line are for it.
+pub fn intercept() -> Option<ExitCode> {
+    let words: Vec<_> = std::env::args_os().skip(1).collect();
+    let [command, rest @ ..] = words.as_slice() else {
+        return None;
+    };
+    if command != COMMAND {
+        return None;
+    }
+    let [manner, library] = rest else {
+        return None;
+    };
+    let manner: Manner = serde_json::from_str(manner.to_str()?).ok()?;
+    Some(match serve(Path::new(library), &manner) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(_) => ExitCode::from(2),
+    })
+}
+
+/// The name of the thread that validates requests, and copies attributes.
+const CONTROL: &str = "control";
+
+type Output = Arc<Mutex<File>>;
+
+/// Codels that wait for an answer of another component, by what they have asked.
+#[derive(Default)]
+struct Waiting {
+    next: u32,
+    all: HashMap<u32, Sender<Result<Vec<u8>, c_int>>>,
+}
+
+/// Asks through the engine.
+fn bring(output: Output, waiting: Arc<Mutex<Waiting>>) -> Bring {
+    Box::new(move |remote, inputs| {
+        let (sender, answer) = channel();
+        let mut all = waiting.lock().unwrap_or_else(|it| it.into_inner());
+        all.next = all.next.wrapping_add(1);
+        let ask = all.next;
+        all.all.insert(ask, sender);
+        drop(all);
+        let inputs = inputs.to_vec();
+        let asked = Reply::Asked {
+            ask,
+            remote,
+            inputs,
+        };
+        tell(&output, &asked).map_err(|_| libc::ENOTCONN)?;
+        answer.recv().unwrap_or(Err(libc::ENOTCONN))
+    })
+}
+
+fn serve(library: &Path, manner: &Manner) -> io::Result<()> {
+    realtime::name_process(&manner.component);
+    let real = manner.real_time;
+    let (mut input, output) = channels()?;
+    let component = match Component::load(library) {
+        Ok(it) => Arc::new(it),
+        Err(why) => return tell(&output, &Reply::Unusable(why)),
+    };
+    if manner.debug {
+        debugger::permit();
+        tell(&output, &Reply::Waiting)?;
+        debugger::wait();
+    }
+    if real && !realtime::lock_memory(realtime::Pages::All) {
+        tell(&output, &Reply::Denied("locked memory".to_owned()))?;
+    }
+    let waiting = Arc::<Mutex<Waiting>>::default();
+    // There is one component in a process.
+    let _ = BRING.set(bring(output.clone(), waiting.clone()));
+    tell(&output, &Reply::Ready)?;
+    let mut lanes: HashMap<u32, Sender<(u32, u32, u32)>> = HashMap::new();
+    while let Some(order) = Order::receive(&mut input)? {
+        match order {
+            Order::Make {
+                service,
+                instance,
+                inputs,
+            } => component.make(service, instance, &inputs),
+            Order::Answered {
+                ask,
+                error,
+                outputs,
+            } => {
+                let mut waiting = waiting.lock().unwrap_or_else(|it| it.into_inner());
+                let result = match error {
+                    0 => Ok(outputs),
+                    error => Err(c_int::try_from(error).unwrap_or(libc::EIO)),
+                };
+                if let Some(it) = waiting.all.remove(&ask) {
+                    let _ = it.send(result);
+                }
+            }
+            Order::Share { port, id, path } => component.share(port, &id, &path)?,
+            Order::End { service, instance } => {
+                tell(&output, &Reply::Ended(component.end(service, instance)))?;
+            }
+            Order::Run {
+                lane,
+                ticket,
+                codel,
+                instance,
+                core,
+            } => {
+                let thread = lanes.entry(lane).or_insert_with(|| {
+                    let name = manner.tasks.get(&lane).map_or(CONTROL, String::as_str);
+                    start(name, &component, &output, real.then_some(core))
+                });
+                let _ = thread.send((ticket, codel, instance));
+            }
+        }
+    }
+    // Threads may still be in a codel: nobody waits for it.
+    std::process::exit(0);
+}
+
+/// The channels to the engine, out of the reach of codels.
+fn channels() -> io::Result<(BufReader<File>, Output)> {
+    let input: OwnedFd = rustix::io::dup(rustix::stdio::stdin())?;
+    let output: OwnedFd = rustix::io::dup(rustix::stdio::stdout())?;
+    rustix::stdio::dup2_stdin(File::open("/dev/null")?)?;
+    rustix::stdio::dup2_stdout(rustix::stdio::stderr())?;
+    let output = Arc::new(Mutex::new(File::from(output)));
+    Ok((BufReader::new(File::from(input)), output))
+}
+
+fn tell(output: &Output, reply: &Reply) -> io::Result<()> {
+    let mut output = output.lock().unwrap_or_else(|it| it.into_inner());
+    reply.send(&mut *output)
+}
+
+/// A thread that runs the codels of a task, one after the other; `real` for real time, with the core it is
+/// tied to.
+fn start(
+    name: &str,
+    component: &Arc<Component>,
+    output: &Output,
+    real: Option<Option<u32>>,
+) -> Sender<(u32, u32, u32)> {
+    let (orders, queue) = channel::<(u32, u32, u32)>();
+    let (component, output) = (component.clone(), output.clone());
+    let work = move || {
+        if let Some(core) = real {
+            // Whether that is granted was told by the engine, which asks for the same.
+            realtime::raise_priority();
+            if let Some(core) = core.filter(|&it| !realtime::pin(it)) {
+                // Where it cannot be told, nothing can.
+                let _ = tell(&output, &Reply::Denied(format!("core {core}")));
+            }
+        }
+        for (ticket, codel, instance) in queue {
+            let start = Instant::now();
+            let outcome = component.run(codel, instance);
+            let nanos = u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX);
+            let ran = Ran {
+                how: outcome.how,
+                name: outcome.name,
+                detail: outcome.detail,
+                written: outcome.written,
+                ticket,
+                nanos,
+            };
+            if tell(&output, &Reply::Ran(ran)).is_err() {
+                // Nobody hears any more what comes of codels.
+                std::process::exit(2);
+            }
+        }
+    };
+    let thread = std::thread::Builder::new().name(name.to_owned());
+    if thread.spawn(work).is_err() {
+        // As if it had crashed: the engine says that the component is lost.
+        std::process::exit(2);
+    }
+    orders
+}

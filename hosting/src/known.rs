@@ -1,0 +1,112 @@
+//! What is known of the components of a run, and how clients are told.
+
+use std::sync::Arc;
+
+use dotgen_analysis::model::{Component, PortDir, ServiceKind, Spec, TypeId, TypeKind};
+use dotgen_codegen::codels::schema;
+use dotgen_codegen::codels::value::{Values, goes_in, goes_out};
+use serde_json::{Value, json};
+
+/// The service that all components have beside their own.
+pub(super) const CONNECT: &str = "connect_port";
+
+/// A component that can be asked for something.
+#[derive(Clone)]
+pub struct Known {
+    pub spec: Arc<Spec>,
+    /// Index among those of the specification.
+    pub component: u32,
+    /// The services of the system, by index among those of the component.
+    pub services: Vec<Option<usize>>,
+    /// A host executes its codels.
+    pub executed: bool,
+}
+
+impl Known {
+    /// The component.
+    pub(crate) fn component(&self) -> &Component {
+        &self.spec.components[self.component as usize]
+    }
+}
+
+/// The description of a component.
+pub(super) fn describe(known: &Known) -> Value {
+    let values = Values::new(&known.spec);
+    let component = known.component();
+    let services = component.services.iter().map(|service| {
+        let inputs = service.params.iter().filter(|it| goes_in(it));
+        let inputs = inputs.map(|it| {
+            let mut out = json!({
+                "name": it.name.as_str(),
+                "schema": schema::of_param(&known.spec, it),
+            });
+            if let Some(default) = values.default_of(it) {
+                out["default"] = default;
+            }
+            out
+        });
+        let outputs = service.params.iter().filter(|it| goes_out(it));
+        json!({
+            "name": service.name.as_str(),
+            "kind": match service.kind {
+                ServiceKind::Attribute => "attribute",
+                ServiceKind::Function => "function",
+                ServiceKind::Activity => "activity",
+            },
+            "doc": service.doc,
+            "inputs": inputs.collect::<Vec<_>>(),
+            "outputs": outputs.map(|it| it.name.as_str()).collect::<Vec<_>>(),
+        })
+    });
+    let mut services: Vec<Value> = services.collect();
+    if !component.services.iter().any(|it| it.name == CONNECT) {
+        services.push(json!({
+            "name": CONNECT,
+            "kind": "function",
+            "doc": "Connect two ports",
+            "inputs": [
+                {"name": "local", "schema": {"type": "string", "description": "Input port"}},
+                {"name": "remote", "schema": {"type": "string", "description": "COMPONENT/PORT that it \
+                    reads"}},
+            ],
+            "outputs": [],
+        }));
+    }
+    let ports = component.ports.iter().map(|it| {
+        json!({
+            "name": it.name.as_str(),
+            "direction": if it.dir == PortDir::In { "in" } else { "out" },
+            "multiple": it.multiple,
+            "schema": schema::of_type(&known.spec, it.data),
+            "doc": it.doc,
+        })
+    });
+    json!({
+        "name": component.name.as_str(),
+        "doc": component.doc,
+        "services": services,
+        "ports": ports.collect::<Vec<_>>(),
+    })
+}
+
+/// The detail of an exception.
+pub(super) fn detail_of(spec: &Spec, exception: &str, bytes: &[u8]) -> Value {
+    if exception == "::genom::syserr"
+        && let Ok(code) = <[u8; 4]>::try_from(bytes)
+    {
+        return json!({"code": i32::from_ne_bytes(code)});
+    }
+    if exception == "::genom::unkex" {
+        let end = bytes.iter().position(|&it| it == 0).unwrap_or(bytes.len());
+        let what = String::from_utf8_lossy(bytes.get(..end).unwrap_or_default());
+        return json!({"what": what});
+    }
+    let ids = (0..spec.types.len() as u32).map(TypeId);
+    let mut exceptions = ids.filter(|&it| matches!(spec.ty(it).kind, TypeKind::Exception { .. }));
+    let found = exceptions.find(|&it| spec.full_name(it).as_deref() == Some(exception));
+    let value = found.and_then(|it| Values::new(spec).decode(it, bytes).ok());
+    match value {
+        Some(Value::Object(it)) if it.is_empty() => Value::Null,
+        it => it.unwrap_or(Value::Null),
+    }
+}

@@ -1,0 +1,75 @@
+//! Where the sockets of this user are.
+
+use std::io;
+use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _};
+use std::os::unix::net::UnixStream;
+use std::path::{Path, PathBuf};
+
+/// Ends the name of a socket.
+const SUFFIX: &str = "sock";
+
+/// The folder that only this user may enter; it is made if it is not there.
+///
+/// # Errors
+/// It cannot be made, or belongs to somebody else.
+pub(crate) fn folder() -> io::Result<PathBuf> {
+    let own = rustix::process::getuid().as_raw();
+    let folder = match std::env::var_os("XDG_RUNTIME_DIR").filter(|it| !it.is_empty()) {
+        Some(it) => PathBuf::from(it).join("dotgen"),
+        None => std::env::temp_dir().join(format!("dotgen-{own}")),
+    };
+    match std::fs::DirBuilder::new().mode(0o700).create(&folder) {
+        Err(it) if it.kind() != io::ErrorKind::AlreadyExists => return Err(it),
+        _ => {}
+    }
+    let found = std::fs::symlink_metadata(&folder)?;
+    if !found.is_dir() || found.uid() != own || found.mode() & 0o077 != 0 {
+        let why = format!("`{}` is open to others than this user", folder.display());
+        return Err(io::Error::new(io::ErrorKind::PermissionDenied, why));
+    }
+    Ok(folder)
+}
+
+/// The socket of a run.
+pub fn socket(name: &str) -> io::Result<PathBuf> {
+    Ok(folder()?.join(format!("{name}.{SUFFIX}")))
+}
+
+/// The file with the token of a run that listens at a TCP port.
+///
+/// # Errors
+/// The folder cannot be made, or belongs to somebody else.
+pub(super) fn token(port: u16) -> io::Result<PathBuf> {
+    Ok(folder()?.join(format!("{port}.token")))
+}
+
+/// Connects to a run: the one at a path, else the only one there is.
+///
+/// # Errors
+/// In words.
+pub fn connect(path: Option<&Path>) -> Result<UnixStream, String> {
+    if let Some(path) = path {
+        let wrong = |it| format!("no run listens at `{}`: {it}", path.display());
+        return UnixStream::connect(path).map_err(wrong);
+    }
+    let folder = folder().map_err(|it| it.to_string())?;
+    let entries = std::fs::read_dir(&folder).map_err(|it| it.to_string())?;
+    let sockets = entries.filter_map(Result::ok).map(|it| it.path());
+    let sockets = sockets.filter(|it| it.extension().is_some_and(|it| it == SUFFIX));
+    let mut found: Vec<(PathBuf, UnixStream)> = sockets
+        .filter_map(|it| UnixStream::connect(&it).ok().map(|stream| (it, stream)))
+        .collect();
+    match found.len() {
+        0 => Err("no run accepts requests; start one with `dotgen run --clock real FILE`. A run that was just started \
+             may still be compiling".to_owned()),
+        1 => found.pop().map(|it| it.1).ok_or_else(String::new),
+        _ => {
+            let names = found.iter().map(|it| it.0.display().to_string());
+            let names: Vec<String> = names.collect();
+            let names = names.join(", ");
+            Err(format!(
+                "there are several runs; choose one with --socket: {names}"
+            ))
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! What the system grants to who has to be in time. What it does not grant is done without.
+#![allow(
+    unsafe_code,
+    reason = "calls of the C library, which take numbers and structures that are filled"
+)]
+
+/// Priority of threads: above all ordinary ones, below those of drivers.
+#[cfg(target_os = "linux")]
+const PRIORITY: i32 = 40;
+
+/// The nice value of a thread that works while others run codels.
+#[cfg(target_os = "linux")]
+const LOWEST: libc::c_int = 19;
+
+/// The pages of a process that are kept in memory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pages {
+    /// Those that it has.
+    Present,
+    /// Those that it will have, too.
+    All,
+}
+
+/// Names this process, as `ps` and `top` show it: the first 15 bytes.
+pub(crate) fn name_process(name: &str) {
+    #[cfg(target_os = "linux")]
+    if let Ok(name) = std::ffi::CString::new(name) {
+        // SAFETY: the kernel only reads the text, to its end or 15 bytes.
+        unsafe { libc::prctl(libc::PR_SET_NAME, name.as_ptr()) };
+    }
+    #[cfg(not(target_os = "linux"))]
+    let _ = name;
+}
+
+/// Keeps pages of this process in memory; whether that is granted.
+pub fn lock_memory(pages: Pages) -> bool {
+    #[cfg(target_os = "linux")]
+    // SAFETY: the calls take numbers and a structure that is filled.
+    unsafe {
+        let mut limit: libc::rlimit = std::mem::zeroed();
+        let known = libc::getrlimit(libc::RLIMIT_MEMLOCK, &mut limit) == 0;
+        // Within a limit, a codel that asks for more memory later would not get it.
+        if libc::geteuid() != 0 && !(known && limit.rlim_cur == libc::RLIM_INFINITY) {
+            return false;
+        }
+        let flags = match pages {
+            Pages::Present => libc::MCL_CURRENT,
+            Pages::All => libc::MCL_CURRENT | libc::MCL_FUTURE,
+        };
+        return libc::mlockall(flags) == 0;
+    }
+    #[cfg(not(target_os = "linux"))]
+    let _ = pages;
+    #[allow(unreachable_code, reason = "elsewhere nothing is asked for")]
+    false
+}
+
+/// Schedules this thread before all ordinary ones, and waked at its time exactly; whether that is granted.
+pub fn raise_priority() -> bool {
+    #[cfg(target_os = "linux")]
+    // SAFETY: the structure is whole, and the kernel only reads it.
+    unsafe {
+        libc::prctl(libc::PR_SET_TIMERSLACK, 1 as libc::c_ulong, 0, 0, 0);
+        let mut parameter: libc::sched_param = std::mem::zeroed();
+        parameter.sched_priority = PRIORITY;
+        return libc::sched_setscheduler(0, libc::SCHED_FIFO, &parameter) == 0;
+    }
+    #[allow(unreachable_code, reason = "elsewhere nothing is asked for")]
+    false
+}
+
+/// Schedules this thread after ordinary ones, so that it does not delay them.
+pub fn lower_priority() {
+    #[cfg(target_os = "linux")]
+    // SAFETY: only numbers are passed. On Linux the priority is that of the calling thread alone.
+    unsafe {
+        libc::setpriority(libc::PRIO_PROCESS, 0, LOWEST);
+    }
+}
+
+/// Ties this thread to a core; whether that is granted.
+pub(crate) fn pin(core: u32) -> bool {
+    #[cfg(target_os = "linux")]
+    // SAFETY: the set is whole, a core beyond it is not put there, and the kernel only reads it.
+    unsafe {
+        let mut set: libc::cpu_set_t = std::mem::zeroed();
+        if core as usize >= libc::CPU_SETSIZE as usize {
+            return false;
+        }
+        libc::CPU_SET(core as usize, &mut set);
+        return libc::sched_setaffinity(0, size_of::<libc::cpu_set_t>(), &set) == 0;
+    }
+    #[allow(unreachable_code, reason = "elsewhere nothing is asked for")]
+    {
+        let _ = core;
+        false
+    }
+}

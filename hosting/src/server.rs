@@ -1,0 +1,549 @@
+//! Services as JSON over a socket: see `docs/socket.md`.
+
+mod data;
+mod find;
+mod followers;
+mod inputs;
+mod token;
+
+use std::collections::{BTreeMap, HashMap};
+use std::io::{self, BufReader, Write};
+use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard};
+use std::time::Duration;
+
+use dotgen_codegen::codels::value::Values;
+use dotgen_runtime::hosts::{Answer, Message, Wanted};
+use dotgen_runtime::live::Feed;
+use rustix::fs::Mode;
+use rustix::process::umask;
+use serde_json::{Map, Value, json};
+
+use super::children::{Door, Newest, Outside};
+use super::clients::{Client, LONGEST, Line, MOST_CLIENTS, MOST_WAITING, read_line, skip_line};
+use super::known::{CONNECT, Known, describe, detail_of};
+use super::stream::Stream;
+use dotgen_platform::files::disk::Passing;
+use find::{component, output};
+use followers::{Followers, Lookers};
+use token::Token;
+
+/// Maximum time in which a client of a TCP port sends a part of the token. Others of this machine cannot
+/// hold all connections without it.
+const FOR_TOKEN: Duration = Duration::from_secs(10);
+
+/// Listens until it is dropped; then its socket is gone.
+pub struct Server {
+    _socket: Passing,
+    /// The token of the TCP port.
+    token: Option<Passing>,
+    shared: Arc<Shared>,
+}
+
+/// The clients that a TCP port serves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Clients {
+    /// Those of this user, who can read the file with the token.
+    OfThisUser,
+    /// All of this machine.
+    Anyone,
+}
+
+impl Server {
+    /// Listens at a TCP port as well, on loopback. Port 0 is any. Returns the address that was taken, and the
+    /// file with the token that clients have to send.
+    ///
+    /// # Errors
+    /// In words: another program listens there, it is not allowed, or the file cannot be made.
+    pub fn listen_on_loopback(
+        &mut self,
+        port: u16,
+        clients: Clients,
+    ) -> Result<(SocketAddr, Option<PathBuf>), String> {
+        let address = SocketAddr::from((Ipv4Addr::LOCALHOST, port));
+        let wrong = |it: io::Error| format!("cannot listen at {address}: {it}");
+        let listener = TcpListener::bind(address).map_err(wrong)?;
+        let taken = listener.local_addr().map_err(wrong)?;
+        let mut token = None;
+        if clients == Clients::OfThisUser {
+            let no_file = |it: io::Error| format!("cannot make the token of {taken}: {it}");
+            let (text, file) = Token::new(taken.port()).map_err(no_file)?;
+            self.token = Some(file);
+            token = Some(Arc::new(text));
+        }
+        let shared = self.shared.clone();
+        // It waits until the process ends.
+        std::thread::spawn(move || {
+            for stream in listener.incoming().flatten() {
+                accept(&shared, Stream::Tcp(stream), token.clone());
+            }
+        });
+        let file = self.token.as_ref().map(Passing::path);
+        Ok((taken, file.map(Path::to_owned)))
+    }
+
+    /// Tells how far the run has come, to whoever looks on.
+    pub fn lookers(&self) -> Lookers {
+        Lookers {
+            shared: self.shared.clone(),
+            told: None,
+        }
+    }
+
+    /// Takes the lines of the profile, one at a time, for whoever follows the run.
+    pub fn followers(&self) -> Followers {
+        Followers(self.shared.clone())
+    }
+}
+
+/// What the threads of all clients, and the engine, share.
+struct Shared {
+    /// By component of the system.
+    known: BTreeMap<usize, Known>,
+    /// Flows between ports as the run begins.
+    feeds: Vec<Feed>,
+    door: Door,
+    state: Mutex<State>,
+}
+
+/// An input port, by component and number, and the name by which it finds a source.
+type Place = (usize, u32, String);
+
+#[derive(Default)]
+struct State {
+    next: u64,
+    /// How many have connected.
+    clients: u64,
+    /// How many are connected: by TCP, and to the Unix socket.
+    open: [usize; 2],
+    requests: HashMap<u64, PendingRequest>,
+    watchers: Vec<Watcher>,
+    /// Who follows the runs of codels, with their numbers of that request.
+    followers: Vec<(Client, Value)>,
+    /// Who looks at how far the run has come, likewise.
+    lookers: Vec<(Client, Value)>,
+    /// The newest data of output ports.
+    data: HashMap<(usize, u32, String), Vec<u8>>,
+    /// Input ports that clients have connected: the component, output port and instance of each.
+    connected: HashMap<Place, (usize, u32, String)>,
+    /// Input ports that clients have written, with what the engine has not taken yet.
+    written: HashMap<Place, Arc<Newest>>,
+    /// Components that are gone, and how they ended.
+    gone: HashMap<usize, String>,
+}
+
+struct PendingRequest {
+    client: Client,
+    /// Its own number of the request.
+    id: Value,
+    component: usize,
+    index: usize,
+}
+
+struct Watcher {
+    component: usize,
+    port: u32,
+    client: Client,
+    id: Value,
+}
+
+impl Shared {
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(|it| it.into_inner())
+    }
+}
+
+/// Listens at a path. Only this user may connect.
+///
+/// # Errors
+/// In words: where somebody else listens there, or nobody can.
+pub fn listen(
+    path: &Path,
+    known: BTreeMap<usize, Known>,
+    feeds: Vec<Feed>,
+    door: Door,
+) -> Result<(Server, Box<dyn Outside>), String> {
+    let shown = path.display();
+    if UnixStream::connect(path).is_ok() {
+        return Err(format!(
+            "another run listens at `{shown}`; end it, or choose another path with --socket"
+        ));
+    }
+    if std::fs::symlink_metadata(path).is_ok_and(|it| {
+        use std::os::unix::fs::FileTypeExt as _;
+        it.file_type().is_socket()
+    }) {
+        // Left behind by one that was killed.
+        let _ = std::fs::remove_file(path);
+    }
+    let wrong = |it: std::io::Error| format!("cannot listen at `{shown}`: {it}");
+    // From its first moment nobody else may connect, wherever it is.
+    let before = umask(Mode::from_raw_mode(0o177));
+    let listener = UnixListener::bind(path);
+    umask(before);
+    let listener = listener.map_err(wrong)?;
+    let socket = Passing::new(path.to_owned());
+    let shared = Arc::new(Shared {
+        state: Mutex::default(),
+        known,
+        feeds,
+        door,
+    });
+    let accepting = shared.clone();
+    // It waits until the process ends.
+    std::thread::spawn(move || {
+        for stream in listener.incoming().flatten() {
+            accept(&accepting, Stream::Unix(stream), None);
+        }
+    });
+    let server = Server {
+        _socket: socket,
+        token: None,
+        shared: shared.clone(),
+    };
+    Ok((server, Box::new(Teller { shared })))
+}
+
+fn accept(shared: &Arc<Shared>, stream: Stream, token: Option<Arc<Token>>) {
+    let mut state = shared.state();
+    let kind = usize::from(stream.is_private());
+    if state.open[kind] >= MOST_CLIENTS {
+        drop(state);
+        let why = format!("too many connections: {MOST_CLIENTS} are open; close one of them");
+        let told = json!({"event": "error", "message": why, "id": null});
+        // There is room for a line.
+        let _ = (&stream).write_all(format!("{told}\n").as_bytes());
+        return;
+    }
+    state.open[kind] += 1;
+    let number = state.clients;
+    state.clients += 1;
+    drop(state);
+    let shared = shared.clone();
+    std::thread::spawn(move || {
+        serve(&shared, stream, number, token.as_deref());
+        shared.state().open[kind] -= 1;
+    });
+}
+
+fn serve(shared: &Shared, stream: Stream, number: u64, token: Option<&Token>) {
+    let stream = Arc::new(stream);
+    let client = Client::new(number, stream.clone());
+    let stays = hear(shared, &stream, &client, token);
+    // From now on only its requests hold the connection.
+    drop(client);
+    if stays {
+        stream.wait_for_end();
+    }
+    let mut state = shared.state();
+    state.watchers.retain(|it| it.client.number != number);
+    state.followers.retain(|it| it.0.number != number);
+    state.lookers.retain(|it| it.0.number != number);
+    // Its requests go on, but nobody hears of them.
+    state.requests.retain(|_, it| it.client.number != number);
+    drop(state);
+    stream.wait_for_end();
+}
+
+/// Reads requests to their end. The first one is the token, if there is one. Returns whether the client may
+/// get answers after the end.
+fn hear(shared: &Shared, stream: &Stream, client: &Client, mut token: Option<&Token>) -> bool {
+    let mut input = BufReader::new(stream);
+    let mut line = Vec::new();
+    if token.is_some() {
+        stream.limit_reads(Some(FOR_TOKEN));
+    }
+    loop {
+        match read_line(&mut input, &mut line) {
+            Line::Whole => {}
+            Line::TooLong => {
+                let why = format!("too long: a request has at most {} MiB", LONGEST >> 20);
+                // At once: the client may wait for an answer before it ends the line.
+                client.say(json!({"event": "error", "message": why}), &Value::Null);
+                skip_line(&mut input);
+                continue;
+            }
+            Line::End => return token.is_none(),
+        }
+        let request: Value = match serde_json::from_slice(&line) {
+            Ok(it) => it,
+            Err(it) => {
+                let why = format!("this is no JSON: {it}");
+                client.say(json!({"event": "error", "message": why}), &Value::Null);
+                // A page in a browser can reach the port as well, but what it sends begins like this.
+                match stream.is_private() {
+                    true => continue,
+                    false => return false,
+                }
+            }
+        };
+        let id = request.get("id").cloned().unwrap_or(Value::Null);
+        if let Some(wanted) = token.take() {
+            if wanted.is_in(&request) {
+                stream.limit_reads(None);
+                continue;
+            }
+            let file = wanted.path().display();
+            let why = format!("first send {{\"token\": \"…\"}}, the text of `{file}`");
+            client.say(json!({"event": "error", "message": why}), &id);
+            return false;
+        }
+        if request.get("token").is_some() {
+            // Left behind by a run that was killed; this one needs none.
+            continue;
+        }
+        match answer(shared, client, &request, &id) {
+            Ok(Some(it)) => client.say(it, &id),
+            Ok(None) => {}
+            Err(why) => client.say(json!({"event": "error", "message": why}), &id),
+        }
+    }
+}
+
+/// Refuses a request that goes on, if the connection has too many, or one with the same `id`.
+fn admit(state: &State, client: &Client, id: &Value) -> Result<(), String> {
+    let requests = state.requests.values().map(|it| (&it.client, &it.id));
+    let watchers = state.watchers.iter().map(|it| (&it.client, &it.id));
+    let others = state.followers.iter().chain(&state.lookers);
+    let all = requests
+        .chain(watchers)
+        .chain(others.map(|it| (&it.0, &it.1)));
+    let mut waiting = 0;
+    for (_, other) in all.filter(|(other, _)| other.number == client.number) {
+        // Requests without an `id` cannot be told apart, as their client wants it.
+        if other == id && !id.is_null() {
+            return Err(format!(
+                "request {id} has not ended: give each request an `id` of its own"
+            ));
+        }
+        waiting += 1;
+    }
+    match waiting < MOST_WAITING {
+        true => Ok(()),
+        false => Err(format!(
+            "too many requests: {MOST_WAITING} of this connection have not ended; wait for some of them"
+        )),
+    }
+}
+
+/// The answer to a request, if there is one at once.
+fn answer(
+    shared: &Shared,
+    client: &Client,
+    request: &Value,
+    id: &Value,
+) -> Result<Option<Value>, String> {
+    let text = |key: &str| request.get(key).and_then(Value::as_str);
+    if let Some(path) = text("call") {
+        return call(shared, client, path, request.get("input"), id).map(|()| None);
+    }
+    if let Some(path) = text("watch") {
+        let (component, port) = output(shared, path)?;
+        let mut state = shared.state();
+        if let Some(why) = state.gone.get(&component) {
+            return Ok(Some(lost(&shared.known[&component], why)));
+        }
+        admit(&state, client, id)?;
+        client.say(json!({"event": "watching"}), id);
+        if request.get("newest") == Some(&Value::Bool(true)) {
+            for (instance, value) in data::newest(shared, &state, component, port) {
+                client.offer(
+                    json!({"event": "data", "instance": instance, "value": value}),
+                    id,
+                );
+            }
+        }
+        state.watchers.push(Watcher {
+            client: client.clone(),
+            id: id.clone(),
+            component,
+            port,
+        });
+        return Ok(None);
+    }
+    if let Some(path) = text("read") {
+        let (component, port) = output(shared, path)?;
+        let instances = data::newest(shared, &shared.state(), component, port);
+        let value = instances.get("").cloned().unwrap_or(Value::Null);
+        return Ok(Some(
+            json!({"event": "data", "value": value, "instances": instances}),
+        ));
+    }
+    if let Some(path) = text("write") {
+        return inputs::write(shared, path, request).map(Some);
+    }
+    if let Some(of) = request.get("abort") {
+        let state = shared.state();
+        let mut all = state.requests.iter();
+        let found = all.find(|(_, it)| it.client.number == client.number && it.id == *of);
+        let Some((&number, _)) = found else {
+            return Err("that request has ended, or is none of yours".to_owned());
+        };
+        drop(state);
+        shared.door.bring(Message::Abort(number));
+        return Ok(Some(json!({"event": "aborting"})));
+    }
+    if request.get("profile").is_some() {
+        let mut state = shared.state();
+        admit(&state, client, id)?;
+        // First the answer: lines come after it.
+        client.say(json!({"event": "profiling"}), id);
+        state.followers.push((client.clone(), id.clone()));
+        return Ok(None);
+    }
+    if request.get("progress").is_some() {
+        let mut state = shared.state();
+        admit(&state, client, id)?;
+        client.say(json!({"event": "following"}), id);
+        state.lookers.push((client.clone(), id.clone()));
+        return Ok(None);
+    }
+    if request.get("describe").is_some() {
+        let all: Vec<Value> = shared.known.values().map(describe).collect();
+        return Ok(Some(json!({"event": "description", "components": all})));
+    }
+    let known = "`call`, `abort`, `watch`, `read`, `write`, `profile`, `progress` or `describe`";
+    Err(format!("a request has {known}"))
+}
+
+/// What whoever watches a component is told when nothing comes from it any more.
+fn lost(known: &Known, why: &str) -> Value {
+    let name = &known.component().name;
+    json!({"event": "lost", "message": format!("`{name}` {why}")})
+}
+
+fn call(
+    shared: &Shared,
+    client: &Client,
+    path: &str,
+    input: Option<&Value>,
+    id: &Value,
+) -> Result<(), String> {
+    let (name, service) = path.split_once('.').ok_or("write COMPONENT.SERVICE")?;
+    let at = component(shared, name)?;
+    let known = &shared.known[&at];
+    let services = &known.component().services;
+    let found = services.iter().position(|it| it.name == service);
+    if found.is_none() && service == CONNECT {
+        client.say(inputs::connect(shared, at, input)?, id);
+        return Ok(());
+    }
+    let Some(index) = found else {
+        let names: Vec<&str> = services.iter().map(|it| it.name.as_str()).collect();
+        return Err(find::missing(
+            &format!("`{name}`"),
+            "service",
+            service,
+            &names,
+        ));
+    };
+    let Some(wanted) = known.services[index] else {
+        return Err(format!("`{path}` cannot be requested in this run"));
+    };
+    let none = Map::new();
+    let given = match input {
+        None | Some(Value::Null) => &none,
+        Some(Value::Object(it)) => it,
+        Some(_) => return Err(data::not_an_object(&known.spec, &services[index])),
+    };
+    let inputs = Values::new(&known.spec).inputs(&services[index], given);
+    let inputs = inputs.map_err(|it| format!("`{path}`: {it}"))?;
+    let mut state = shared.state();
+    admit(&state, client, id)?;
+    state.next += 1;
+    let number = state.next;
+    state.requests.insert(
+        number,
+        PendingRequest {
+            client: client.clone(),
+            id: id.clone(),
+            component: at,
+            index,
+        },
+    );
+    drop(state);
+    let wanted = Wanted {
+        id: number,
+        service: wanted,
+        inputs,
+    };
+    match shared.door.bring(Message::Wanted(wanted)) {
+        true => Ok(()),
+        false => {
+            shared.state().requests.remove(&number);
+            Err("the run has ended".to_owned())
+        }
+    }
+}
+
+/// The engine's side.
+struct Teller {
+    shared: Arc<Shared>,
+}
+
+impl Outside for Teller {
+    fn answer(&mut self, id: u64, answer: &Answer) {
+        let mut state = self.shared.state();
+        let Some(asked) = state.requests.get(&id) else {
+            return;
+        };
+        let known = &self.shared.known[&asked.component];
+        let service = &known.component().services[asked.index];
+        let values = Values::new(&known.spec);
+        let (told, last) = match answer {
+            Answer::Accepted => (json!({"event": "accepted"}), false),
+            Answer::Done(bytes) => {
+                let output = values.outputs(service, bytes).unwrap_or(Value::Null);
+                (json!({"event": "done", "output": output}), true)
+            }
+            Answer::Failed { exception, detail } => {
+                let detail = detail_of(&known.spec, exception, detail);
+                let told = json!({"event": "failed", "exception": exception, "detail": detail});
+                (told, true)
+            }
+        };
+        asked.client.say(told, &asked.id);
+        if last {
+            state.requests.remove(&id);
+        }
+    }
+
+    fn gone(&mut self, component: usize, why: &str) {
+        let mut state = self.shared.state();
+        state.gone.insert(component, why.to_owned());
+        let Some(known) = self.shared.known.get(&component) else {
+            return;
+        };
+        let told = lost(known, why);
+        state.watchers.retain(|it| {
+            let stays = it.component != component;
+            if !stays {
+                it.client.say(told.clone(), &it.id);
+            }
+            stays
+        });
+    }
+
+    fn published(&mut self, component: usize, port: u32, id: &str, data: &[u8]) {
+        let mut state = self.shared.state();
+        let Some(known) = self.shared.known.get(&component) else {
+            return;
+        };
+        let ty = known.component().ports[port as usize].data;
+        let mut value = None;
+        let of = state.watchers.iter();
+        for it in of.filter(|it| (it.component, it.port) == (component, port)) {
+            let value = value.get_or_insert_with(|| {
+                let value = Values::new(&known.spec).decode(ty, data);
+                value.unwrap_or(Value::Null)
+            });
+            let told = json!({"event": "data", "instance": id, "value": value});
+            it.client.offer(told, &it.id);
+        }
+        state
+            .data
+            .insert((component, port, id.to_owned()), data.to_vec());
+    }
+}

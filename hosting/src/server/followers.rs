@@ -1,0 +1,63 @@
+//! Clients that follow a run: how far it has come, and the lines of its profile.
+
+use std::io::{self, Write};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use dotgen_runtime::progress::{Follow, Progress};
+use serde_json::json;
+
+use super::Shared;
+
+/// Minimum time between two reports of progress: people see no more, and reports take time.
+const LOOK_EVERY: Duration = Duration::from_millis(100);
+
+/// Tells clients how far the run has come.
+pub struct Lookers {
+    pub(super) shared: Arc<Shared>,
+    /// Time of the last report.
+    pub(super) told: Option<Instant>,
+}
+
+impl Follow for Lookers {
+    fn wants(&mut self) -> bool {
+        let due = self.told.is_none_or(|it| it.elapsed() >= LOOK_EVERY);
+        if !due {
+            return false;
+        }
+        self.told = Some(Instant::now());
+        !self.shared.state().lookers.is_empty()
+    }
+
+    fn hear(&mut self, progress: Progress) {
+        let Ok(mut told) = serde_json::to_value(&progress) else {
+            return;
+        };
+        told["event"] = "progress".into();
+        for (client, id) in &self.shared.state().lookers {
+            // What was missed is in the next one.
+            client.offer(told.clone(), id);
+        }
+    }
+}
+
+/// Passes lines of the profile to clients.
+pub struct Followers(pub(super) Arc<Shared>);
+
+impl Write for Followers {
+    fn write(&mut self, line: &[u8]) -> io::Result<usize> {
+        let state = self.0.state();
+        if !state.followers.is_empty() {
+            let text = String::from_utf8_lossy(line);
+            let told = json!({"event": "ran", "line": text.trim_end()});
+            for (client, id) in &state.followers {
+                client.say(told.clone(), id);
+            }
+        }
+        Ok(line.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}

@@ -1,0 +1,107 @@
+//! Processes that codels start and that outlive their host: they end with the run.
+
+use std::time::{Duration, Instant};
+
+use rustix::process::{
+    Pid, Signal, WaitId, WaitIdOptions, WaitOptions, getpid, kill_process, waitid, waitpid,
+};
+
+/// Time within which all of them must have ended.
+const LIMIT: Duration = Duration::from_secs(2);
+
+/// While this exists, orphans among the descendants of this process become its children. Dropping it ends
+/// them, and names on standard error those that cannot be ended. Elsewhere than on Linux it does nothing.
+#[must_use]
+pub struct Strays {
+    /// Helpers of this program, which end by themselves.
+    helpers: Vec<Pid>,
+}
+
+impl Strays {
+    /// Becomes the parent of orphans; `None` where those may be of others: where this process has children of
+    /// another program, whose children would be adopted as well, and where it is the parent of all orphans
+    /// anyway.
+    pub fn adopt() -> Option<Strays> {
+        let program = |of: &str| std::fs::read_link(format!("/proc/{of}/exe")).ok();
+        let own = program("self");
+        let helpers = children();
+        let mut programs = helpers
+            .iter()
+            .map(|it| program(&it.pid.as_raw_nonzero().to_string()));
+        if getpid() == Pid::INIT || programs.any(|it| it != own) {
+            return None;
+        }
+        let helpers = helpers.into_iter().map(|it| it.pid).collect();
+        #[cfg(target_os = "linux")]
+        rustix::process::set_child_subreaper(Some(getpid())).ok()?;
+        Some(Strays { helpers })
+    }
+}
+
+/// Takes the exit statuses of adopted processes, which would stay as zombies until then. `hosts` are the
+/// children whose statuses are taken elsewhere.
+pub(super) fn reap(hosts: &[Pid]) {
+    // Mostly there are none, and the list of all processes is not read.
+    let any = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
+    if !matches!(waitid(WaitId::All, any), Ok(Some(_))) {
+        return;
+    }
+    for child in children() {
+        if child.state == "Z" && !hosts.contains(&child.pid) {
+            let _ = waitpid(Some(child.pid), WaitOptions::NOHANG);
+        }
+    }
+}
+
+impl Drop for Strays {
+    fn drop(&mut self) {
+        let until = Instant::now() + LIMIT;
+        loop {
+            let mut strays = children();
+            strays.retain(|it| !self.helpers.contains(&it.pid));
+            if strays.is_empty() {
+                break;
+            }
+            if Instant::now() > until {
+                for Child { pid, name, .. } in strays {
+                    let pid = pid.as_raw_nonzero();
+                    eprintln!("warning: process {pid} (`{name}`) of a codel cannot be ended");
+                }
+                break;
+            }
+            // The children of each become ours in turn.
+            for child in strays {
+                let _ = kill_process(child.pid, Signal::KILL);
+                let _ = waitpid(Some(child.pid), WaitOptions::NOHANG);
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        #[cfg(target_os = "linux")]
+        let _ = rustix::process::set_child_subreaper(None);
+    }
+}
+
+struct Child {
+    pid: Pid,
+    /// The name of its program.
+    name: String,
+    /// A letter, as in `/proc`.
+    state: String,
+}
+
+/// The children of this process.
+fn children() -> Vec<Child> {
+    let parent = getpid().as_raw_nonzero().to_string();
+    let processes = std::fs::read_dir("/proc").into_iter().flatten().flatten();
+    let child = |entry: std::fs::DirEntry| {
+        let pid = Pid::from_raw(entry.file_name().to_str()?.parse().ok()?)?;
+        let stat = std::fs::read_to_string(entry.path().join("stat")).ok()?;
+        // `PID (NAME) STATE PARENT …`, where the name may have any character.
+        let (name, rest) = stat.rsplit_once(") ")?;
+        let name = name.split_once('(')?.1.to_owned();
+        let mut words = rest.split(' ');
+        let state = words.next()?.to_owned();
+        (words.next()? == parent).then_some(Child { pid, name, state })
+    };
+    processes.filter_map(child).collect()
+}

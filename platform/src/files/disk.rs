@@ -1,0 +1,94 @@
+//! The disk: the only module that reads and writes files of users.
+
+mod growing;
+mod passing;
+mod stream;
+mod write;
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use dotgen_codegen::disk::{Disk, Entry, Kind, NewContent, Status, WriteError};
+
+pub use growing::Growing;
+pub use passing::{Passing, leave};
+pub use stream::Stream;
+
+/// The files of the system.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct SystemDisk;
+
+impl Disk for SystemDisk {
+    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
+        std::fs::read(path)
+    }
+
+    fn status(&self, path: &Path) -> Option<Status> {
+        let metadata = std::fs::metadata(path).ok()?;
+        let kind = match () {
+            () if metadata.is_file() => Kind::File,
+            () if metadata.is_dir() => Kind::Directory,
+            () => Kind::Other,
+        };
+        Some(Status {
+            kind,
+            mode: mode(&metadata),
+            modified: metadata.modified().ok(),
+        })
+    }
+
+    fn list(&self, directory: &Path) -> io::Result<Vec<Entry>> {
+        let entries = std::fs::read_dir(directory)?.flatten();
+        let entry = |it: std::fs::DirEntry| Entry {
+            path: it.path(),
+            is_dir: it.file_type().is_ok_and(|it| it.is_dir()),
+        };
+        Ok(entries.map(entry).collect())
+    }
+
+    fn canonical(&self, path: &Path) -> io::Result<PathBuf> {
+        path.canonicalize()
+    }
+
+    fn current_dir(&self) -> PathBuf {
+        std::env::current_dir().unwrap_or_default()
+    }
+
+    fn write(&self, files: &[NewContent]) -> Result<(), WriteError> {
+        write::write(files, &mut write::Promised::default(), &mut |_| Ok(()))
+    }
+
+    #[cfg(unix)]
+    fn set_mode(&self, path: &Path, mode: u32) -> io::Result<()> {
+        use std::os::unix::fs::PermissionsExt;
+        std::fs::set_permissions(path, std::fs::Permissions::from_mode(mode))
+    }
+
+    #[cfg(not(unix))]
+    fn set_mode(&self, _: &Path, _: u32) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn is_link(&self, path: &Path) -> bool {
+        path.is_symlink()
+    }
+
+    fn put(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        std::fs::write(path, bytes)
+    }
+
+    fn remove(&self, path: &Path) {
+        let _ = std::fs::remove_file(path);
+    }
+}
+
+#[cfg(unix)]
+fn mode(metadata: &std::fs::Metadata) -> u32 {
+    use std::os::unix::fs::PermissionsExt;
+    metadata.permissions().mode() & 0o7777
+}
+
+#[cfg(not(unix))]
+fn mode(_: &std::fs::Metadata) -> u32 {
+    0
+}

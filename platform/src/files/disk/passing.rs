@@ -1,0 +1,49 @@
+//! Files that exist only while this process runs: sockets, and files with temporary names.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard};
+
+/// The paths of these files.
+static ALL: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn all() -> MutexGuard<'static, Vec<PathBuf>> {
+    ALL.lock().unwrap_or_else(|it| it.into_inner())
+}
+
+/// A file that is removed on drop, and by [`leave`].
+#[derive(Debug)]
+pub struct Passing {
+    path: PathBuf,
+}
+
+impl Passing {
+    /// Registers a path, whether the file exists or not.
+    pub fn new(path: PathBuf) -> Passing {
+        all().push(path.clone());
+        Passing { path }
+    }
+
+    /// The path.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+impl Drop for Passing {
+    fn drop(&mut self) {
+        let mut all = all();
+        all.retain(|it| *it != self.path);
+        // The file may have been renamed, or removed by another process.
+        let _ = std::fs::remove_file(&self.path);
+    }
+}
+
+/// Removes these files and ends this process at once. Its child processes end with it.
+pub fn leave(status: i32) -> ! {
+    // The lock is never released: no other thread can create a file that would remain.
+    let all = all();
+    for it in all.iter() {
+        let _ = std::fs::remove_file(it);
+    }
+    std::process::exit(status)
+}

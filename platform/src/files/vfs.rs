@@ -1,0 +1,210 @@
+//! Reading of files for analysis, and packages.
+//!
+//! All input and output of the analysis goes through [`Vfs`], which implements its `Loader`.
+
+mod installed;
+mod interfaces;
+mod pkg_config;
+mod pkg_file;
+
+use std::io::ErrorKind;
+use std::sync::{PoisonError, RwLock};
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::host::{DirEntry, FileContent, Loader, PackageFlags};
+use dotgen_analysis::release::ReleaseChoice;
+
+use dotgen_syntax::encoding;
+
+pub use dotgen_analysis::host::normalize;
+pub use interfaces::{
+    has as has_own_interfaces, include_of as include_of_own_interface, is_own as is_own_interface,
+};
+pub use pkg_config::query;
+pub use pkg_config::words;
+
+/// The search for packages of `#pragma requires`, and for GenoM3 itself.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
+pub struct PackageConfig {
+    /// Directories with `.pc` files, searched before those of the system.
+    pub paths: Vec<Utf8PathBuf>,
+    /// Directories of templates. The installed GenoM3 is the one that the first of them with a release
+    /// belongs to.
+    pub templates: Vec<Utf8PathBuf>,
+    /// True if the package tool may be run. Otherwise dotgen reads `.pc` files itself.
+    pub may_run: bool,
+    /// True if the interfaces included in dotgen replace packages that are not installed.
+    pub own_interfaces: bool,
+}
+
+/// The disk and the package tool, as the loader of analysis.
+///
+/// Open documents need no overlay here: their text is set on the host, which uses the loader only for other
+/// files.
+#[derive(Debug, Default)]
+pub struct Vfs {
+    packages: RwLock<PackageConfig>,
+    /// True if text that is not UTF-8 is read in the form that editors show.
+    for_editor: bool,
+}
+
+impl Vfs {
+    /// A loader with the package search of `packages`.
+    pub fn new(packages: PackageConfig) -> Vfs {
+        Vfs {
+            packages: RwLock::new(packages),
+            for_editor: false,
+        }
+    }
+
+    /// A loader for a server. Text that is not UTF-8 is read with U+FFFD, as editors show it, so that
+    /// positions agree. Such a text is never written: edits of the file are refused unless the file is open,
+    /// in which case the client's text is used.
+    pub fn for_editor() -> Vfs {
+        Vfs {
+            for_editor: true,
+            ..Vfs::default()
+        }
+    }
+
+    /// Changes the package search. Returns true if it differs from the previous one.
+    pub fn set_packages(&self, packages: &PackageConfig) -> bool {
+        let mut current = self
+            .packages
+            .write()
+            .unwrap_or_else(PoisonError::into_inner);
+        let changed = *current != *packages;
+        if changed {
+            packages.clone_into(&mut current);
+        }
+        changed
+    }
+}
+
+impl Loader for Vfs {
+    fn read(&self, path: &Utf8Path) -> FileContent {
+        match read(path) {
+            FileContent::Text(text) if self.for_editor => FileContent::Text(shown(text)),
+            FileContent::NotUtf8(text) if self.for_editor => FileContent::NotUtf8(shown(text)),
+            content => content,
+        }
+    }
+
+    fn size(&self, path: &Utf8Path) -> Option<u64> {
+        let metadata = std::fs::metadata(path).ok()?;
+        metadata.is_file().then_some(metadata.len())
+    }
+
+    fn packages(&self, arguments: &[String]) -> Result<PackageFlags, String> {
+        let config = self
+            .packages
+            .read()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone();
+        let _span = tracing::info_span!("packages", ?arguments).entered();
+        query(&config, arguments)
+    }
+
+    fn installed_release(&self) -> Option<ReleaseChoice> {
+        let config = self
+            .packages
+            .read()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone();
+        installed::release(&config)
+    }
+
+    fn list_dir(&self, path: &Utf8Path) -> Vec<DirEntry> {
+        let entries = path.read_dir_utf8().into_iter().flatten();
+        let entries = entries.filter_map(Result::ok).take(MAX_ENTRIES);
+        let convert = entries.map(|it| DirEntry {
+            name: it.file_name().to_owned(),
+            is_dir: it.path().is_dir(),
+        });
+        convert.collect()
+    }
+
+    fn package_names(&self) -> Vec<String> {
+        let config = self
+            .packages
+            .read()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone();
+        pkg_file::names(&config.paths)
+    }
+}
+
+fn shown(text: String) -> String {
+    match encoding::shown(&text) {
+        std::borrow::Cow::Owned(shown) => shown,
+        std::borrow::Cow::Borrowed(_) => text,
+    }
+}
+
+/// Maximum number of listed entries of a directory.
+const MAX_ENTRIES: usize = 2_000;
+
+/// Reads a file from the disk.
+pub fn read(path: &Utf8Path) -> FileContent {
+    match std::fs::metadata(path) {
+        Ok(metadata) if metadata.is_dir() => return FileContent::Directory,
+        // A read of a pipe or device might never end.
+        Ok(metadata) if !metadata.is_file() => {
+            return FileContent::Unreadable("it is not a regular file".to_owned());
+        }
+        Ok(_) => {}
+        Err(error) if missing(&error) => return FileContent::Missing,
+        Err(error) => return FileContent::Unreadable(super::reason(&error)),
+    }
+    match std::fs::read(path) {
+        Ok(bytes) => {
+            let valid = std::str::from_utf8(&bytes).is_ok();
+            let text = encoding::decode(bytes);
+            match valid {
+                true => FileContent::Text(text),
+                false => FileContent::NotUtf8(text),
+            }
+        }
+        Err(error) if missing(&error) => FileContent::Missing,
+        Err(error) => FileContent::Unreadable(super::reason(&error)),
+    }
+}
+
+fn missing(error: &std::io::Error) -> bool {
+    matches!(
+        error.kind(),
+        ErrorKind::NotFound | ErrorKind::NotADirectory | ErrorKind::InvalidFilename
+    )
+}
+
+/// The `.gen` files in a directory, without subdirectories, sorted.
+pub fn specifications_in(directory: &Utf8Path) -> Vec<Utf8PathBuf> {
+    let entries = directory.read_dir_utf8().into_iter().flatten().flatten();
+    let paths = entries.map(|it| directory.join(it.file_name()));
+    let mut out: Vec<_> = paths
+        .filter(|it| it.extension() == Some("gen") && it.is_file())
+        .collect();
+    out.sort();
+    out
+}
+
+/// Every file below `directory` with one of the extensions, sorted. Hidden directories, `build` directories
+/// of other tools and links to directories are skipped.
+pub fn files_below(directory: &Utf8Path, extensions: &[&str]) -> Vec<Utf8PathBuf> {
+    let visible = |entry: &walkdir::DirEntry| {
+        let name = entry.file_name().to_string_lossy();
+        entry.depth() == 0
+            || !(entry.file_type().is_dir()
+                && (name.starts_with('.') || matches!(&*name, "node_modules" | "target")))
+    };
+    let mut files: Vec<Utf8PathBuf> = walkdir::WalkDir::new(directory)
+        .into_iter()
+        .filter_entry(visible)
+        .filter_map(Result::ok)
+        .filter(|entry| entry.path().is_file())
+        .filter_map(|entry| Utf8PathBuf::from_path_buf(entry.into_path()).ok())
+        .filter(|path| path.extension().is_some_and(|it| extensions.contains(&it)))
+        .collect();
+    files.sort();
+    files
+}

@@ -1,0 +1,53 @@
+//! The pages of the manual. They are installed with the program, so that links work without a network.
+
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+
+use rustc_hash::FxHashMap;
+
+/// The pages by code; `async/shared-attribute` is in a directory. In a package, `docs` is next to the program
+/// or one directory above; in a build tree, two above `target/debug`.
+static PAGES: LazyLock<FxHashMap<String, PathBuf>> = LazyLock::new(|| {
+    let directory = || -> Option<PathBuf> {
+        let program = std::env::current_exe().ok()?.canonicalize().ok()?;
+        let places = |it: &Path| {
+            [
+                it.join("docs/diagnostics"),
+                it.join("share/doc/dotgen/diagnostics"),
+            ]
+        };
+        let around = program.ancestors().skip(1).take(4);
+        around.flat_map(places).find(|it| it.is_dir())
+    };
+    let Some(directory) = directory() else {
+        return FxHashMap::default();
+    };
+    // Codes of rules are `group/name`, and their pages have the same path.
+    let files = walkdir::WalkDir::new(&directory).max_depth(2);
+    let page = |entry: walkdir::Result<walkdir::DirEntry>| {
+        let path = entry.ok()?.into_path();
+        let code = path.strip_prefix(&directory).ok()?.to_str()?;
+        let code = code.strip_suffix(".md")?.replace('\\', "/");
+        Some((code, path))
+    };
+    files.into_iter().filter_map(page).collect()
+});
+
+/// The manual page of a diagnostic code, if it is installed.
+pub fn page(code: &str) -> Option<&'static Path> {
+    PAGES.get(code).map(PathBuf::as_path)
+}
+
+/// The pages of diagnostics by code, in order, bundled with the program.
+static TEXTS: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/pages.rs"));
+
+/// All codes that have a page.
+pub fn codes() -> impl Iterator<Item = &'static str> {
+    TEXTS.iter().map(|it| it.0)
+}
+
+/// The text of the page of a diagnostic code, in Markdown.
+pub fn text(code: &str) -> Option<&'static str> {
+    let found = TEXTS.binary_search_by_key(&code, |it| it.0);
+    found.ok().map(|it| TEXTS[it].1)
+}

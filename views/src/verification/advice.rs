@@ -1,0 +1,135 @@
+//! Advice on checks that gave up.
+
+use dotgen_timing::explore::Stop;
+use dotgen_timing::report::{GaveUp, Report, Verdict};
+use dotgen_timing::scn::ast::{Item, Scenario};
+
+use super::Problem;
+
+/// The names of the limits of a verification, by the way in which it was started.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Names {
+    /// Options of the command line.
+    Options,
+    /// Settings of the editor and `dotgen.toml`.
+    Settings,
+}
+
+impl Names {
+    fn of(self, reason: Stop) -> Option<&'static str> {
+        match (reason, self) {
+            (Stop::States, Names::Options) => Some("--max-states"),
+            (Stop::States, Names::Settings) => Some("verification.max-states"),
+            (Stop::Memory, Names::Options) => Some("--max-memory"),
+            (Stop::Memory, Names::Settings) => Some("verification.max-memory"),
+            (Stop::Time, Names::Options) => Some("--timeout"),
+            (Stop::Time, Names::Settings) => Some("verification.time-limit"),
+            (Stop::Cancelled | Stop::Interrupted | Stop::Answered, _) => None,
+        }
+    }
+}
+
+/// Advice on all checks of a report that gave up; none if there are no such checks.
+pub fn of_report(report: &Report, problem: &Problem, names: Names) -> Option<String> {
+    let open = report.checks.iter();
+    let open = open.filter(|it| it.verdict == Verdict::Unknown);
+    let reasons = open.filter_map(|it| Some(it.gave_up?.reason));
+    of(reasons, problem, names)
+}
+
+/// Advice on explorations that ended for these reasons.
+pub fn of(
+    reasons: impl IntoIterator<Item = Stop>,
+    problem: &Problem,
+    names: Names,
+) -> Option<String> {
+    let mut limits: Vec<String> = Vec::new();
+    for it in reasons.into_iter().filter_map(|it| names.of(it)) {
+        let it = format!("`{it}`");
+        if !limits.contains(&it) {
+            limits.push(it);
+        }
+    }
+    let limits = match &limits[..] {
+        [] => return None,
+        [it] => it.clone(),
+        [all @ .., last] => format!("{} and {last}", all.join(", ")),
+    };
+    let place = match names {
+        Names::Options => "",
+        Names::Settings => " in the settings",
+    };
+    let smaller = smaller(&problem.scenario, problem.is_written());
+    // Without a scenario, a longer time limit rarely helps.
+    Some(match problem.is_written() {
+        true => format!("raise {limits}{place}, or {smaller}"),
+        false => format!("{smaller}, or raise {limits}{place}"),
+    })
+}
+
+/// The limit that an exploration exceeded: `in 10 s`.
+pub fn within(it: &GaveUp) -> String {
+    match (it.reason, it.seconds) {
+        (Stop::Time, Some(seconds)) => format!("in {seconds} s"),
+        (Stop::Memory, _) => format!("in {} MB of memory", it.memory >> 20),
+        (Stop::States, _) => "within the limit of states".to_owned(),
+        _ => "before it was ended".to_owned(),
+    }
+}
+
+/// True if the scenario has clients that send requests.
+pub fn has_clients(scenario: &Scenario) -> bool {
+    let mut items = scenario.items.iter();
+    items.any(|it| matches!(it, Item::Client(_)))
+}
+
+/// A way to explore less.
+fn smaller(scenario: &Scenario, written: bool) -> &'static str {
+    match (written, has_clients(scenario)) {
+        (false, true) => "write a scenario whose client sends only the requests that matter",
+        (true, true) => "let the clients of the scenario send less",
+        (_, false) => {
+            "explore less: `loop once`, `durations fixed` for worst cases only, or a coarser `unit`, which rounds durations up, \
+             so that what is proved still holds and what fails may be a false alarm"
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dotgen_timing::scn::parse;
+
+    fn problem(path: &str, text: &str) -> Problem {
+        Problem {
+            path: path.into(),
+            text: text.to_owned(),
+            scenario: parse(text).scenario,
+            units: Vec::new(),
+            errors: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn every_reason_has_a_way_out() {
+        let sending = "scenario s { use \"c.gen\"; client k { send c.a; } check deadlock; }";
+        let quiet = "scenario s { use \"c.gen\"; check deadlock; }";
+        let say = |path, text, reasons: &[Stop], names| {
+            of(reasons.iter().copied(), &problem(path, text), names).unwrap_or_default()
+        };
+        let all = [
+            say("c.gen", sending, &[Stop::States], Names::Options),
+            say("s.scn", sending, &[Stop::Memory], Names::Options),
+            say("s.scn", quiet, &[Stop::Time, Stop::Time], Names::Settings),
+            say("s.scn", quiet, &[Stop::Time, Stop::States], Names::Settings),
+            say("s.scn", quiet, &[Stop::Cancelled], Names::Settings),
+        ];
+        expect_test::expect![[r#"
+            write a scenario whose client sends only the requests that matter, or raise `--max-states`
+            raise `--max-memory`, or let the clients of the scenario send less
+            raise `verification.time-limit` in the settings, or explore less: `loop once`, `durations fixed` for worst cases only, or a coarser `unit`, which rounds durations up, so that what is proved still holds and what fails may be a false alarm
+            raise `verification.time-limit` and `verification.max-states` in the settings, or explore less: `loop once`, `durations fixed` for worst cases only, or a coarser `unit`, which rounds durations up, so that what is proved still holds and what fails may be a false alarm
+        "#]]
+        .assert_eq(&all.join("\n"));
+    }
+}

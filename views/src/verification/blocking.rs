@@ -1,0 +1,86 @@
+//! The codels that can block each codel, for how long, and the data they share.
+
+use dotgen_analysis::model::Src;
+use dotgen_timing::scn::names::Names;
+use dotgen_timing::system::build::build;
+use dotgen_timing::system::{Codel, FOREVER, SharedPorts};
+use dotgen_timing::verify::{Options, settings};
+use num_rational::Ratio;
+
+use super::Problem;
+use super::summary::Scale;
+
+/// A codel and the codels that can block it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// The codel.
+    pub codel: CodelAt,
+    /// The codels that exclude it, in order of declaration.
+    pub by: Vec<Blocker>,
+}
+
+/// See [`Row`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Blocker {
+    /// The codel.
+    pub codel: CodelAt,
+    /// The shared data, as text.
+    pub through: Vec<String>,
+}
+
+/// A codel of the system.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CodelAt {
+    /// `component.owner.state`
+    pub path: String,
+    /// Its function; for an attribute, the path.
+    pub function: String,
+    /// Longest execution time, in the unit of the report; `None`: unbounded.
+    pub upper: Option<f64>,
+    /// Longest execution time in microseconds, for what-if fields.
+    pub micros: Option<f64>,
+    /// Number of the specification, and place.
+    pub src: Option<(usize, Src)>,
+}
+
+/// All codels of the system in order, each with the codels that exclude it.
+pub fn table(problem: &Problem, options: &Options) -> Vec<Row> {
+    let specs = problem.specs();
+    let names = Names::new(&specs);
+    let settings = settings(&problem.scenario, options);
+    let built = build(&names, &settings, &|_| true);
+    if built.has_errors() {
+        return Vec::new();
+    }
+    let ports = SharedPorts::new(&names, &settings);
+    let (scale, system) = (Scale::of(&settings), &built.system);
+    let at = |codel: &Codel| {
+        let time = system.unit * Ratio::from_integer(i128::from(codel.upper));
+        let finite = codel.upper != FOREVER;
+        CodelAt {
+            path: codel.path.clone(),
+            function: match codel.site {
+                Some((c, it)) => names.components[c].component.codel(it).name.to_string(),
+                None => codel.path.clone(),
+            },
+            upper: finite.then(|| scale.from_seconds(time)),
+            micros: finite.then(|| *time.numer() as f64 * 1e6 / *time.denom() as f64),
+            src: codel
+                .site
+                .and_then(|(c, _)| Some((names.components[c].spec_index, codel.src?))),
+        }
+    };
+    let row = |codel: &Codel| Row {
+        codel: at(codel),
+        by: codel
+            .conflicts
+            .iter()
+            .map(|it| &system.codels[it])
+            .map(|other| Blocker {
+                codel: at(other),
+                through: ports.through(codel, other),
+            })
+            .collect(),
+    };
+    system.codels.iter().map(row).collect()
+}

@@ -1,0 +1,133 @@
+//! The first answers for a specification without a scenario: about its permanent activities, then about each
+//! activity alone. They are exact and quick, and each names its assumption. The answer for any client at any
+//! time comes later.
+
+use dotgen_analysis::model::ServiceKind;
+use dotgen_timing::report::Report;
+use dotgen_timing::scn::ast::{
+    Client, Ending, Interval, Item, Path, Spanned, Step, StepKind, Unit,
+};
+use dotgen_timing::scn::names::Names;
+use dotgen_timing::verify::{Cancel, Options};
+use serde::Serialize;
+
+use super::Problem;
+use super::view::{Outcome, View};
+
+/// Maximum number of states explored for one of them.
+const STATES: usize = 30_000;
+
+/// A result under an assumption about requests.
+#[derive(Debug, Clone, Serialize)]
+pub struct FirstAnswer {
+    /// The assumed requests.
+    pub assuming: String,
+    /// The outcome.
+    #[serde(serialize_with = "counted")]
+    pub outcome: Outcome,
+    /// The checks that fail or are not settled.
+    pub open: Vec<String>,
+}
+
+fn counted<S: serde::Serializer>(outcome: &Outcome, to: S) -> Result<S::Ok, S::Error> {
+    to.serialize_str(outcome.counted())
+}
+
+/// The first answers, in order of exploration; none if there is a scenario, or if no request is possible.
+pub fn answers(problem: &Problem, options: &Options, cancel: &Cancel) -> Vec<FirstAnswer> {
+    if problem.is_written() {
+        return Vec::new();
+    }
+    let activities = activities(problem);
+    if activities.is_empty() {
+        return Vec::new();
+    }
+    let mut options = options.clone();
+    options.limits.states = options.limits.states.min(STATES);
+    let permanent = ("permanent activities only, no requests".to_owned(), None);
+    let alone = activities.into_iter().map(|it| {
+        let assuming = format!("{it} alone, requested again at any time after it has ended");
+        (assuming, Some(it))
+    });
+    let mut out = Vec::new();
+    for (assuming, activity) in std::iter::once(permanent).chain(alone) {
+        if cancel.is_over() {
+            break;
+        }
+        let varied = requesting(problem, activity.as_deref());
+        let report = varied.verify(&options, cancel, &|_| {});
+        out.push(answer(assuming, &varied, &options, &report));
+    }
+    out
+}
+
+fn answer(assuming: String, problem: &Problem, options: &Options, report: &Report) -> FirstAnswer {
+    let view = View::new(problem, options, report, &[]);
+    let open = |it: &Outcome| !matches!(it, Outcome::Proved | Outcome::Bounded);
+    let worst = [
+        Outcome::Refuted,
+        Outcome::PossiblyRefuted,
+        Outcome::Exceeds,
+        Outcome::GaveUp,
+        Outcome::Open,
+        Outcome::Vacuous,
+        Outcome::Nothing,
+    ];
+    let has = |outcome: &Outcome| view.checks.iter().any(|it| it.outcome == *outcome);
+    let outcome = worst.into_iter().find(has).unwrap_or(Outcome::Proved);
+    let checks = view.checks.iter().filter(|it| open(&it.outcome));
+    FirstAnswer {
+        assuming,
+        outcome,
+        open: checks.map(|it| it.title()).collect(),
+    }
+}
+
+/// The activities that can be executed, as `component.activity`.
+fn activities(problem: &Problem) -> Vec<String> {
+    let specs = problem.specs();
+    let names = Names::new(&specs);
+    let all = names.components.iter().flat_map(|it| {
+        let services = it.component.services.iter();
+        let activities =
+            services.filter(|it| it.kind == ServiceKind::Activity && it.task.is_some());
+        let name = &it.component.name;
+        activities.map(move |it| format!("{name}.{}", it.name))
+    });
+    all.collect()
+}
+
+/// The problem with a client that requests one activity repeatedly, each time after the end of the instance
+/// before, or with no client. Several instances at once are left to the check with any client, which seldom
+/// is quick.
+fn requesting(problem: &Problem, activity: Option<&str>) -> Problem {
+    let mut out = problem.clone();
+    let items = &mut out.scenario.items;
+    items.retain(|it| !matches!(it, Item::Client(_)));
+    if let Some(activity) = activity {
+        // The services in `after` are requested first; otherwise the request would be rejected.
+        items.push(Item::Order(false));
+        let step = |kind| Step {
+            label: None,
+            kind,
+            range: 0..0,
+        };
+        let any_time = Interval {
+            lower: 0,
+            upper: None,
+        };
+        let body = vec![
+            step(StepKind::Delay(any_time, Unit::Milliseconds)),
+            step(StepKind::Send(Path::of(activity))),
+            step(StepKind::AwaitEnded(Ending::Any, None)),
+        ];
+        items.push(Item::Client(Client {
+            name: Spanned {
+                value: "alone".to_owned(),
+                range: 0..0,
+            },
+            steps: vec![step(StepKind::Repeat(None, body))],
+        }));
+    }
+    out
+}

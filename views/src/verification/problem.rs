@@ -1,0 +1,305 @@
+//! The input of a verification.
+
+use std::ops::Range;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::diagnostic::{Diagnostic, Related, Severity};
+use dotgen_analysis::host::{Analysis, BatchInput, Cancellable, FileContent, Input, UnitResult};
+use dotgen_analysis::model::{Component, ComponentKind, Spec, Src};
+use dotgen_analysis::source_map::Locations;
+use dotgen_timing::derive::{Sensitivity, Told, sensitivity};
+use dotgen_timing::report::Report;
+use dotgen_timing::scn::ast::{Item, Scenario, Spanned};
+use dotgen_timing::scn::{self, Platform, default_text_on};
+use dotgen_timing::verify::{Cancel, Options, SystemInput, verify_telling};
+
+use dotgen_platform::files::vfs;
+
+/// Extension of scenario files.
+pub const EXTENSION: &str = "scn";
+
+/// Code of the finding about `#pragma requires` with a package that is not installed.
+const UNRESOLVED_PACKAGE: &str = "pp-requires-unresolved";
+
+/// A scenario and the specifications it uses.
+#[derive(Clone)]
+pub struct Problem {
+    /// The file of the scenario; for the default scenario, the file of the specification.
+    pub path: Utf8PathBuf,
+    /// Text of the scenario.
+    pub text: String,
+    /// The scenario.
+    pub scenario: Scenario,
+    /// Its specifications, in the order of `use`.
+    pub units: Vec<UnitResult>,
+    /// Errors that prevent a verification: syntax errors, unreadable files, errors in specifications.
+    /// Warnings are reported in the specifications themselves.
+    pub errors: Vec<Diagnostic>,
+}
+
+impl Problem {
+    /// Every file that the problem was read from.
+    pub fn files(&self) -> impl Iterator<Item = &Utf8Path> {
+        let used = self.units.iter().flat_map(|it| &it.files);
+        std::iter::once(&self.path)
+            .chain(used)
+            .map(|it| it.as_path())
+    }
+}
+
+/// A file that a scenario uses.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Used {
+    /// Its absolute path.
+    pub path: Utf8PathBuf,
+    /// The string in the scenario.
+    pub range: Range<usize>,
+}
+
+/// The files that a scenario uses. Relative paths start at its directory.
+pub fn used(scenario: &Scenario, path: &Utf8Path) -> Vec<Used> {
+    let directory = path.parent().unwrap_or(path);
+    let file = |it: &Spanned<String>| Used {
+        path: vfs::normalize(&directory.join(&it.value)),
+        range: it.range.clone(),
+    };
+    let files = scenario.items.iter().filter_map(|it| match it {
+        Item::Use(name) => Some(file(name)),
+        _ => None,
+    });
+    files.collect()
+}
+
+/// A diagnostic of the scenario language, in the form of all front ends.
+pub fn diagnostic(it: &dotgen_timing::diagnostic::Diagnostic, path: &Utf8Path) -> Diagnostic {
+    let severity = match it.severity {
+        dotgen_timing::diagnostic::Severity::Error => Severity::Error,
+        dotgen_timing::diagnostic::Severity::Warning => Severity::Warning,
+    };
+    Diagnostic::new(
+        it.code,
+        severity,
+        it.message.clone(),
+        path.to_owned(),
+        it.range.clone(),
+    )
+}
+
+/// The unit of a file for a scenario in `directory`, which is searched for includes after the
+/// configured directories.
+pub fn unit_for(
+    analysis: &Analysis,
+    file: &Utf8Path,
+    directory: &Utf8Path,
+) -> Cancellable<UnitResult> {
+    let unit = analysis.root_unit(file)?;
+    if prevents(&unit).next().is_none() {
+        return Ok(unit);
+    }
+    let with_directory = analysis.batch(&BatchInput {
+        inputs: vec![Input::File(file.to_owned())],
+        include_dirs: vec![directory.to_owned()],
+        defines: Vec::new(),
+    })?;
+    let better = prevents(&with_directory).next().is_none();
+    Ok(if better { with_directory } else { unit })
+}
+
+/// The components (not interfaces) of a specification.
+pub fn components(spec: &Spec) -> impl Iterator<Item = &Component> {
+    let all = spec.components.iter();
+    all.filter(|it| it.kind == ComponentKind::Component)
+}
+
+impl Problem {
+    /// Reads a scenario and the specifications it uses.
+    pub fn from_scenario(
+        path: &Utf8Path,
+        text: String,
+        analysis: &Analysis,
+        exists: impl Fn(&Utf8Path) -> FileContent,
+    ) -> Cancellable<Problem> {
+        let parsed = scn::parse(&text);
+        let directory = path.parent().unwrap_or(path);
+        let mut errors: Vec<Diagnostic> = parsed
+            .errors
+            .iter()
+            .map(|it| diagnostic(it, path))
+            .collect();
+        let mut units = Vec::new();
+        let files = used(&parsed.scenario, path);
+        if files.is_empty() && errors.is_empty() {
+            let message = "the scenario uses no specification; add `use \"FILE.gen\";`".to_owned();
+            let range = parsed.scenario.name_range.clone();
+            errors.push(error("scn-no-use", path, range, message));
+        }
+        for file in files {
+            let why = match exists(&file.path) {
+                FileContent::Text(_) | FileContent::NotUtf8(_) => {
+                    let unit = unit_for(analysis, &file.path, directory)?;
+                    add_errors_of(&unit, &mut errors);
+                    units.push(unit);
+                    continue;
+                }
+                FileContent::Missing => "there is no such file".to_owned(),
+                FileContent::Directory => "it is a directory".to_owned(),
+                FileContent::Unreadable(why) => why,
+            };
+            let message = format!(
+                "cannot read `{}`: {why}; paths start at the directory of the scenario",
+                text[file.range.clone()].trim_matches('"')
+            );
+            errors.push(error("scn-use-not-found", path, file.range, message));
+        }
+        Ok(Problem {
+            path: path.to_owned(),
+            text,
+            scenario: parsed.scenario,
+            units,
+            errors,
+        })
+    }
+
+    /// The default scenario over some specifications.
+    pub fn by_default(path: &Utf8Path, files: &[String], units: Vec<UnitResult>) -> Problem {
+        Problem::by_default_on(Platform::default(), path, files, units)
+    }
+
+    /// The default scenario over some specifications, on a platform.
+    pub fn by_default_on(
+        platform: Platform,
+        path: &Utf8Path,
+        files: &[String],
+        units: Vec<UnitResult>,
+    ) -> Problem {
+        let mut errors = Vec::new();
+        units.iter().for_each(|it| add_errors_of(it, &mut errors));
+        let members: Vec<&Component> = units.iter().flat_map(|it| components(&it.spec)).collect();
+        let text = default_text_on(&members, files, platform);
+        if members.is_empty() && errors.is_empty() {
+            let message = "this specification has no component, so there is nothing to verify";
+            errors.push(error("scn-no-component", path, 0..0, message.to_owned()));
+        }
+        let scenario = scn::parse(&text).scenario;
+        Problem {
+            path: path.to_owned(),
+            text,
+            scenario,
+            units,
+            errors,
+        }
+    }
+
+    /// True if the problem was read from a file.
+    pub fn reads(&self, file: &Utf8Path) -> bool {
+        self.path == file
+            || (self.units.iter()).any(|it| it.files.iter().any(|it| it == file))
+            || self.uses(file)
+    }
+
+    /// True if the scenario names a file.
+    pub fn uses(&self, file: &Utf8Path) -> bool {
+        used(&self.scenario, &self.path)
+            .iter()
+            .any(|it| it.path == file)
+    }
+
+    /// True if both problems have the same answer: the same scenario over the same models. Comments and
+    /// layout of specifications may differ as long as no place moves.
+    pub fn is_same(&self, other: &Problem) -> bool {
+        self.path == other.path
+            && self.text == other.text
+            && self.errors == other.errors
+            && self.units.len() == other.units.len()
+            && (self.units.iter().zip(&other.units)).all(|(a, b)| a.spec == b.spec)
+    }
+
+    /// The specifications, as the input of the verifier.
+    pub fn specs(&self) -> Vec<&Spec> {
+        self.units.iter().map(|it| &*it.spec).collect()
+    }
+
+    /// A diagnostic of the verifier: at its place in the scenario if there is one, else in its specification,
+    /// else at the name of the scenario.
+    pub fn diagnostic(&self, it: &dotgen_timing::diagnostic::Diagnostic) -> Diagnostic {
+        let mut out = diagnostic(it, &self.path);
+        let places = it.places.iter();
+        let mut places = places.filter_map(|it| {
+            let (path, range) = self.place(it.spec, it.src)?;
+            let message = it.what.clone();
+            Some(Related {
+                path,
+                range,
+                message,
+            })
+        });
+        if !self.is_written() || it.range.is_empty() {
+            (out.path, out.range) = match places.next() {
+                Some(it) => (it.path, it.range),
+                None if self.is_written() => (out.path, self.scenario.name_range.clone()),
+                None => (out.path, 0..0),
+            };
+        }
+        out.related = places.collect();
+        out
+    }
+
+    /// The file and range of a place in one of the specifications.
+    pub fn place(&self, spec: usize, src: Src) -> Option<(Utf8PathBuf, Range<usize>)> {
+        let at = self.units.get(spec)?.locations.locate(src)?;
+        Some((at.path, at.range))
+    }
+
+    /// True if the scenario is in a file; the default scenario is not.
+    pub fn is_written(&self) -> bool {
+        self.path.extension() == Some(EXTENSION)
+    }
+
+    /// The distance of the system from missing its deadlines, or from meeting them. Requires that
+    /// [`Problem::errors`] is empty.
+    ///
+    /// # Errors
+    /// The errors of the scenario.
+    pub fn sensitivity(
+        &self,
+        options: &Options,
+        cancel: &Cancel,
+        tell: &(dyn Fn(Told) + Sync),
+    ) -> Result<Sensitivity, Vec<dotgen_timing::diagnostic::Diagnostic>> {
+        let input = SystemInput {
+            specs: self.specs(),
+        };
+        sensitivity(&input, &self.scenario, options, cancel, tell)
+    }
+
+    /// Verifies, and reports each new result at once. Requires that [`Problem::errors`] is empty.
+    pub fn verify(
+        &self,
+        options: &Options,
+        cancel: &Cancel,
+        tell: &(dyn Fn(&Report) + Sync),
+    ) -> Report {
+        let input = SystemInput {
+            specs: self.specs(),
+        };
+        verify_telling(&input, &self.scenario, options, cancel, tell)
+    }
+}
+
+/// Errors that prevent the verification of a specification. A missing package is not one of them: a missing
+/// declaration of the package has an error of its own.
+fn prevents(unit: &UnitResult) -> impl Iterator<Item = &Diagnostic> {
+    let errors = unit
+        .diagnostics
+        .iter()
+        .filter(|it| it.severity == Severity::Error);
+    errors.filter(|it| it.code != UNRESOLVED_PACKAGE)
+}
+
+fn add_errors_of(unit: &UnitResult, errors: &mut Vec<Diagnostic>) {
+    errors.extend(prevents(unit).cloned());
+}
+
+fn error(code: &'static str, path: &Utf8Path, range: Range<usize>, message: String) -> Diagnostic {
+    Diagnostic::new(code, Severity::Error, message, path.to_owned(), range)
+}

@@ -1,0 +1,47 @@
+//! Quick upper bounds on response times, available before the exact answer.
+
+use dotgen_analysis::model::Seconds;
+use dotgen_timing::analytic::response_bounds;
+use dotgen_timing::report::TaskId;
+use dotgen_timing::scn::names::Names;
+use dotgen_timing::system::build::build;
+use dotgen_timing::verify::{Options, settings};
+use num_rational::Ratio;
+
+use super::Problem;
+use super::summary::Scale;
+
+/// An upper bound on the response time of a task.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TaskBound {
+    /// The task.
+    pub id: TaskId,
+    /// `component.task`
+    pub task: String,
+    /// The bound, in the unit of the report.
+    pub bound: f64,
+}
+
+/// Response-time analysis with blocking. Tasks for which it finds no bound are absent.
+pub fn quick_bounds(problem: &Problem, options: &Options) -> Vec<TaskBound> {
+    let specs = problem.specs();
+    let names = Names::new(&specs);
+    let settings = settings(&problem.scenario, options);
+    let built = build(&names, &settings, &|_| true);
+    if built.has_errors() {
+        return Vec::new();
+    }
+    let (scale, system) = (Scale::of(&settings), &built.system);
+    let bounds = response_bounds(system);
+    let of_task = |(&id, &task): (&TaskId, &usize)| {
+        let bound: Seconds = system.unit * Ratio::from_integer(i128::from(bounds[task]?));
+        Some(TaskBound {
+            id,
+            task: system.task_path(task),
+            bound: scale.from_seconds(bound),
+        })
+    };
+    let mut out: Vec<TaskBound> = built.tasks.iter().filter_map(of_task).collect();
+    out.sort_by(|a, b| a.task.cmp(&b.task));
+    out
+}

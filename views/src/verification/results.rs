@@ -1,0 +1,121 @@
+//! The status and results of verifications.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use camino::Utf8PathBuf;
+use dotgen_timing::derive::MinimumCores;
+use dotgen_timing::report::{Report, Verdict};
+use dotgen_timing::verify::{Cancel, Options, settings};
+use serde::{Deserialize, Serialize};
+
+use super::changes::Repairs;
+use super::summary::Scale;
+use super::view::View;
+use super::why::Why;
+use super::{Problem, TaskBound};
+
+/// Verifications by their document.
+pub type Results = BTreeMap<Utf8PathBuf, Entry>;
+
+/// The status of a verification.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Status {
+    /// The results are of an earlier text; a verification follows.
+    Stale,
+    /// The present text is being verified.
+    Running,
+    /// Every check holds.
+    Proved,
+    /// A check fails.
+    Refuted,
+    /// No check failed, but some are not settled.
+    GaveUp,
+    /// No check failed and all are settled, but execution times are missing.
+    Nothing,
+    /// Errors prevent the verification.
+    Blocked,
+}
+
+/// One verification.
+#[derive(Clone)]
+pub struct Entry {
+    pub status: Status,
+    /// Version of the verified document, if it is open.
+    pub version: Option<i32>,
+    /// The verified problem.
+    pub problem: Arc<Problem>,
+    /// The last answer.
+    pub answer: Option<Arc<Answer>>,
+    /// True if the answer is for `problem`. While the status is running, some of its checks are open.
+    pub holds: bool,
+    /// Quick bounds of `problem`, as soon as they are known.
+    pub bounds: Arc<Vec<TaskBound>>,
+    /// The options of the verification.
+    pub options: Options,
+    pub job: u64,
+    pub cancel: Arc<Cancel>,
+}
+
+impl Entry {
+    /// The problem with the places of the answer.
+    pub fn places(&self) -> &Arc<Problem> {
+        match (self.known(), &self.answer) {
+            (None, Some(answer)) => &answer.problem,
+            _ => &self.problem,
+        }
+    }
+
+    /// The results for the present text, complete or partial.
+    pub fn known(&self) -> Option<&Arc<Answer>> {
+        self.answer.as_ref().filter(|_| self.holds)
+    }
+
+    /// The answer, if it is complete and for the present text.
+    pub fn settled(&self) -> Option<&Arc<Answer>> {
+        self.known().filter(|_| self.status != Status::Running)
+    }
+}
+
+/// A problem and its results. While the verification runs, the results are partial.
+pub struct Answer {
+    pub problem: Arc<Problem>,
+    pub options: Options,
+    pub report: Report,
+    pub bounds: Arc<Vec<TaskBound>>,
+    /// By check: the cause of its failure, and later the remedy.
+    pub(crate) why: Vec<Option<Why>>,
+    /// The repairs of all missed deadlines and limits, found after the remedies.
+    pub repairs: Repairs,
+    /// The minimum number of cores, found last, if at all.
+    pub cores: Option<MinimumCores>,
+}
+
+impl Answer {
+    /// The results in the common form of all front ends.
+    pub fn view(&self) -> View<'_> {
+        View::new(&self.problem, &self.options, &self.report, &self.why)
+    }
+
+    /// The scale of its times.
+    pub fn scale(&self) -> Scale {
+        Scale::of(&settings(&self.problem.scenario, &self.options))
+    }
+
+    /// The status of the results.
+    pub fn status(&self) -> Status {
+        let mut checks = self.report.checks.iter();
+        if self.report.has_errors() {
+            Status::Blocked
+        } else if self.report.refuted() {
+            Status::Refuted
+        } else if checks.any(|it| it.verdict == Verdict::Unknown) {
+            Status::GaveUp
+        } else if self.report.nothing() {
+            Status::Nothing
+        } else {
+            Status::Proved
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! A verification: quick bounds, the exact answer, then the number of cores.
+
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use dotgen_timing::advice::Tell;
+use dotgen_timing::derive::minimum_cores;
+use dotgen_timing::property::PropertyKind;
+use dotgen_timing::report::Verdict;
+use dotgen_timing::verify::{Cancel, Options, SystemInput};
+
+use super::changes::{self, Repair, Repairs};
+use super::results::Answer;
+use super::{Problem, TaskBound, quick_bounds, why};
+
+/// Maximum duration of a verification, in seconds, after which the number of cores is computed: each number
+/// of cores needs a verification of its own.
+const QUICK_SECONDS: f64 = 1.0;
+
+/// Time limit of the search for repairs.
+const REPAIRS: Duration = Duration::from_secs(2);
+
+/// One verification at a time: verifications compete for memory, and the editor needs the other cores.
+static TURN: Mutex<()> = Mutex::new(());
+
+/// An interim result.
+pub enum Interim {
+    /// Quick bounds.
+    Bounds(Arc<Vec<TaskBound>>),
+    /// The known part of the exact answer.
+    SoFar(Arc<Answer>),
+    /// The exact answer. Sent again with the number of cores, and with the remedies.
+    Answer(Arc<Answer>),
+}
+
+/// Verifies within a time limit and reports results. Reports nothing after a cancellation.
+pub fn run(
+    problem: Arc<Problem>,
+    options: Options,
+    limit: Duration,
+    cancel: &Cancel,
+    tell: impl Fn(Interim) + Sync,
+) {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    if cancel.is_abandoned() {
+        return;
+    }
+    cancel.limit(limit);
+    let bounds = Arc::new(quick_bounds(&problem, &options));
+    tell(Interim::Bounds(bounds.clone()));
+    let answer = |report, why, repairs, cores| {
+        Arc::new(Answer {
+            problem: problem.clone(),
+            options: options.clone(),
+            report,
+            why,
+            repairs,
+            bounds: bounds.clone(),
+            cores,
+        })
+    };
+    let report = problem.verify(&options, cancel, &|so_far| {
+        let why = why::of_report(&problem, &options, so_far, None);
+        let none = Repairs::default();
+        tell(Interim::SoFar(answer(so_far.clone(), why, none, None)));
+    });
+    if cancel.is_abandoned() {
+        return;
+    }
+    let mut why = why::of_report(&problem, &options, &report, None);
+    let with = |why: &Vec<_>, repairs| answer(report.clone(), why.clone(), repairs, None);
+    tell(Interim::Answer(with(&why, Repairs::default())));
+    if why.iter().any(Option::is_some) && !cancel.is_over() {
+        let found = why::of_report(&problem, &options, &report, Some(cancel));
+        let helps = found.iter().flatten().any(|it| it.remedy.is_some());
+        if helps && !cancel.is_abandoned() {
+            why = found;
+            tell(Interim::Answer(with(&why, Repairs::default())));
+        }
+    }
+    if report.seconds < QUICK_SECONDS && !cancel.is_over() {
+        let until = (cancel, Some(REPAIRS));
+        let untold: Tell<'_, Repair> = (&|_| {}, &|_| {});
+        let repairs = changes::repairs(&problem, &options, &report, until, untold);
+        if !repairs.all.is_empty() && !cancel.is_abandoned() {
+            tell(Interim::Answer(with(&why, repairs)));
+        }
+    }
+    let deadlines = || {
+        report
+            .checks
+            .iter()
+            .filter(|it| it.kind == PropertyKind::Schedulable)
+    };
+    let worth_it = report.seconds < QUICK_SECONDS
+        && deadlines().next().is_some()
+        && deadlines().all(|it| it.verdict == Verdict::Proved);
+    if worth_it && !cancel.is_over() {
+        let input = SystemInput {
+            specs: problem.specs(),
+        };
+        let cores = minimum_cores(&input, &problem.scenario, &options, cancel);
+        let decided = |it: &dotgen_timing::derive::MinimumCores| {
+            it.cores.is_some() && it.tried.iter().all(|it| it.1 != Verdict::Unknown)
+        };
+        if let Some(cores) = cores.ok().filter(decided)
+            && !cancel.is_abandoned()
+        {
+            tell(Interim::Answer(answer(
+                report,
+                why,
+                Repairs::default(),
+                Some(cores),
+            )));
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! The run of a report that is shown, its title and its end: for the picture and for the trace.
+
+use dotgen_timing::explore::MomentKind;
+use dotgen_timing::report::{CheckReport, Report, Verdict};
+
+use super::timeline::Ending;
+
+/// The check whose run is shown: the requested one, else the first refuted one, else the first one with a
+/// run.
+pub fn chosen(report: &Report, wanted: Option<usize>) -> Option<usize> {
+    let has_run = |it: &CheckReport| !it.run().is_empty();
+    let refuted = |it: &CheckReport| it.verdict == Verdict::Refuted && has_run(it);
+    let wanted = wanted.filter(|&it| report.checks.get(it).is_some_and(has_run));
+    let position = |it: &dyn Fn(&CheckReport) -> bool| report.checks.iter().position(it);
+    wanted
+        .or_else(|| position(&refuted))
+        .or_else(|| position(&has_run))
+}
+
+/// The title of the run of a check.
+pub fn title(check: &CheckReport) -> String {
+    let what = match (check.verdict == Verdict::Refuted, check.kind.is_time()) {
+        _ if !check.possible_run.is_empty() => {
+            "a run with rounded durations; it may not be possible"
+        }
+        (true, _) => "a run that refutes it",
+        (false, true) => "the longest run found",
+        (false, false) => "a run that shows it",
+    };
+    format!("{} {}: {what}", check.kind, check.of)
+}
+
+/// The end of the run of a check.
+pub fn ending(check: &CheckReport) -> Ending<'_> {
+    let last = check.run().last();
+    let says_so = last.is_some_and(|it| it.kind == MomentKind::Excess);
+    let late = check.id.task.is_some();
+    match check.verdict == Verdict::Refuted && late && !says_so {
+        true => Ending::Miss(&check.of),
+        false => Ending::Fine,
+    }
+}

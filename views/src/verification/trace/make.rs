@@ -1,0 +1,452 @@
+//! Traces from the events of a run.
+
+use std::collections::{BTreeMap, HashMap};
+
+use dotgen_analysis::model::Src;
+use dotgen_timing::explore::MomentKind;
+use dotgen_timing::report::Event;
+
+use super::lanes::{Begun, Finished, Key, Lanes, Of, Part};
+use super::rules::rule;
+use super::{Arrow, FORMAT, Focus, Holder, Mark, MarkKind, Span, SpanKind, Step, Trace};
+use crate::verification::blocking::Row;
+use crate::verification::timeline::Ending;
+
+/// A run, and the data for its trace.
+pub struct Told<'e> {
+    /// The title.
+    pub title: String,
+    /// The unit of the times of events: `ms`, `10 us`, …
+    pub unit: &'e str,
+    /// The events.
+    pub events: &'e [Event],
+    /// The end of the run.
+    pub ending: Ending<'e>,
+    /// The event from which the run repeats.
+    pub cycle: Option<usize>,
+    /// The codels that exclude each other, and the data they share.
+    pub blocking: &'e [Row],
+}
+
+/// A specification, and a place in it.
+pub type At = (usize, Src);
+
+/// The trace of a run. Codels and tasks without a place get none.
+pub fn of_run(told: &Told) -> Trace<At> {
+    let (unit, factor) = drawn_in(told.unit, told.events);
+    let mut reading = Reading {
+        excludes: Excludes::of(told.blocking),
+        lanes: Lanes::default(),
+        steps: Vec::new(),
+        marks: Vec::new(),
+        arrows: Vec::new(),
+        places: Vec::new(),
+        rules: BTreeMap::new(),
+    };
+    for (step, event) in told.events.iter().enumerate() {
+        reading.read(step, event, clean(event.time * factor));
+    }
+    let end = told.events.last().map_or(0.0, |it| clean(it.time * factor));
+    if let Ending::Miss(task) = told.ending {
+        let owner = told.events.iter().rev().find(|it| is_of(it, task));
+        if let Some(key) = owner.map(key_of) {
+            reading.marks.push((key, end, MarkKind::Miss, None));
+        }
+    }
+    let repeats = told.cycle.and_then(|it| told.events.get(it));
+    let repeats = repeats.map(|it| clean(it.time * factor));
+    reading.finish(told.title.clone(), unit, end, repeats)
+}
+
+/// True if an event is of a task, named `component.task`.
+fn is_of(event: &Event, task: &str) -> bool {
+    let name = event.task.as_deref();
+    name.is_some_and(|it| task.strip_prefix(&*event.component) == Some(&format!(".{it}")))
+}
+
+/// The unit of all times of a trace, and the factor from the unit of a report (`ms`, `10 us`).
+fn drawn_in(unit: &str, events: &[Event]) -> (&'static str, f64) {
+    let (count, unit) = match unit.split_once(' ') {
+        Some((count, unit)) => (count.parse().unwrap_or(1.0), unit),
+        None => (1.0, unit),
+    };
+    let micros = count
+        * match unit {
+            "s" => 1e6,
+            "us" => 1.0,
+            _ => 1e3,
+        };
+    let end = events.last().map_or(0.0, |it| it.time * micros);
+    match end < 1000.0 {
+        true => ("us", micros),
+        false => ("ms", micros / 1000.0),
+    }
+}
+
+/// A time without the rounding errors of binary fractions.
+fn clean(time: f64) -> f64 {
+    (time * 1e6).round() / 1e6
+}
+
+/// Codels that exclude each other, and the data they share.
+struct Excludes<'e> {
+    through: HashMap<&'e str, HashMap<&'e str, &'e [String]>>,
+}
+
+impl<'e> Excludes<'e> {
+    fn of(rows: &'e [Row]) -> Self {
+        let others = |row: &'e Row| {
+            let by = row.by.iter();
+            by.map(|it| (&*it.codel.path, &*it.through)).collect()
+        };
+        let rows = rows.iter().filter(|it| !it.by.is_empty());
+        Excludes {
+            through: rows.map(|it| (&*it.codel.path, others(it))).collect(),
+        }
+    }
+
+    /// The data that two codels share, if they exclude each other.
+    fn through(&self, one: &str, other: &str) -> Option<&'e [String]> {
+        self.through.get(one)?.get(other).copied()
+    }
+
+    /// The data that a codel shares with some other codels, or with any.
+    fn shared(&self, codel: &str, with: Option<&[&str]>) -> Vec<String> {
+        let mut out: Vec<String> = Vec::new();
+        let others = self.through.get(codel).into_iter().flatten();
+        let wanted = others.filter(|it| with.is_none_or(|with| with.contains(it.0)));
+        for it in wanted.flat_map(|it| it.1.iter()) {
+            if !out.contains(it) {
+                out.push(it.clone());
+            }
+        }
+        out.sort();
+        out
+    }
+}
+
+struct Reading<'e> {
+    excludes: Excludes<'e>,
+    lanes: Lanes,
+    steps: Vec<(Key, Step)>,
+    marks: Vec<(Key, f64, MarkKind, Option<usize>)>,
+    /// Each arrow: its sender, its receiver (a lane, or the name of a task), its time and its step.
+    arrows: Vec<(Key, Target, f64, usize)>,
+    places: Vec<At>,
+    rules: BTreeMap<String, String>,
+}
+
+enum Target {
+    Lane(Key),
+    Named(String),
+}
+
+/// The lane of an event.
+fn key_of(event: &Event) -> Key {
+    let part = match &event.task {
+        Some(task) => Part::Task(task.clone()),
+        None => Part::Control,
+    };
+    Key::Of(event.component.clone(), part)
+}
+
+/// The name of the executing task or component, as in events and reports.
+fn who(event: &Event) -> String {
+    match &event.task {
+        Some(task) => format!("{}.{task}", event.component),
+        None => event.component.clone(),
+    }
+}
+
+fn last_name(path: &str) -> String {
+    path.rsplit('.').next().unwrap_or_default().to_owned()
+}
+
+/// The path of a codel without its component: `report.start`.
+fn short(path: &str) -> String {
+    let from = path.find('.').map_or(0, |it| it + 1);
+    path[from..].to_owned()
+}
+
+impl Reading<'_> {
+    fn read(&mut self, step: usize, event: &Event, now: f64) {
+        let mut key = key_of(event);
+        // The awaited reply of a client can be late.
+        let client = Key::Client(event.component.clone());
+        if event.kind == MomentKind::Excess && event.task.is_none() && self.lanes.has(&client) {
+            key = client;
+        }
+        self.lanes.touch(&key);
+        let locks = Key::Of(event.component.clone(), Part::Locks);
+        let name = who(event);
+        if let Some(victim) = &event.preempts {
+            self.take_core(victim, &name, step, now);
+        }
+        let codel = event.codel.clone();
+        let of = codel.clone().map(Of::Codel);
+        let begun = |kind, path: &str| Begun {
+            of: Of::Codel(path.to_owned()),
+            kind,
+            label: short(path),
+            step,
+            ahead: Vec::new(),
+        };
+        let shares = codel
+            .as_deref()
+            .is_some_and(|it| self.excludes.through.contains_key(it));
+        match (event.kind, &codel, &of) {
+            (MomentKind::Release, ..) if event.for_core => {
+                let waits = Begun {
+                    of: Of::Core(name.clone()),
+                    kind: SpanKind::WaitCore,
+                    label: "waits for a core".to_owned(),
+                    step,
+                    ahead: Vec::new(),
+                };
+                self.lanes.begin(&key, now, waits);
+            }
+            (MomentKind::Grant, ..) if event.preempts.is_none() => {
+                let core = Of::Core(name.clone());
+                self.lanes.end(&key, now, &core, SpanKind::WaitCore);
+                let free = Key::Core(self.lanes.free_core());
+                self.has_core(&free, name.clone(), step, now);
+            }
+            (MomentKind::Wait, Some(path), Some(of)) => {
+                let ahead = event.waits_for.iter().filter(|it| it.ahead);
+                let ahead: Vec<String> = ahead.map(|it| it.codel.clone()).collect();
+                for lane in [&key, &locks] {
+                    match self.lanes.open(lane, of, SpanKind::WaitLock) {
+                        Some(it) => it.ahead.extend(ahead.iter().cloned()),
+                        None => {
+                            let ahead = ahead.clone();
+                            let waits = begun(SpanKind::WaitLock, path);
+                            self.lanes.begin(lane, now, Begun { ahead, ..waits });
+                        }
+                    }
+                }
+            }
+            (MomentKind::Begin, Some(path), Some(of)) => {
+                self.lanes.end(&key, now, of, SpanKind::WaitLock);
+                self.lanes.end(&locks, now, of, SpanKind::WaitLock);
+                self.lanes.begin(&key, now, begun(SpanKind::Run, path));
+                if shares {
+                    self.lanes.begin(&locks, now, begun(SpanKind::Hold, path));
+                }
+            }
+            (MomentKind::End, _, Some(of)) => {
+                self.lanes.end(&key, now, of, SpanKind::Run);
+                self.lanes.end(&locks, now, of, SpanKind::Hold);
+            }
+            (MomentKind::Complete, ..) => {
+                if let Some(core) = self.lanes.core_of(&name) {
+                    self.lanes
+                        .end(&core, now, &Of::Core(name.clone()), SpanKind::Run);
+                }
+            }
+            _ => {}
+        }
+        if let Some(client) = &event.client {
+            let from = Key::Client(client.clone());
+            self.lanes.touch(&from);
+            self.arrows
+                .push((from, Target::Lane(key.clone()), now, step));
+        }
+        if let Some(task) = &event.releases {
+            let to = Target::Named(task.clone());
+            self.arrows.push((key.clone(), to, now, step));
+        }
+        let mark = match event.kind {
+            MomentKind::Tick => Some(MarkKind::Tick),
+            MomentKind::Request => Some(MarkKind::Request),
+            MomentKind::Complete => Some(MarkKind::Complete),
+            MomentKind::Excess => Some(MarkKind::Miss),
+            _ => None,
+        };
+        self.marks
+            .extend(mark.map(|it| (key.clone(), now, it, Some(step))));
+        let blockers: Vec<&str> = event.waits_for.iter().map(|it| &*it.codel).collect();
+        let with = (event.kind == MomentKind::Wait).then_some(&*blockers);
+        let codel_locks = codel.as_deref().map(|it| self.excludes.shared(it, with));
+        let (rule, sentence) = rule(event.kind);
+        self.rules
+            .entry(rule.to_owned())
+            .or_insert_with(|| sentence.to_owned());
+        let place = event.src.map(|src| {
+            let known = self.places.iter().position(|it| *it == src);
+            known.unwrap_or_else(|| {
+                self.places.push(src);
+                self.places.len() - 1
+            })
+        });
+        self.steps.push((
+            key,
+            Step {
+                at: now,
+                lane: 0,
+                rule: rule.to_owned(),
+                what: event.what.clone(),
+                codel,
+                locks: codel_locks.unwrap_or_default(),
+                place,
+            },
+        ));
+    }
+
+    fn has_core(&mut self, core: &Key, who: String, step: usize, now: f64) {
+        let has = Begun {
+            label: last_name(&who),
+            of: Of::Core(who),
+            kind: SpanKind::Run,
+            step,
+            ahead: Vec::new(),
+        };
+        self.lanes.begin(core, now, has);
+    }
+
+    /// A job takes the core of another job.
+    fn take_core(&mut self, victim: &str, by: &str, step: usize, now: f64) {
+        let Some(core) = self.lanes.core_of(victim) else {
+            return;
+        };
+        self.lanes
+            .end(&core, now, &Of::Core(victim.to_owned()), SpanKind::Run);
+        self.has_core(&core, by.to_owned(), step, now);
+    }
+
+    fn finish(self, title: String, unit: &str, end: f64, repeats: Option<f64>) -> Trace<At> {
+        let Finished {
+            lanes,
+            mut spans,
+            ahead,
+            at,
+        } = self.lanes.finish(end);
+        let lane = |key: &Key| at.get(key).copied().unwrap_or(0);
+        let named: HashMap<&str, usize> = (0..).zip(&lanes).map(|(i, it)| (&*it.name, i)).collect();
+        let core = |it: &Span| it.codel.is_none() && it.kind == SpanKind::Run;
+        let holds = Holds::of(spans.iter().filter(|it| it.kind == SpanKind::Hold));
+        let cores = Holds::of(spans.iter().filter(|it| core(it)));
+        // The step with which a codel begins to execute gives its lane.
+        let executes = |it: &Span| self.steps.get(it.step).map(|it| lane(&it.0));
+        let mut waits = Vec::new();
+        for (i, span) in spans.iter().enumerate() {
+            let by = match (span.kind, &span.codel) {
+                (SpanKind::WaitLock, Some(codel)) => {
+                    let mut by = holds.during(span, |it| {
+                        let other = it.codel.as_deref()?;
+                        let through = self.excludes.through(codel, other)?;
+                        Some(Holder {
+                            name: it.label.clone(),
+                            lane: executes(it),
+                            from: it.from,
+                            to: it.to,
+                            through: through.to_vec(),
+                            ahead: false,
+                        })
+                    });
+                    for other in &ahead[i] {
+                        let name = short(other);
+                        if by.iter().all(|it: &Holder| it.name != name) {
+                            by.push(Holder {
+                                name,
+                                lane: None,
+                                from: span.from,
+                                to: span.to,
+                                through: Vec::new(),
+                                ahead: true,
+                            });
+                        }
+                    }
+                    by
+                }
+                (SpanKind::WaitCore, _) => cores.during(span, |it| {
+                    Some(Holder {
+                        name: it.label.clone(),
+                        lane: executes(it),
+                        from: it.from,
+                        to: it.to,
+                        through: Vec::new(),
+                        ahead: false,
+                    })
+                }),
+                _ => continue,
+            };
+            waits.push((i, by));
+        }
+        for (i, by) in waits {
+            spans[i].by = by;
+        }
+        let arrows = self.arrows.iter().filter_map(|(from, to, at, step)| {
+            let to = match to {
+                Target::Lane(key) => lane(key),
+                Target::Named(name) => *named.get(&**name)?,
+            };
+            Some(Arrow {
+                from: lane(from),
+                to,
+                at: *at,
+                step: *step,
+            })
+        });
+        let marks = self.marks.iter().map(|(key, at, kind, step)| Mark {
+            lane: lane(key),
+            at: *at,
+            kind: *kind,
+            step: *step,
+        });
+        let marks: Vec<Mark> = marks.collect();
+        let missed = marks.iter().rev().find(|it| it.kind == MarkKind::Miss);
+        let last = self.steps.len().checked_sub(1);
+        Trace {
+            format: FORMAT,
+            title,
+            unit: unit.to_owned(),
+            start: 0.0,
+            end,
+            focus: Focus {
+                at: missed.map_or(end, |it| it.at),
+                lane: missed.map(|it| it.lane),
+                step: missed.and_then(|it| it.step).or(last),
+            },
+            repeats,
+            arrows: arrows.collect(),
+            marks,
+            steps: (self.steps.iter())
+                .map(|(key, it)| Step {
+                    lane: lane(key),
+                    ..it.clone()
+                })
+                .collect(),
+            rules: self.rules,
+            places: self.places,
+            notes: Vec::new(),
+            lanes,
+            spans,
+        }
+    }
+}
+
+/// Spans in order of time, for queries about the holders during a wait.
+struct Holds<'s> {
+    all: Vec<&'s Span>,
+    longest: f64,
+}
+
+impl<'s> Holds<'s> {
+    fn of(spans: impl Iterator<Item = &'s Span>) -> Self {
+        let mut all: Vec<&Span> = spans.collect();
+        all.sort_by(|a, b| a.from.total_cmp(&b.from));
+        let longest = all.iter().map(|it| it.to - it.from).fold(0.0, f64::max);
+        Holds { all, longest }
+    }
+
+    /// The holders during a wait, in order: the one at its beginning, and all later ones.
+    fn during(&self, wait: &Span, holder: impl Fn(&Span) -> Option<Holder>) -> Vec<Holder> {
+        // No span that began earlier than the longest duration before the wait can overlap it. This avoids a
+        // search from the beginning of long runs.
+        let first = (self.all).partition_point(|it| it.from < wait.from - self.longest);
+        let after = self.all[first..].iter();
+        let candidates = after.take_while(|it| it.from < wait.to);
+        let meanwhile = candidates.filter(|it| it.to > wait.from);
+        meanwhile.filter_map(|it| holder(it)).collect()
+    }
+}

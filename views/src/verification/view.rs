@@ -1,0 +1,254 @@
+//! The results of a verification in a common form, for command line, lenses, panel and diagnostics.
+
+use std::ops::Range;
+
+use dotgen_timing::property::PropertyKind;
+use dotgen_timing::report::{
+    Awaited, CheckReport, Delay, Report, Soundness, TaskId, Value, Verdict,
+};
+use dotgen_timing::scn::ast::{Check, CheckKind, Item, Scenario};
+use dotgen_timing::verify::{Options, settings};
+
+use super::Problem;
+use super::summary::{Scale, percent};
+use super::why::Why;
+
+/// The outcome of a check.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// It holds.
+    Proved,
+    /// It holds because its subject never occurs in a run.
+    Vacuous,
+    /// Its upper bound is greater than the period of the task; the exact value may be less.
+    Bounded,
+    /// Its bound is greater than the period of the task, and the scenario states no limit.
+    Exceeds,
+    /// It does not hold.
+    Refuted,
+    /// It may fail: the run that refutes it has rounded durations.
+    PossiblyRefuted,
+    /// It is not settled.
+    GaveUp,
+    /// Execution times are missing.
+    Nothing,
+    /// There is no answer yet.
+    Open,
+}
+
+impl Outcome {
+    /// The word in the table of the command line, and in the panel.
+    pub fn word(self) -> &'static str {
+        match self {
+            Outcome::Proved => "proved",
+            Outcome::Vacuous => "vacuous",
+            Outcome::Bounded => "bounded",
+            Outcome::Exceeds => "exceeds",
+            Outcome::Refuted => "refuted",
+            Outcome::PossiblyRefuted => "refuted?",
+            Outcome::GaveUp => "gave up",
+            Outcome::Nothing => "nothing",
+            Outcome::Open => "open",
+        }
+    }
+
+    /// The word after a count: `2 nothing to verify`.
+    pub fn counted(self) -> &'static str {
+        match self {
+            Outcome::Exceeds => "beyond the period",
+            Outcome::PossiblyRefuted => "possibly refuted",
+            Outcome::Nothing => "nothing to verify",
+            _ => self.word(),
+        }
+    }
+
+    /// All outcomes, in the order of counts.
+    pub const ALL: [Outcome; 9] = [
+        Outcome::Proved,
+        Outcome::Vacuous,
+        Outcome::Bounded,
+        Outcome::Exceeds,
+        Outcome::Refuted,
+        Outcome::PossiblyRefuted,
+        Outcome::GaveUp,
+        Outcome::Nothing,
+        Outcome::Open,
+    ];
+
+    fn of(report: &CheckReport) -> Outcome {
+        match report.verdict {
+            Verdict::Proved if report.vacuous => Outcome::Vacuous,
+            Verdict::Proved if report.exceeds() => Outcome::Exceeds,
+            // An upper bound greater than the period proves nothing about the deadline.
+            Verdict::Proved if report.slack().is_some_and(|it| it < 0.0) => Outcome::Bounded,
+            Verdict::Proved => Outcome::Proved,
+            // Rounding makes reachability uncertain, but not unreachability.
+            Verdict::Refuted if report.rounded && report.kind != PropertyKind::Reachable => {
+                Outcome::PossiblyRefuted
+            }
+            Verdict::Refuted => Outcome::Refuted,
+            Verdict::Unknown => Outcome::GaveUp,
+            Verdict::Nothing => Outcome::Nothing,
+            Verdict::Open => Outcome::Open,
+        }
+    }
+}
+
+/// A check with its result.
+#[derive(Debug, Clone)]
+pub struct CheckView<'r> {
+    /// The report.
+    pub report: &'r CheckReport,
+    /// The outcome.
+    pub outcome: Outcome,
+    /// `≤ 5 ms`; the sign shows a bound.
+    pub value: Option<String>,
+    /// `10 ms`: the stated limit, or the period.
+    pub limit: Option<String>,
+    /// `≥ 30 %`
+    pub slack: Option<String>,
+    /// A restriction of the verdict, if it is not exact.
+    pub worth: Option<&'static str>,
+    /// The causes of a late job, a sentence for each wait.
+    pub reason: Vec<String>,
+    /// The cause of a task's failure, in one sentence.
+    pub cause: Option<String>,
+    /// A change with which the check holds, if one is known.
+    pub remedy: Option<String>,
+    /// The cause and the remedy, as data.
+    pub why: Option<&'r Why>,
+    /// The range of the check in the scenario.
+    pub written: Option<Range<usize>>,
+    /// True if it is one of several answers to a check of all tasks.
+    pub is_one_of_all: bool,
+}
+
+/// The results of a verification.
+pub struct View<'r> {
+    /// The checks, in the order of the report.
+    pub checks: Vec<CheckView<'r>>,
+}
+
+impl<'r> View<'r> {
+    /// The view of the report of a problem.
+    pub fn new(
+        problem: &Problem,
+        options: &Options,
+        report: &'r Report,
+        why: &'r [Option<Why>],
+    ) -> View<'r> {
+        let scale = Scale::of(&settings(&problem.scenario, options));
+        // Checks of the command line are not in the scenario.
+        let written = options.checks.is_empty() && problem.is_written();
+        let scenario = written.then_some(&problem.scenario);
+        let checks = report.checks.iter().enumerate();
+        let why = |i: usize| why.get(i).and_then(Option::as_ref);
+        View {
+            checks: checks
+                .map(|(i, it)| CheckView::new(it, scale, scenario, why(i)))
+                .collect(),
+        }
+    }
+
+    /// The results of a task.
+    pub fn of_task(&self, task: TaskId) -> impl Iterator<Item = (usize, &CheckView<'r>)> {
+        let all = self.checks.iter().enumerate();
+        all.filter(move |it| it.1.report.id.task == Some(task))
+    }
+}
+
+impl<'r> CheckView<'r> {
+    fn new(
+        report: &'r CheckReport,
+        scale: Scale,
+        scenario: Option<&Scenario>,
+        why: Option<&'r Why>,
+    ) -> CheckView<'r> {
+        let outcome = Outcome::of(report);
+        let bound = report.rounded || report.soundness == Soundness::UpperBound;
+        let (sign, least) = match report.verdict {
+            Verdict::Unknown => ("≥ ", ""),
+            _ if bound => ("≤ ", "≥ "),
+            _ => ("", ""),
+        };
+        let written = scenario.and_then(|it| check_of(it, report));
+        CheckView {
+            report,
+            outcome,
+            // An infinite bound is not shown.
+            value: report.value.map(|it| match it {
+                Value::Unbounded => scale.show_value(it),
+                Value::Time(_) => format!("{sign}{}", scale.show_value(it)),
+            }),
+            limit: report.limit.map(|it| scale.show(it.time())),
+            slack: report.slack().map(|it| format!("{least}{}", percent(it))),
+            worth: match report.soundness {
+                _ if report.rounded => Some("durations are rounded"),
+                // The sign before the value, and the note, show it.
+                Soundness::Exact | Soundness::UpperBound => None,
+                Soundness::Safe => Some("safe: a failure may be a false alarm"),
+                Soundness::Under => Some("for worst-case durations only"),
+                Soundness::WholeUnits => Some("shown for ends at whole units of time"),
+                Soundness::Neither => Some("for worst-case durations only, indicative"),
+            },
+            reason: report.reason.iter().map(|it| sentence(it, scale)).collect(),
+            cause: why.map(|it| it.cause_in_words(scale)),
+            remedy: why.and_then(|it| it.remedy_in_words(scale)),
+            why,
+            written: written.map(|it| it.range.clone()),
+            is_one_of_all: written.is_some_and(is_of_all),
+        }
+    }
+
+    /// `schedulable c.t`
+    pub fn title(&self) -> String {
+        format!("{} {}", self.report.kind, self.report.of)
+    }
+}
+
+/// The check of a scenario that a report answers.
+fn check_of<'s>(scenario: &'s Scenario, report: &CheckReport) -> Option<&'s Check> {
+    let checks = scenario.items.iter().filter_map(|it| match it {
+        Item::Check(check) => Some(check),
+        _ => None,
+    });
+    checks.into_iter().nth(report.id.written)
+}
+
+fn is_of_all(check: &Check) -> bool {
+    use CheckKind::{NoOverdue, Response, Schedulable};
+    matches!(
+        check.kind,
+        Schedulable(None) | NoOverdue(None) | Response(None, _)
+    )
+}
+
+/// `waits for a lock from 4 ms to 9 ms (b.u.main): c.v.main of c.v has it until 7 ms, then …`
+fn sentence(it: &Delay, scale: Scale) -> String {
+    let what = match (&it.codel, it.awaited) {
+        (Some(codel), _) => format!("{codel} waits for its locks"),
+        (None, Awaited::Core | Awaited::Lock) => "the job waits for a core".to_owned(),
+    };
+    let held = it.held.iter().map(|it| {
+        let who = match &it.codel {
+            Some(codel) => codel.clone(),
+            None => it.by.clone(),
+        };
+        format!(
+            "{who} ({} to {})",
+            scale.show(it.from),
+            scale.show(it.until)
+        )
+    });
+    let held: Vec<String> = held.collect();
+    let by = match &held[..] {
+        [] => String::new(),
+        [it] => format!(", held by {it}"),
+        all => format!(
+            ", held by {}, each of which took it as soon as it was free",
+            all.join(", then ")
+        ),
+    };
+    let (from, until) = (scale.show(it.from), scale.show(it.until));
+    format!("{what} from {from} to {until}{by}")
+}

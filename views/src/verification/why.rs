@@ -1,0 +1,165 @@
+//! The causes of missed deadlines and their remedies, as data of a report and as text.
+
+use dotgen_timing::advice::{Change, remedy};
+use dotgen_timing::report::{Awaited, CheckReport, Delay, Holder, Report, Verdict};
+use dotgen_timing::verify::{Cancel, Options, SystemInput};
+use serde::Serialize;
+
+use super::Problem;
+use super::blocking::{self, Row};
+use super::changes;
+use super::summary::Scale;
+
+/// Maximum duration of a verification, in seconds, after which remedies are searched: each needs several
+/// verifications.
+const QUICK_SECONDS: f64 = 1.0;
+
+/// The cause of a task's failure, and the remedy.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Why {
+    /// The longest wait of the job at the end of the run.
+    pub(crate) cause: Cause,
+    /// A simple change with which the check holds, if there is one. It was verified.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub remedy: Option<Change>,
+    /// The function of the codel that the remedy changes.
+    #[serde(skip)]
+    function: Option<String>,
+}
+
+/// See [`Why::cause`].
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct Cause {
+    /// The late task: `component.task`.
+    pub(crate) task: String,
+    /// The awaited lock or core; none if the job was never blocked.
+    #[serde(rename = "waits-for", skip_serializing_if = "Option::is_none")]
+    pub(crate) awaited: Option<Awaited>,
+    /// Duration of the wait, in the unit of the report.
+    pub(crate) time: f64,
+    /// The shared data, as text.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) through: Vec<String>,
+    /// The holder: a codel, or a task.
+    #[serde(rename = "held-by", skip_serializing_if = "Option::is_none")]
+    pub(crate) held_by: Option<String>,
+    /// The holder's name for users: the function of a codel.
+    #[serde(skip)]
+    holder: Option<String>,
+}
+
+/// The causes of all checks of a report that fail for a task; if `remedies` is set, also the remedies.
+pub fn of_report(
+    problem: &Problem,
+    options: &Options,
+    report: &Report,
+    remedies: Option<&Cancel>,
+) -> Vec<Option<Why>> {
+    let refuted = |it: &&CheckReport| it.verdict == Verdict::Refuted && it.id.task.is_some();
+    if !report.checks.iter().any(|it| refuted(&it)) {
+        return vec![None; report.checks.len()];
+    }
+    let table = blocking::table(problem, options);
+    let input = SystemInput {
+        specs: problem.specs(),
+    };
+    let remedies = remedies.filter(|_| report.seconds <= QUICK_SECONDS);
+    let why = |check: &CheckReport| {
+        refuted(&check).then(|| {
+            let remedy = remedies.and_then(|cancel| {
+                remedy(&input, &problem.scenario, options, (report, check), cancel)
+            });
+            let function = match &remedy {
+                Some(Change::Wcet { codel, .. }) => Some(function(&table, codel)),
+                _ => None,
+            };
+            Why {
+                cause: cause(check, &table),
+                remedy,
+                function,
+            }
+        })
+    };
+    report.checks.iter().map(why).collect()
+}
+
+fn function(table: &[Row], codel: &str) -> String {
+    let row = table.iter().find(|it| it.codel.path == codel);
+    row.map_or(codel, |it| &it.codel.function).to_owned()
+}
+
+fn cause(check: &CheckReport, table: &[Row]) -> Cause {
+    let mut out = Cause {
+        task: check.of.clone(),
+        awaited: None,
+        time: 0.0,
+        through: Vec::new(),
+        held_by: None,
+        holder: None,
+    };
+    let length = |it: &Delay| it.until - it.from;
+    let longest = check.reason.iter();
+    let Some(longest) = longest.max_by(|a, b| length(a).total_cmp(&length(b))) else {
+        return out;
+    };
+    out.awaited = Some(longest.awaited);
+    out.time = length(longest);
+    let had = |it: &Holder| it.until - it.from;
+    let holders = longest.held.iter();
+    let Some(holder) = holders.max_by(|a, b| had(a).total_cmp(&had(b))) else {
+        return out;
+    };
+    out.held_by = Some(holder.codel.clone().unwrap_or_else(|| holder.by.clone()));
+    out.holder = Some(match &holder.codel {
+        Some(codel) => function(table, codel),
+        None => own_name(&holder.by).to_owned(),
+    });
+    if let (Some(waiting), Some(codel)) = (&longest.codel, &holder.codel) {
+        let row = table.iter().find(|it| it.codel.path == *waiting);
+        let by = row.and_then(|it| it.by.iter().find(|it| it.codel.path == *codel));
+        out.through = by.map(|it| it.through.clone()).unwrap_or_default();
+    }
+    out
+}
+
+/// The task in `component.task`.
+fn own_name(path: &str) -> &str {
+    path.rsplit('.').next().unwrap_or(path)
+}
+
+impl Why {
+    /// `` `control` waits 6 ms for `level` of the ids, held by `report_start` ``
+    pub(crate) fn cause_in_words(&self, scale: Scale) -> String {
+        let it = &self.cause;
+        let task = own_name(&it.task);
+        let time = scale.show(it.time);
+        let what = match (it.awaited, &it.through[..]) {
+            (None, _) => {
+                return format!(
+                    "`{task}` is never blocked: its own codels take longer than the limit"
+                );
+            }
+            (Some(Awaited::Core), _) => "a core".to_owned(),
+            (Some(Awaited::Lock), []) => "a lock".to_owned(),
+            (Some(Awaited::Lock), all) => all.join(" and "),
+        };
+        let held = it.holder.as_ref();
+        let held = held.map_or(String::new(), |it| format!(", held by `{it}`"));
+        format!("`{task}` waits {time} for {what}{held}")
+    }
+
+    /// `` it holds if `report_start` takes at most 4 ms ``
+    pub(crate) fn remedy_in_words(&self, scale: Scale) -> Option<String> {
+        let name = |codel: &str| self.function.as_deref().unwrap_or(codel).to_owned();
+        Some(changes::in_words(self.remedy.as_ref()?, scale, &name))
+    }
+
+    /// The cause and the remedy.
+    pub fn in_words(&self, scale: Scale) -> String {
+        let cause = self.cause_in_words(scale);
+        match self.remedy_in_words(scale) {
+            Some(remedy) => format!("{cause}; {remedy}"),
+            None => cause,
+        }
+    }
+}
