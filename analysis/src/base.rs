@@ -199,7 +199,7 @@ impl RootDatabase {
 
     /// Evicts large results that are seldom requested again, except for the most recently requested. Cancels
     /// the running snapshots and waits until they are dropped.
-    pub(crate) fn shrink(&mut self) {
+    pub(crate) fn evict_cache(&mut self) {
         self.trigger_lru_eviction();
     }
 
@@ -211,7 +211,7 @@ impl RootDatabase {
     }
 
     /// An empty database with the settings of another one, over another loader.
-    pub(crate) fn like(other: &dyn Db, loader: Arc<dyn Loader>) -> RootDatabase {
+    pub(crate) fn with_settings_of(other: &dyn Db, loader: Arc<dyn Loader>) -> RootDatabase {
         let mut db = RootDatabase::new(loader, None);
         let (from, to) = (other.workspace(), db.workspace());
         to.set_roots(&mut db).to(from.roots(other).clone());

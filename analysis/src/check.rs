@@ -2,7 +2,7 @@
 //!
 //! Each is a pure function of the [`Spec`] and one [`Component`] of it, so that a caller can cache it for
 //! every component on its own. [`component`] runs them all; a body that was reopened later is checked in its
-//! state at the end of the body, from [`crate::elab::Closing::snapshot`].
+//! state at the end of the body, from [`crate::elab::BodyEnd::snapshot`].
 
 mod concurrency;
 mod machine;

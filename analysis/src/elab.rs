@@ -16,7 +16,7 @@ mod finish;
 mod foreign;
 mod import;
 mod initializer;
-mod newer;
+mod newer_releases;
 mod opaque;
 mod operator;
 mod param;
@@ -82,7 +82,7 @@ pub struct Elaborated {
     /// Everything declared, by [`DefId`].
     pub definitions: Vec<Definition>,
     /// One entry for each body of a component or interface, in the order in which they end.
-    pub closings: Vec<Closing>,
+    pub closings: Vec<BodyEnd>,
 }
 
 /// Index into [`Elaborated::definitions`].
@@ -197,7 +197,7 @@ pub enum Access {
 
 /// The end of a body of a component or interface, at which the component must be consistent.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Closing {
+pub struct BodyEnd {
     /// Index into [`Spec::components`].
     pub component: u32,
     /// The state of the component at this end, if it was reopened later; otherwise see the [`Spec`].

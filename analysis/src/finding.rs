@@ -1,6 +1,6 @@
 //! Findings: errors and warnings about a specification, as data.
 //!
-//! A [`Finding`] has its [`Kind`], its place, and related places. The message, the advice, the wording of the
+//! A [`Finding`] has its [`FindingKind`], its place, and related places. The message, the advice, the wording of the
 //! reference compiler and the fixes are made from the kind when a finding is placed in a file
 //! ([`crate::report`]); no code parses a message.
 //!
@@ -22,8 +22,8 @@ use dotgen_syntax::{
 use smol_str::SmolStr;
 
 use self::{
-    codels::Using, files::Reading, lints::Noticing, names::Naming, role::Role, services::Declaring,
-    values::Valuing,
+    codels::CodelProblem, files::FileProblem, lints::LintWarning, names::NameProblem, role::Role,
+    services::DeclarationProblem, values::ValueProblem,
 };
 pub use crate::diagnostic::Severity;
 use crate::{
@@ -35,59 +35,66 @@ use crate::{
 /// The kind of a finding.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 #[allow(missing_docs, reason = "the families say what they are about")]
-pub enum Kind {
+pub enum FindingKind {
     Preprocessing(Preprocessing),
     Parsing(Box<SyntaxError>),
-    Reading(Reading),
-    Naming(Naming),
-    Valuing(Valuing),
-    Declaring(Declaring),
-    Using(Using),
-    Noticing(Noticing),
+    FileProblem(FileProblem),
+    NameProblem(NameProblem),
+    ValueProblem(ValueProblem),
+    DeclarationProblem(DeclarationProblem),
+    CodelProblem(CodelProblem),
+    LintWarning(LintWarning),
 }
 
 macro_rules! families {
     ($($Family:ident),*) => {
-        impl Kind {
+        impl FindingKind {
             /// The stable identifier, as shown to users.
             pub fn code(&self) -> &'static str {
                 match self {
-                    Kind::Preprocessing(it) => it.code(),
-                    Kind::Parsing(it) => it.code(),
-                    $( Kind::$Family(it) => it.code() ),*
+                    FindingKind::Preprocessing(it) => it.code(),
+                    FindingKind::Parsing(it) => it.code(),
+                    $( FindingKind::$Family(it) => it.code() ),*
                 }
             }
 
             /// The message of the kind alone.
             fn words(&self) -> Wording {
                 match self {
-                    Kind::Preprocessing(it) => it.wording(),
-                    Kind::Parsing(it) => it.wording(),
-                    $( Kind::$Family(it) => it.wording() ),*
+                    FindingKind::Preprocessing(it) => it.wording(),
+                    FindingKind::Parsing(it) => it.wording(),
+                    $( FindingKind::$Family(it) => it.wording() ),*
                 }
             }
 
             /// The fixes, the best first, made from the text around.
             pub(crate) fn fixes(&self, here: &FixSite<'_>) -> Vec<TextFix> {
                 match self {
-                    Kind::Preprocessing(it) => syntax::preprocessing(it, here),
-                    Kind::Parsing(it) => syntax::parsing(it, here),
-                    $( Kind::$Family(it) => it.fixes(here) ),*
+                    FindingKind::Preprocessing(it) => syntax::preprocessing(it, here),
+                    FindingKind::Parsing(it) => syntax::parsing(it, here),
+                    $( FindingKind::$Family(it) => it.fixes(here) ),*
                 }
             }
         }
 
-        $( impl From<$Family> for Kind {
-            fn from(it: $Family) -> Kind {
-                Kind::$Family(it)
+        $( impl From<$Family> for FindingKind {
+            fn from(it: $Family) -> FindingKind {
+                FindingKind::$Family(it)
             }
         } )*
     };
 }
 
-families!(Reading, Naming, Valuing, Declaring, Using, Noticing);
+families!(
+    FileProblem,
+    NameProblem,
+    ValueProblem,
+    DeclarationProblem,
+    CodelProblem,
+    LintWarning
+);
 
-impl Kind {
+impl FindingKind {
     /// The message: the error, then the advice.
     pub fn wording(&self, near: Option<&Near>, because: Option<&str>) -> Wording {
         let mut wording = self.words();
@@ -102,8 +109,8 @@ impl Kind {
     /// compare these lines.
     pub(crate) fn reference(&self) -> String {
         match self {
-            Kind::Preprocessing(it) => it.reference(),
-            Kind::Naming(Naming::Clash { name, what }) => {
+            FindingKind::Preprocessing(it) => it.reference(),
+            FindingKind::NameProblem(NameProblem::Clash { name, what }) => {
                 let kind = what.trim_start_matches("an ").trim_start_matches("a ");
                 format!("declaration of '{name}' clashes with existing {kind}")
             }
@@ -115,7 +122,7 @@ impl Kind {
     /// an interface. A name close to a known one is considered misspelt.
     pub(crate) fn may_be_in_a_package(&self, is_near: bool) -> bool {
         match self {
-            Kind::Naming(it) => it.may_be_in_a_package(is_near),
+            FindingKind::NameProblem(it) => it.may_be_in_a_package(is_near),
             _ => false,
         }
     }
@@ -166,7 +173,7 @@ impl Near {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Finding {
     /// The kind.
-    pub kind: Kind,
+    pub kind: FindingKind,
     /// The severity.
     pub severity: Severity,
     /// The place.
@@ -176,14 +183,14 @@ pub struct Finding {
     /// The probable intention.
     pub near: Option<Near>,
     /// The place at which the reference compiler reports it, if different.
-    pub said_at: Option<Src>,
+    pub compiler_at: Option<Src>,
     /// The reason why an error in another text is reported here.
     pub because: Option<&'static str>,
 }
 
 impl Finding {
     /// A finding with the severity of its code.
-    pub fn new(kind: impl Into<Kind>, at: Src) -> Finding {
+    pub fn new(kind: impl Into<FindingKind>, at: Src) -> Finding {
         let kind = kind.into();
         Finding {
             severity: kind.severity(),
@@ -191,7 +198,7 @@ impl Finding {
             at,
             related: Vec::new(),
             near: None,
-            said_at: None,
+            compiler_at: None,
             because: None,
         }
     }
@@ -203,8 +210,8 @@ impl Finding {
     }
 
     /// Adds the place at which the reference compiler reports it.
-    pub fn said_at(mut self, at: Src) -> Finding {
-        self.said_at = Some(at);
+    pub fn compiler_at(mut self, at: Src) -> Finding {
+        self.compiler_at = Some(at);
         self
     }
 

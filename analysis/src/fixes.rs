@@ -6,8 +6,8 @@
 mod braces;
 mod create;
 mod includes;
-mod slips;
 pub(crate) mod trial;
+mod typos;
 
 pub(crate) use braces::missing_brace;
 pub(crate) use includes::near_include;
@@ -21,7 +21,7 @@ use dotgen_syntax::{
 
 use crate::{
     diagnostic::{FileEdit, Fix, FixKind},
-    lists::appended,
+    lists::append_to_list,
     source_map::bytes,
     spelling::Spelling,
 };
@@ -105,7 +105,7 @@ impl FixSite<'_> {
             let end = end_of(&it);
             bytes(TextRange::new(it.text_range().start(), end) - base)
         });
-        let edits = appended(&list.text().to_string(), &items.collect::<Vec<_>>(), item);
+        let edits = append_to_list(&list.text().to_string(), &items.collect::<Vec<_>>(), item);
         let edits = edits.into_iter().filter_map(|(range, text)| {
             let at = TextSize::try_from(range.start).ok()?;
             Some((TextRange::empty(base + at), text))
@@ -521,7 +521,7 @@ fn add_yield(codel: &SyntaxNode, state: &str) -> Option<TextFix> {
         let end = end_of(it.syntax());
         bytes(TextRange::new(it.syntax().text_range().start(), end) - base)
     });
-    let edits = appended(&codel.text().to_string(), &items.collect::<Vec<_>>(), state);
+    let edits = append_to_list(&codel.text().to_string(), &items.collect::<Vec<_>>(), state);
     let edits = edits.into_iter().filter_map(|(range, text)| {
         let at = TextSize::try_from(range.start).ok()?;
         Some((TextRange::empty(base + at), text))

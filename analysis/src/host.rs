@@ -196,7 +196,7 @@ impl AnalysisHost {
         }
     }
 
-    /// Makes [`AnalysisHost::shrink`] evict nearly everything from now on: for a host that queries each file
+    /// Makes [`AnalysisHost::evict_cache`] evict nearly everything from now on: for a host that queries each file
     /// only once.
     pub fn keep_little(&mut self) {
         const FEW: usize = 64;
@@ -207,8 +207,8 @@ impl AnalysisHost {
 
     /// Evicts large results that are seldom requested again, except for the most recently requested. Cancels
     /// the running snapshots and waits until they are dropped.
-    pub fn shrink(&mut self) {
-        self.db.shrink();
+    pub fn evict_cache(&mut self) {
+        self.db.evict_cache();
     }
 
     /// The known files at or below a path, existing or not.

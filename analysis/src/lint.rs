@@ -17,7 +17,7 @@ use crate::config::LintConfig;
 use crate::finding::{
     Finding,
     codels::OwnerName,
-    lints::{CodelName, Noticing},
+    lints::{CodelName, LintWarning},
 };
 use crate::model::{Codel, CodelRef, Component, ComponentKind, Owner, Seconds, Spec, Src};
 
@@ -52,7 +52,7 @@ struct Lint<'a> {
 
 impl<'a> Lint<'a> {
     /// Reports a finding with the default severity of its code.
-    fn report(&mut self, at: Src, kind: Noticing) -> &mut Finding {
+    fn report(&mut self, at: Src, kind: LintWarning) -> &mut Finding {
         self.found.push(Finding::new(kind, at));
         let last = self.found.len() - 1;
         &mut self.found[last]

@@ -8,7 +8,11 @@ const LONG: usize = 80;
 /// The insertions that put an item behind the last of a list: with the separator, the line break and the
 /// indentation of the others. A comment stays with its item. `items` are the ranges of the items in text
 /// order. Returns nothing for an empty list.
-pub fn appended(text: &str, items: &[Range<usize>], item: &str) -> Vec<(Range<usize>, String)> {
+pub fn append_to_list(
+    text: &str,
+    items: &[Range<usize>],
+    item: &str,
+) -> Vec<(Range<usize>, String)> {
     let Some(last) = items.last() else {
         return Vec::new();
     };
@@ -115,7 +119,7 @@ mod tests {
             at += found + 1;
         }
         let mut out = text.to_owned();
-        for (range, insert) in appended(text, &items, "new").into_iter().rev() {
+        for (range, insert) in append_to_list(text, &items, "new").into_iter().rev() {
             out.replace_range(range, &insert);
         }
         assert_eq!(out, wanted);
@@ -157,6 +161,6 @@ mod tests {
     #[test]
     fn what_is_no_list_gets_a_comma() {
         check("yield a1 x b2;", "yield a1 x b2, new;");
-        assert_eq!(appended("yield ;", &[], "new"), []);
+        assert_eq!(append_to_list("yield ;", &[], "new"), []);
     }
 }

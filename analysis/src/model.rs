@@ -12,18 +12,18 @@ pub mod fsm;
 pub mod gaps;
 pub mod layout;
 pub mod mutex;
+pub mod path;
 pub mod system;
 pub mod turn;
 mod types;
 pub(crate) mod visit;
-pub mod way;
 
 use num_rational::Ratio;
 use serde::{Deserialize, Serialize};
 use smol_str::SmolStr;
 
 use crate::release::Release;
-pub use gaps::{Awaited, Gap, Missing, SourceKind};
+pub use gaps::{Gap, Missing, SourceKind, UnknownDependencies};
 pub use types::{Label, Scope, ScopeKind, Type, TypeId, TypeKind, Value};
 
 /// A name as written in the specification.

@@ -7,7 +7,7 @@
 use serde_json::{Map, Value as Json, json};
 
 use crate::{
-    elab::types::{elements, look_through, member_named},
+    elab::types::{elements, member_named, resolve_aliases},
     model::{
         Codel, CodelKind, CodelRef, Component, ComponentKind, InitValue, Initializer, Label, Name,
         Owner, Param, ParamSource, PathElement, Quantity, ServiceList, Spec, Src, State, Task,
@@ -357,7 +357,7 @@ impl Writer<'_> {
         let mut text = String::new();
         let mut ty = param.base;
         for element in &param.path {
-            let last = look_through(self.spec, ty);
+            let last = resolve_aliases(self.spec, ty);
             match element {
                 PathElement::Member(name) => {
                     if !text.is_empty() {

@@ -3,7 +3,7 @@
 //! The layers report in their own terms; here ids become ranges, configured severities are applied, and mere
 //! consequences of another problem are left out.
 
-mod consequence;
+mod consequential;
 mod text;
 
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use crate::{
     base::{Db, SourceFile, lexed},
     codes,
     diagnostic::{Diagnostic, Fix, FixKind, Reference, Severity, Tag},
-    finding::{Finding, Kind, Near, files::Reading, lints::Noticing},
+    finding::{Finding, FindingKind, Near, files::FileProblem, lints::LintWarning},
     fixes::{FixSite, TextFix, trial},
     model::Src,
     queries::{WRAPPER, body_count, check_body, elab_findings, lint_body, lint_unused},
@@ -30,7 +30,7 @@ use crate::{
     },
 };
 
-use consequence::Missing;
+use consequential::UnreadParts;
 use text::{expanded_from, macro_call_at, related_at, text_report};
 
 /// Maximum number of units whose diagnostics of a file are merged.
@@ -42,7 +42,7 @@ pub(crate) fn unit_report<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<D
     let mut report = Reporter {
         db,
         visits: visits(db, unit),
-        missing: Missing::default(),
+        missing: UnreadParts::default(),
         out: Vec::new(),
     };
     let mut seen = FxHashSet::default();
@@ -105,7 +105,7 @@ pub(crate) fn inactive_hints<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<Dia
     let path = key.file(db).path(db);
     let hint = |&range: &TextRange| Diagnostic {
         tags: vec![Tag::Unnecessary],
-        ..shown(&Reading::Inactive.into(), None, None, path, range)
+        ..shown(&FileProblem::Inactive.into(), None, None, path, range)
     };
     let mut out: Vec<Diagnostic> = preprocessed(db, key).inactive.iter().map(hint).collect();
     configure(db, &mut out);
@@ -122,7 +122,7 @@ struct Reporter<'db> {
     db: &'db dyn Db,
     visits: &'db Visits<'db>,
     /// The text that could not be read.
-    missing: Missing,
+    missing: UnreadParts,
     out: Vec<Diagnostic>,
 }
 
@@ -173,7 +173,7 @@ impl<'db> Reporter<'db> {
         }
         let mut out = shown(&it.kind, near, it.because, path, range);
         out.severity = it.severity;
-        if let (Some(src), Some(reference)) = (it.said_at, &mut out.reference)
+        if let (Some(src), Some(reference)) = (it.compiler_at, &mut out.reference)
             && let Some((said, range)) = self.place(src)
             && said == key
         {
@@ -250,14 +250,14 @@ impl<'db> Reporter<'db> {
                     self.remark(visit.key, unused_allowance(code, known), *range);
                 }
                 if !it.has_reason {
-                    self.remark(visit.key, Noticing::NoReason, it.comment);
+                    self.remark(visit.key, LintWarning::NoReason, it.comment);
                 }
             }
         }
     }
 
     /// Reports something about a comment.
-    fn remark(&mut self, key: FileKey<'db>, kind: Noticing, range: TextRange) {
+    fn remark(&mut self, key: FileKey<'db>, kind: LintWarning, range: TextRange) {
         self.out.push(remark(self.db, key, kind, range));
     }
 
@@ -284,7 +284,7 @@ impl<'db> Reporter<'db> {
 
 /// A finding as every front end shows it, at its place in a file.
 pub(crate) fn shown(
-    kind: &Kind,
+    kind: &FindingKind,
     near: Option<&Near>,
     because: Option<&str>,
     path: &Utf8Path,
@@ -316,7 +316,7 @@ fn spelling(db: &dyn Db, file: SourceFile) -> Spelling {
 pub(crate) fn fixes_at<'db>(
     db: &'db dyn Db,
     key: FileKey<'db>,
-    kind: &Kind,
+    kind: &FindingKind,
     range: TextRange,
     related: &[TextRange],
 ) -> Vec<Fix> {
@@ -385,8 +385,13 @@ fn has_odd_quote(db: &dyn Db, file: SourceFile) -> bool {
 }
 
 /// A diagnostic about a comment.
-fn remark<'db>(db: &'db dyn Db, key: FileKey<'db>, kind: Noticing, range: TextRange) -> Diagnostic {
-    let kind = Kind::from(kind);
+fn remark<'db>(
+    db: &'db dyn Db,
+    key: FileKey<'db>,
+    kind: LintWarning,
+    range: TextRange,
+) -> Diagnostic {
+    let kind = FindingKind::from(kind);
     Diagnostic {
         fixes: fixes_at(db, key, &kind, range, &[]),
         ..shown(&kind, None, None, key.file(db).path(db), range)
@@ -394,11 +399,11 @@ fn remark<'db>(db: &'db dyn Db, key: FileKey<'db>, kind: Noticing, range: TextRa
 }
 
 /// The finding for a code that a comment allows but that does not occur.
-pub(crate) fn unused_allowance(code: &str, known: bool) -> Noticing {
+pub(crate) fn unused_allowance(code: &str, known: bool) -> LintWarning {
     let code = code.into();
     match known {
-        true => Noticing::UnusedAllowance { code },
-        false => Noticing::UnknownAllowance { code },
+        true => LintWarning::UnusedAllowance { code },
+        false => LintWarning::UnknownAllowance { code },
     }
 }
 

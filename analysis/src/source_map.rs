@@ -58,12 +58,12 @@ struct VisitPlaces {
     lines: Arc<LineIndex>,
     calls: Arc<[MacroCall]>,
     /// Set if its text has changed since.
-    moved: Option<Moved>,
+    moved: Option<TextMove>,
 }
 
 /// The movement of text after one part was replaced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Moved {
+pub struct TextMove {
     /// Start of the part in both texts, in bytes.
     pub start: usize,
     /// End of the old part, in bytes.
@@ -72,9 +72,9 @@ pub struct Moved {
     pub new_end: usize,
 }
 
-impl Moved {
+impl TextMove {
     /// The smallest replaced part between two texts; `None` if they are equal.
-    pub fn between(old: &str, new: &str) -> Option<Moved> {
+    pub fn between(old: &str, new: &str) -> Option<TextMove> {
         if old == new {
             return None;
         }
@@ -83,7 +83,7 @@ impl Moved {
         let (a, b) = (&a[start..], &b[start..]);
         let same = a.iter().rev().zip(b.iter().rev());
         let same = same.take_while(|(a, b)| a == b).count();
-        Some(Moved {
+        Some(TextMove {
             start,
             old_end: old.len() - same,
             new_end: new.len() - same,
@@ -142,7 +142,7 @@ impl UnitLocations {
             let Some((old, new)) = text(&places.path) else {
                 continue;
             };
-            places.moved = Moved::between(&old, &new);
+            places.moved = TextMove::between(&old, &new);
             if places.moved.is_some() {
                 places.lines = Arc::new(LineIndex::new(&new));
                 places.calls = Arc::default();

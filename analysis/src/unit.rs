@@ -18,8 +18,8 @@ use dotgen_syntax::{
     directive::{Define, DirectiveKind},
     parse,
     preproc::{
-        self, Element, Host, IncludeError, IncludeRequest, MacroEnv, Mentioned, Preprocessed,
-        Required, preprocess,
+        self, Element, Host, IncludeError, IncludeRequest, MacroEnv, MentionedWords, Preprocessed,
+        RequiredPackages, preprocess,
     },
 };
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -57,25 +57,25 @@ pub(crate) struct FileKey<'db> {
     /// Macros at its start.
     pub(crate) entry: MacroEnv,
     /// The effects of its directives that leave the file, in order.
-    pub(crate) outcomes: Vec<Outcome>,
+    pub(crate) outcomes: Vec<DirectiveEffect>,
 }
 
 /// The effect of a directive that leaves the file.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum Outcome {
+pub(crate) enum DirectiveEffect {
     /// An active `#include`: the environment after it, or the reason why it was not followed.
     Include(Result<MacroEnv, IncludeError>),
     /// An active `#pragma requires`: the environment after it, or the message of the package tool.
-    Requires(Result<Required, String>),
+    Requires(Result<RequiredPackages, String>),
 }
 
-impl Hash for Outcome {
+impl Hash for DirectiveEffect {
     /// Failures are distinguished only by comparison.
     fn hash<H: Hasher>(&self, state: &mut H) {
         mem::discriminant(self).hash(state);
         match self {
-            Outcome::Include(result) => result.as_ref().ok().hash(state),
-            Outcome::Requires(result) => result.as_ref().ok().hash(state),
+            DirectiveEffect::Include(result) => result.as_ref().ok().hash(state),
+            DirectiveEffect::Requires(result) => result.as_ref().ok().hash(state),
         }
     }
 }
@@ -105,7 +105,7 @@ pub(crate) fn unit_of_root(db: &dyn Db, root: SourceFile) -> UnitKey<'_> {
 
 /// Identifiers that occur in a file.
 #[salsa::tracked]
-pub(crate) fn mentioned(db: &dyn Db, file: SourceFile) -> Mentioned {
+pub(crate) fn mentioned(db: &dyn Db, file: SourceFile) -> MentionedWords {
     let lexed = lexed(db, file);
     preproc::mentioned(&lexed.raw, file.text(db))
 }
@@ -133,19 +133,19 @@ pub(crate) fn visits<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Visits<'db> {
         };
         let names = mentioned(db, visit.file);
         let restrict = |env: &MacroEnv| env.restrict(names);
-        let outcomes: Vec<Outcome> = visit
+        let outcomes: Vec<DirectiveEffect> = visit
             .outcomes
             .iter()
             .map(|it| match it {
-                Outcome::Include(it) => {
-                    Outcome::Include(it.as_ref().map(restrict).map_err(Clone::clone))
+                DirectiveEffect::Include(it) => {
+                    DirectiveEffect::Include(it.as_ref().map(restrict).map_err(Clone::clone))
                 }
-                Outcome::Requires(it) => {
-                    let restrict = |it: &Required| Required {
+                DirectiveEffect::Requires(it) => {
+                    let restrict = |it: &RequiredPackages| RequiredPackages {
                         env: restrict(&it.env),
                         own: it.own.clone(),
                     };
-                    Outcome::Requires(it.as_ref().map(restrict).map_err(Clone::clone))
+                    DirectiveEffect::Requires(it.as_ref().map(restrict).map_err(Clone::clone))
                 }
             })
             .collect();
@@ -273,7 +273,7 @@ pub(crate) fn serving_visit<'db>(
 
 /// The text of a file, preprocessed and parsed.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Front {
+pub(crate) struct ParsedText {
     parse: Parse,
     /// Only the directives and macro calls of the elements are kept.
     pre: Preprocessed,
@@ -291,7 +291,7 @@ pub(crate) fn preprocess_whole(db: &dyn Db, key: FileKey<'_>) -> Preprocessed {
 
 /// Preprocesses and parses a file.
 #[salsa::tracked(lru = 24)]
-fn front<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Front {
+fn parse_text<'db>(db: &'db dyn Db, key: FileKey<'db>) -> ParsedText {
     let file = key.file(db);
     let mut pre = preprocess_whole(db, key);
     let raw = &lexed(db, file).raw;
@@ -299,17 +299,17 @@ fn front<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Front {
     pre.elements
         .retain(|it| matches!(it, Element::Directive { .. } | Element::Call { .. }));
     pre.elements.shrink_to_fit();
-    Front { parse, pre }
+    ParsedText { parse, pre }
 }
 
 /// A file, preprocessed.
 pub(crate) fn preprocessed<'db>(db: &'db dyn Db, key: FileKey<'db>) -> &'db Preprocessed {
-    &front(db, key).pre
+    &parse_text(db, key).pre
 }
 
 /// The syntax tree of a file.
 pub(crate) fn parsed<'db>(db: &'db dyn Db, key: FileKey<'db>) -> &'db Parse {
-    &front(db, key).parse
+    &parse_text(db, key).parse
 }
 
 /// The item tree of a file together with the places of its nodes. The frequently used parts are in the
@@ -376,16 +376,16 @@ pub(crate) fn include_fragments<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<
 /// A host that repeats the results of the walk.
 struct Replay<'a> {
     includes: Vec<&'a Result<MacroEnv, IncludeError>>,
-    requires: std::vec::IntoIter<&'a Result<Required, String>>,
+    requires: std::vec::IntoIter<&'a Result<RequiredPackages, String>>,
 }
 
 impl<'a> Replay<'a> {
-    fn new(outcomes: &'a [Outcome]) -> Replay<'a> {
+    fn new(outcomes: &'a [DirectiveEffect]) -> Replay<'a> {
         let (mut includes, mut requires) = (Vec::new(), Vec::new());
         for it in outcomes {
             match it {
-                Outcome::Include(it) => includes.push(it),
-                Outcome::Requires(it) => requires.push(it),
+                DirectiveEffect::Include(it) => includes.push(it),
+                DirectiveEffect::Requires(it) => requires.push(it),
             }
         }
         Replay {
@@ -405,7 +405,7 @@ impl Host for Replay<'_> {
         recorded.map_or_else(|| Ok(env.clone()), |&it| it.clone())
     }
 
-    fn requires(&mut self, _: &[SmolStr], env: &MacroEnv) -> Result<Required, String> {
+    fn requires(&mut self, _: &[SmolStr], env: &MacroEnv) -> Result<RequiredPackages, String> {
         let recorded = self.requires.next();
         recorded.map_or_else(|| Ok(env.clone().into()), Clone::clone)
     }

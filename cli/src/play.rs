@@ -8,8 +8,8 @@ use anyhow::bail;
 use camino::Utf8PathBuf;
 use clap::Args;
 use dotgen_analysis::terminal;
-use dotgen_recording::record::{self, Data};
-use dotgen_syntax::near::advice;
+use dotgen_recording::record::{self, PortRecording};
+use dotgen_syntax::suggestion::advice;
 use serde_json::Value;
 
 use super::call::Talk;
@@ -134,7 +134,7 @@ fn inputs(components: &[Value]) -> Vec<Port> {
 
 /// Finds the input ports for all topics: those that are named, else those with the name of the port.
 fn targets(
-    data: &Data,
+    data: &PortRecording,
     ports: &[Port],
     renamed: &[(String, String)],
 ) -> anyhow::Result<BTreeMap<u16, Topic>> {
@@ -221,7 +221,7 @@ fn port_of(path: &str) -> (&str, Option<&str>) {
 
 /// Writes all data. Returns false if the run ended before.
 fn play(
-    data: &Data,
+    data: &PortRecording,
     ports: &[Port],
     topics: &mut BTreeMap<u16, Topic>,
     speed: f64,

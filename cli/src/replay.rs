@@ -7,7 +7,9 @@ use camino::Utf8PathBuf;
 use clap::{Args, ValueEnum};
 use dotgen_analysis::terminal;
 use dotgen_recording::record;
-use dotgen_recording::replay::{Difference, Replay, ReplayReport, What, opened};
+use dotgen_recording::replay::{
+    Difference, DifferenceKind, Replay, ReplayReport, with_any_exception,
+};
 use dotgen_runtime::refine;
 use dotgen_timing::diagnostic::remark::together;
 use dotgen_timing::verify::{Options, Prepared, SystemInput, prepare};
@@ -107,7 +109,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             verified.unit
         );
     }
-    let system = opened(verified);
+    let system = with_any_exception(verified);
     let mut replay = Replay::new(&system, verified, outside);
     for it in &recorded.steps {
         replay.step(it);
@@ -140,7 +142,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
 /// outside. The first of the clients that stand for him.
 fn surrounded(
     prepared: &mut Prepared,
-    about: &record::About,
+    about: &record::RunInfo,
     without_clients: bool,
 ) -> Option<usize> {
     if !about.outside {
@@ -187,7 +189,7 @@ fn print_text(
     )?;
     for it in &report.differences {
         let what = differs(it, &time);
-        let step = terminal::text(&it.step.words()).into_owned();
+        let step = terminal::text(&it.step.describe()).into_owned();
         writeln!(
             out,
             "\nstep {}, at {}: {step}",
@@ -195,7 +197,7 @@ fn print_text(
             time(it.step.time)
         )?;
         writeln!(out, "  {}", terminal::text(&what))?;
-        writeln!(out, "  the rule: {}", it.rule.words())?;
+        writeln!(out, "  the rule: {}", it.rule.describe())?;
     }
     let more = report.difference_count - report.differences.len() as u64;
     if more > 0 {
@@ -215,25 +217,25 @@ fn print_text(
 /// A difference in words.
 fn differs(it: &Difference, time: &dyn Fn(u64) -> String) -> String {
     match &it.what {
-        What::Longer { took, limit } => format!(
+        DifferenceKind::Longer { took, limit } => format!(
             "took {}, and may take {}",
             time(*took),
             time(u64::from(*limit))
         ),
-        What::Shorter { took, limit } => format!(
+        DifferenceKind::Shorter { took, limit } => format!(
             "took {}, and takes at least {}",
             time(*took),
             time(u64::from(*limit))
         ),
-        What::Undeclared => "an exception that is not declared".to_owned(),
-        What::Impossible { possible } if possible.is_empty() => {
+        DifferenceKind::Undeclared => "an exception that is not declared".to_owned(),
+        DifferenceKind::Impossible { possible } if possible.is_empty() => {
             "is not possible there: nothing but time can pass".to_owned()
         }
-        What::Impossible { possible } => {
-            let all: Vec<String> = possible.iter().map(|it| it.words()).collect();
+        DifferenceKind::Impossible { possible } => {
+            let all: Vec<String> = possible.iter().map(|it| it.describe()).collect();
             format!("is not possible there; this is: {}", all.join(", or "))
         }
-        What::Omitted { due } => format!("before it has to come: {}", due.words()),
-        What::Backwards => "goes back in time".to_owned(),
+        DifferenceKind::Omitted { due } => format!("before it has to come: {}", due.describe()),
+        DifferenceKind::Backwards => "goes back in time".to_owned(),
     }
 }

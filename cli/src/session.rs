@@ -425,7 +425,7 @@ impl Session {
             }
             // The host waits for the last snapshot.
             drop(analysis);
-            self.host.shrink();
+            self.host.evict_cache();
         }
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use clap::CommandFactory;
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
-use dotgen_syntax::near::nearest;
+use dotgen_syntax::suggestion::nearest;
 
 use super::Cli;
 

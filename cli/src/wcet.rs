@@ -8,7 +8,7 @@ use std::io::Read;
 
 use camino::{Utf8Path, Utf8PathBuf};
 use clap::{Args, Subcommand};
-use dotgen_recording::log::{Breaks, Lines};
+use dotgen_recording::log::{Lines, TruncationCheck};
 
 use super::Outcome;
 use super::report;
@@ -51,7 +51,7 @@ pub(super) fn read_log(
     };
     let mut piece = vec![0; PIECE];
     let mut lines = Lines::default();
-    let mut breaks = Breaks::default();
+    let mut breaks = TruncationCheck::default();
     let mut each = |number, line: &[u8], ended| {
         breaks.line(number, line, ended);
         each(number, line, ended);
@@ -66,7 +66,7 @@ pub(super) fn read_log(
         let read = piece.get(..length).unwrap_or_default();
         lines.feed(read, |number, line| each(number, line, true));
     }
-    if let Some((number, line)) = lines.unended() {
+    if let Some((number, line)) = lines.unterminated_line() {
         each(number, line, false);
     }
     if let Some(last) = breaks.after() {

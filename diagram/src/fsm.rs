@@ -5,8 +5,8 @@
 
 use dotgen_analysis::model::fsm;
 use dotgen_analysis::model::mutex;
+use dotgen_analysis::model::path::Way;
 use dotgen_analysis::model::turn::Turn;
-use dotgen_analysis::model::way::Way;
 use dotgen_analysis::model::{Codel, CodelRef, Component, Owner, Seconds, Spec, Src};
 use dotgen_analysis::quantity;
 use dotgen_analysis::quantity::load;

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use camino::Utf8PathBuf;
 use dotgen_codegen::process::{Channels, Process, Processes as _, Program, Resources};
-use dotgen_runtime::hosts::{Answer, Call, Hosts, Message, Reader, Source, Unanswered};
+use dotgen_runtime::hosts::{Call, Hosts, Message, Reader, ReplyError, RequestReply, Source};
 use dotgen_timing::verify::Interrupt;
 use rustix::event::{PollFd, PollFlags};
 use rustix::fs::OFlags;
@@ -76,7 +76,7 @@ impl Newest {
 /// Whoever is outside and wants to know.
 pub trait Outside {
     /// What became of a request.
-    fn answer(&mut self, id: u64, answer: &Answer);
+    fn answer(&mut self, id: u64, answer: &RequestReply);
     /// A component is gone, and how it ended.
     fn gone(&mut self, component: usize, why: &str);
     /// An output port has new data.
@@ -410,7 +410,9 @@ impl Children {
     /// What an arrival tells the engine.
     fn message(&mut self, arrival: Arrival) -> Option<Message> {
         match arrival {
-            Arrival::Reply(component, _, Reply::Ran(ran)) => Some(Message::Ran(component, ran)),
+            Arrival::Reply(component, _, Reply::CodelResult(ran)) => {
+                Some(Message::CodelResult(component, ran))
+            }
             Arrival::Reply(_, _, Reply::Denied(what)) => {
                 self.denied.insert(what);
                 None
@@ -617,7 +619,7 @@ impl Hosts for Children {
         u64::try_from(self.begin.elapsed().as_nanos()).unwrap_or(u64::MAX)
     }
 
-    fn patience(&self) -> Option<u64> {
+    fn blocked_after_nanos(&self) -> Option<u64> {
         match &self.debug {
             Some(_) => None,
             None => u64::try_from(PATIENCE.as_nanos()).ok(),
@@ -630,12 +632,12 @@ impl Hosts for Children {
         }
     }
 
-    fn reply(&mut self, component: usize, ask: u32, outputs: Result<Vec<u8>, Unanswered>) {
+    fn reply(&mut self, component: usize, ask: u32, outputs: Result<Vec<u8>, ReplyError>) {
         let (error, outputs) = match outputs {
             Ok(outputs) => (0, outputs),
-            Err(Unanswered::Nobody) => (libc::ENOSYS, Vec::new()),
-            Err(Unanswered::Lost) => (libc::ENOTCONN, Vec::new()),
-            Err(Unanswered::Failed) => (libc::EIO, Vec::new()),
+            Err(ReplyError::NoService) => (libc::ENOSYS, Vec::new()),
+            Err(ReplyError::Lost) => (libc::ENOTCONN, Vec::new()),
+            Err(ReplyError::Failed) => (libc::EIO, Vec::new()),
         };
         let error = error.unsigned_abs();
         self.order(
@@ -648,7 +650,7 @@ impl Hosts for Children {
         );
     }
 
-    fn answer(&mut self, id: u64, answer: Answer) {
+    fn answer(&mut self, id: u64, answer: RequestReply) {
         for it in &mut self.outside {
             it.answer(id, &answer);
         }

@@ -14,7 +14,7 @@ use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
-use dotgen_runtime::hosts::Ran;
+use dotgen_runtime::hosts::CodelResult;
 use serde::{Deserialize, Serialize};
 
 use super::debugger;
@@ -192,7 +192,7 @@ fn start(
             let start = Instant::now();
             let outcome = component.run(codel, instance);
             let nanos = u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX);
-            let ran = Ran {
+            let ran = CodelResult {
                 how: outcome.how,
                 name: outcome.name,
                 detail: outcome.detail,
@@ -200,7 +200,7 @@ fn start(
                 ticket,
                 nanos,
             };
-            if tell(&output, &Reply::Ran(ran)).is_err() {
+            if tell(&output, &Reply::CodelResult(ran)).is_err() {
                 // Nobody hears any more what comes of codels.
                 std::process::exit(2);
             }

@@ -24,7 +24,7 @@ pub struct Known {
 
 impl Known {
     /// The component.
-    pub(crate) fn component(&self) -> &Component {
+    pub fn component(&self) -> &Component {
         &self.spec.components[self.component as usize]
     }
 }

@@ -23,7 +23,7 @@ pub mod host;
 pub mod known;
 mod library;
 #[cfg(feature = "zenoh")]
-pub(crate) mod network;
+pub mod network;
 pub mod places;
 pub mod realtime;
 pub mod server;

@@ -10,7 +10,7 @@ use std::path::Path;
 use std::sync::{Mutex, OnceLock};
 
 use dotgen_codegen::codels::glue::ENTRIES;
-use dotgen_runtime::hosts::{How, Written};
+use dotgen_runtime::hosts::{CodelEnd, PortWrite};
 use libloading::Library;
 
 use super::board::View;
@@ -68,10 +68,10 @@ unsafe extern "C" fn ask(
 
 /// What came of a codel.
 pub(super) struct Outcome {
-    pub(super) how: How,
+    pub(super) how: CodelEnd,
     pub(super) name: String,
     pub(super) detail: Vec<u8>,
-    pub(super) written: Vec<Written>,
+    pub(super) written: Vec<PortWrite>,
 }
 
 /// A component. It may be called by many threads: its glue has a lock.
@@ -145,7 +145,7 @@ impl Component {
         // SAFETY: likewise. What the codel itself does is its own business: this is why it has a process.
         let bytes = self.filled(|buffer| unsafe { (self.run)(codel, instance, buffer) });
         outcome(&bytes).unwrap_or(Outcome {
-            how: How::Other,
+            how: CodelEnd::Other,
             name: "nothing came of it".to_owned(),
             detail: Vec::new(),
             written: Vec::new(),
@@ -174,9 +174,9 @@ impl Component {
 fn outcome(bytes: &[u8]) -> Option<Outcome> {
     let mut it = Taking(bytes);
     let how = match it.number().ok()? {
-        0 => How::Event,
-        1 => How::Exception,
-        _ => How::Other,
+        0 => CodelEnd::Event,
+        1 => CodelEnd::Exception,
+        _ => CodelEnd::Other,
     };
     let name = it.text().ok()?;
     let detail = it.bytes().ok()?.to_vec();
@@ -189,7 +189,7 @@ fn outcome(bytes: &[u8]) -> Option<Outcome> {
             0 => Some(it.bytes().ok()?.to_vec()),
             _ => None,
         };
-        written.push(Written { port, id, data });
+        written.push(PortWrite { port, id, data });
     }
     Some(Outcome {
         how,

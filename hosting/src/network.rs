@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex};
 use dotgen_analysis::model::{Port, PortDir, Spec, TypeId};
 use dotgen_codegen::codels::cdr::{from_cdr, to_cdr};
 use dotgen_codegen::codels::value::Values;
-use dotgen_runtime::hosts::Answer;
+use dotgen_runtime::hosts::RequestReply;
 use zenoh::bytes::Encoding;
 use zenoh::pubsub::{Publisher, Subscriber};
 use zenoh::sample::{Locality, Sample};
@@ -24,20 +24,20 @@ const SOURCES: usize = 256;
 
 /// Whom to reach, and what to read there.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Wanted<'a> {
+pub struct Wanted<'a> {
     /// Zenoh endpoints where others reach this run.
-    pub(crate) listen: &'a [String],
+    pub listen: &'a [String],
     /// Zenoh endpoints of others, or of routers.
-    pub(crate) connect: &'a [String],
+    pub connect: &'a [String],
     /// Component, input port, and the key that it reads.
-    pub(crate) reads: &'a [(usize, u32, String)],
+    pub reads: &'a [(usize, u32, String)],
 }
 
 /// Tells the user something, once.
-pub(crate) type Tell = Arc<dyn Fn(&str) + Send + Sync>;
+pub type Tell = Arc<dyn Fn(&str) + Send + Sync>;
 
 /// Is connected until it is dropped.
-pub(crate) struct Network {
+pub struct Network {
     _subscribers: Vec<Subscriber<()>>,
 }
 
@@ -45,7 +45,7 @@ pub(crate) struct Network {
 ///
 /// # Errors
 /// In words: where an endpoint is none, or somebody else listens there.
-pub(crate) fn join(
+pub fn join(
     wanted: Wanted<'_>,
     known: &BTreeMap<usize, Known>,
     is_fed: &dyn Fn(usize, u32) -> bool,
@@ -224,7 +224,7 @@ impl Outputs {
 }
 
 impl Outside for Outputs {
-    fn answer(&mut self, _: u64, _: &Answer) {}
+    fn answer(&mut self, _: u64, _: &RequestReply) {}
 
     fn gone(&mut self, component: usize, _: &str) {
         self.publishers.retain(|it, _| it.0 != component);

@@ -15,8 +15,8 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 
 use dotgen_codegen::codels::value::Values;
-use dotgen_runtime::hosts::{Answer, Message, Wanted};
-use dotgen_runtime::live::Feed;
+use dotgen_runtime::hosts::{Message, OutsideRequest, RequestReply};
+use dotgen_runtime::live::DataFlow;
 use rustix::fs::Mode;
 use rustix::process::umask;
 use serde_json::{Map, Value, json};
@@ -103,7 +103,7 @@ struct Shared {
     /// By component of the system.
     known: BTreeMap<usize, Known>,
     /// Flows between ports as the run begins.
-    feeds: Vec<Feed>,
+    feeds: Vec<DataFlow>,
     door: Door,
     state: Mutex<State>,
 }
@@ -162,7 +162,7 @@ impl Shared {
 pub fn listen(
     path: &Path,
     known: BTreeMap<usize, Known>,
-    feeds: Vec<Feed>,
+    feeds: Vec<DataFlow>,
     door: Door,
 ) -> Result<(Server, Box<dyn Outside>), String> {
     let shown = path.display();
@@ -464,12 +464,12 @@ fn call(
         },
     );
     drop(state);
-    let wanted = Wanted {
+    let wanted = OutsideRequest {
         id: number,
         service: wanted,
         inputs,
     };
-    match shared.door.bring(Message::Wanted(wanted)) {
+    match shared.door.bring(Message::OutsideRequest(wanted)) {
         true => Ok(()),
         false => {
             shared.state().requests.remove(&number);
@@ -484,7 +484,7 @@ struct Teller {
 }
 
 impl Outside for Teller {
-    fn answer(&mut self, id: u64, answer: &Answer) {
+    fn answer(&mut self, id: u64, answer: &RequestReply) {
         let mut state = self.shared.state();
         let Some(asked) = state.requests.get(&id) else {
             return;
@@ -493,12 +493,12 @@ impl Outside for Teller {
         let service = &known.component().services[asked.index];
         let values = Values::new(&known.spec);
         let (told, last) = match answer {
-            Answer::Accepted => (json!({"event": "accepted"}), false),
-            Answer::Done(bytes) => {
+            RequestReply::Accepted => (json!({"event": "accepted"}), false),
+            RequestReply::Done(bytes) => {
                 let output = values.outputs(service, bytes).unwrap_or(Value::Null);
                 (json!({"event": "done", "output": output}), true)
             }
-            Answer::Failed { exception, detail } => {
+            RequestReply::Failed { exception, detail } => {
                 let detail = detail_of(&known.spec, exception, detail);
                 let told = json!({"event": "failed", "exception": exception, "detail": detail});
                 (told, true)

@@ -2,7 +2,7 @@
 
 use std::io::{self, Read, Write};
 
-use dotgen_runtime::hosts::{Call, How, Ran, Written};
+use dotgen_runtime::hosts::{Call, CodelEnd, CodelResult, PortWrite};
 
 /// A frame is never longer: a length beyond it is nonsense.
 const LONGEST: usize = 1 << 30;
@@ -50,7 +50,7 @@ pub(super) enum Reply {
     /// It cannot be loaded.
     Unusable(String),
     /// A codel has ended.
-    Ran(Ran),
+    CodelResult(CodelResult),
     /// The outputs of a request.
     Ended(Vec<u8>),
     /// What the system does not grant, in words.
@@ -164,11 +164,11 @@ impl Reply {
                 remote,
                 inputs,
             } => out.byte(5).number(*ask).number(*remote).bytes(inputs),
-            Reply::Ran(ran) => {
+            Reply::CodelResult(ran) => {
                 let how = match ran.how {
-                    How::Event => 0,
-                    How::Exception => 1,
-                    How::Other => 2,
+                    CodelEnd::Event => 0,
+                    CodelEnd::Exception => 1,
+                    CodelEnd::Other => 2,
                 };
                 out.byte(3).number(ran.ticket).long(ran.nanos).byte(how);
                 out.bytes(ran.name.as_bytes()).bytes(&ran.detail);
@@ -197,13 +197,13 @@ impl Reply {
             0 => Reply::Ready,
             1 => Reply::Unusable(it.text()?),
             2 => Reply::Ended(it.bytes()?.to_vec()),
-            3 => Reply::Ran(Ran {
+            3 => Reply::CodelResult(CodelResult {
                 ticket: it.number()?,
                 nanos: it.long()?,
                 how: match it.byte()? {
-                    0 => How::Event,
-                    1 => How::Exception,
-                    _ => How::Other,
+                    0 => CodelEnd::Event,
+                    1 => CodelEnd::Exception,
+                    _ => CodelEnd::Other,
                 },
                 name: it.text()?,
                 detail: it.bytes()?.to_vec(),
@@ -211,7 +211,7 @@ impl Reply {
                     let count = it.number()?;
                     let mut all = Vec::new();
                     for _ in 0..count {
-                        all.push(Written {
+                        all.push(PortWrite {
                             port: it.number()?,
                             id: it.text()?,
                             data: match it.byte()? {
@@ -330,26 +330,26 @@ mod tests {
 
     #[test]
     fn what_is_sent_is_received() {
-        let ran = Ran {
+        let ran = CodelResult {
             ticket: 3,
             nanos: 1 << 40,
-            how: How::Exception,
+            how: CodelEnd::Exception,
             name: "::a::b".to_owned(),
             detail: vec![1, 2],
             written: vec![
-                Written {
+                PortWrite {
                     port: 1,
                     id: "x".to_owned(),
                     data: Some(vec![9]),
                 },
-                Written {
+                PortWrite {
                     port: 2,
                     id: String::new(),
                     data: None,
                 },
             ],
         };
-        let reply = Reply::Ran(ran);
+        let reply = Reply::CodelResult(ran);
         let mut bytes = Vec::new();
         reply.send(&mut bytes).expect("memory takes all");
         let mut from = bytes.as_slice();

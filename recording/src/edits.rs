@@ -12,11 +12,11 @@ use dotgen_syntax::encoding::LineEnd;
 use dotgen_timing::scn::ast::{Item, Scenario};
 use rustc_hash::FxHashMap;
 
-use crate::propose::written;
+use crate::proposal::written;
 
 /// The form of a new execution time (language reference, section 17.4).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
+pub enum WcetForm {
     /// `wcet 1 ms` in the declaration of the codel.
     Clause,
     /// `#pragma wcet CODEL 1 ms`, which the reference compiler ignores.
@@ -25,7 +25,7 @@ pub enum Form {
 
 /// An execution time to write.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Wanted {
+pub struct NewWcet {
     /// Index into [`dotgen_analysis::model::Spec::components`].
     pub component: u32,
     /// Codel.
@@ -46,7 +46,7 @@ pub enum Refusal {
 
 /// The edits for a text, and the execution times that must be changed by hand.
 #[derive(Debug, Default)]
-pub struct Written {
+pub struct WcetEdits {
     /// Edits that do not overlap, by file, in order.
     pub edits: Vec<FileEdit>,
     /// Functions whose time must be changed by hand, with the reason.
@@ -54,7 +54,7 @@ pub struct Written {
 }
 
 /// One use of a function.
-struct Use<'u> {
+struct CodelUse<'u> {
     codel: &'u Codel,
     path: Utf8PathBuf,
     range: Range<usize>,
@@ -68,11 +68,11 @@ struct Use<'u> {
 pub fn specification(
     unit: &UnitResult,
     text: &dyn Fn(&Utf8Path) -> Option<Arc<str>>,
-    wanted: &[Wanted],
-    form: Form,
-) -> Written {
+    wanted: &[NewWcet],
+    form: WcetForm,
+) -> WcetEdits {
     let place = |src| unit.locations.locate(src).map(|it| (it.path, it.range));
-    let mut uses: Vec<Use<'_>> = Vec::new();
+    let mut uses: Vec<CodelUse<'_>> = Vec::new();
     for (index, component) in (0..).zip(&unit.spec.components) {
         for of in component.all_codels() {
             let codel = component.codel(of);
@@ -82,12 +82,12 @@ pub fn specification(
                 continue;
             };
             // A service of an interface is declared once, however many components provide it.
-            let same = |it: &&mut Use<'_>| it.path == path && it.range == range;
+            let same = |it: &&mut CodelUse<'_>| it.path == path && it.range == range;
             if let Some(known) = uses.iter_mut().find(same) {
                 known.wanted = known.wanted.max(time);
                 continue;
             }
-            uses.push(Use {
+            uses.push(CodelUse {
                 codel,
                 path,
                 range,
@@ -102,10 +102,10 @@ pub fn specification(
     }
     let mut names: Vec<&str> = functions.keys().copied().collect();
     names.sort_unstable();
-    let mut out = Written::default();
+    let mut out = WcetEdits::default();
     for name in names {
         let of = functions.get(name).into_iter().flatten();
-        let of: Vec<&Use<'_>> = of.filter_map(|&it| uses.get(it)).collect();
+        let of: Vec<&CodelUse<'_>> = of.filter_map(|&it| uses.get(it)).collect();
         if of.iter().all(|it| it.wanted.is_none()) {
             continue;
         }
@@ -122,15 +122,15 @@ pub fn specification(
 /// Adds the edits for all uses of one function.
 fn function(
     name: &str,
-    uses: &[&Use<'_>],
+    uses: &[&CodelUse<'_>],
     text: &dyn Fn(&Utf8Path) -> Option<Arc<str>>,
-    form: Form,
+    form: WcetForm,
 ) -> Result<Vec<FileEdit>, Refusal> {
     let slice = |path: &Utf8Path, range: &Range<usize>| {
         text(path).and_then(|it| it.get(range.clone()).map(str::to_owned))
     };
     let greatest = uses.iter().filter_map(|it| it.wanted).max();
-    let stands = |it: &Use<'_>| it.time.clone();
+    let stands = |it: &CodelUse<'_>| it.time.clone();
     let pragma = uses
         .iter()
         .filter_map(|it| stands(it))
@@ -154,13 +154,13 @@ fn function(
         }]);
     }
     let clauses = uses.iter().any(|it| it.time.is_some());
-    if form == Form::Pragma && !clauses {
+    if form == WcetForm::Pragma && !clauses {
         let first = uses.iter().find(|it| it.wanted.is_some());
         let (Some(first), Some(micros)) = (first, greatest) else {
             return Ok(Vec::new());
         };
         let text = text(&first.path).ok_or(Refusal::Macro)?;
-        return Ok(vec![above(first, &text, name, micros)]);
+        return Ok(vec![insert_pragma_above(first, &text, name, micros)]);
     }
     let mut edits = Vec::new();
     for it in uses {
@@ -205,7 +205,7 @@ fn has_comment(text: &str) -> bool {
 
 /// Adds a pragma above a declaration. If the declaration does not begin its line, the pragma goes to the end
 /// of the file, where it has the same meaning.
-fn above(it: &Use<'_>, text: &str, name: &str, micros: u64) -> FileEdit {
+fn insert_pragma_above(it: &CodelUse<'_>, text: &str, name: &str, micros: u64) -> FileEdit {
     let end = LineEnd::of(text).as_str();
     let pragma = format!("#pragma wcet {name} {}{end}", written(micros));
     let before = text.get(..it.range.start).unwrap_or_default();
@@ -304,7 +304,7 @@ pub fn scenario(
 }
 
 /// Applies edits to a text. The edits must be in order and must not overlap.
-pub fn applied<'e>(text: &str, edits: impl IntoIterator<Item = &'e FileEdit>) -> String {
+pub fn apply_edits<'e>(text: &str, edits: impl IntoIterator<Item = &'e FileEdit>) -> String {
     let mut out = String::with_capacity(text.len());
     let mut at = 0;
     for it in edits {

@@ -10,9 +10,9 @@
 pub mod edits;
 pub mod log;
 pub mod matching;
-pub mod measured;
+pub mod measurements;
 pub mod monitor;
-pub mod propose;
+pub mod proposal;
 pub mod record;
 pub mod replay;
 pub mod statistics;

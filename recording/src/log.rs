@@ -22,11 +22,11 @@ const RECORDER: &[u8] = b"genom";
 const OVERLOAD: &[u8] = b"genom_prof_record";
 
 /// Upper limit on the bytes of a line. A longer line is skipped, so that it takes no memory.
-const LONGEST: usize = 1 << 16;
+const MAX_LINE_BYTES: usize = 1 << 16;
 
 /// The beginning of a line in which `dotgen run` names the source of the times of a log. Other readers skip
 /// such lines, because they do not begin with a time.
-const SAYS: &[u8] = b"# dotgen: ";
+const TIME_SOURCE_PREFIX: &[u8] = b"# dotgen: ";
 
 /// The source of the times of a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,7 +43,7 @@ pub enum Origin<'l> {
 
 /// Returns the lines of a log that name the source of its times.
 pub fn origins<'c>(measured: bool, simulated: impl Iterator<Item = &'c str>) -> String {
-    let says = String::from_utf8_lossy(SAYS);
+    let says = String::from_utf8_lossy(TIME_SOURCE_PREFIX);
     if !measured {
         return format!("{says}times are simulated\n");
     }
@@ -56,12 +56,18 @@ pub fn origins<'c>(measured: bool, simulated: impl Iterator<Item = &'c str>) -> 
 
 /// Returns the last line of a log.
 pub fn end() -> String {
-    format!("{}end of the run\n", String::from_utf8_lossy(SAYS))
+    format!(
+        "{}end of the run\n",
+        String::from_utf8_lossy(TIME_SOURCE_PREFIX)
+    )
 }
 
 /// Reads a line that names the source of times; returns `None` for other lines.
 pub fn origin(text: &[u8]) -> Option<Origin<'_>> {
-    match std::str::from_utf8(text.strip_prefix(SAYS)?).ok()?.trim() {
+    match std::str::from_utf8(text.strip_prefix(TIME_SOURCE_PREFIX)?)
+        .ok()?
+        .trim()
+    {
         "times are measured" => Some(Origin::Measured),
         "times are simulated" => Some(Origin::Simulated),
         "end of the run" => Some(Origin::End),
@@ -86,7 +92,7 @@ pub struct Line<'l> {
 
 /// The subject of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum About {
+pub enum LineSubject {
     /// A run of a codel.
     Codel,
     /// The recorder itself.
@@ -275,7 +281,7 @@ impl Lines {
             self.lost = false;
             bytes = after.get(1..).unwrap_or_default();
         }
-        if self.rest.len() + bytes.len() > LONGEST {
+        if self.rest.len() + bytes.len() > MAX_LINE_BYTES {
             self.lost = true;
             self.rest.clear();
         } else if !self.lost {
@@ -284,21 +290,21 @@ impl Lines {
     }
 
     /// Returns the last line if its line break is missing: the writer may have been stopped within the line.
-    pub fn unended(&self) -> Option<(u64, &[u8])> {
+    pub fn unterminated_line(&self) -> Option<(u64, &[u8])> {
         (self.lost || !self.rest.is_empty()).then_some((self.number + 1, self.rest.as_slice()))
     }
 }
 
 /// Finds out if a log breaks off: within a line, or without the line that ends a log of `dotgen run`.
 #[derive(Debug, Default)]
-pub struct Breaks {
+pub struct TruncationCheck {
     /// A run has begun, and has not ended.
     open: bool,
     cut: bool,
     last: u64,
 }
 
-impl Breaks {
+impl TruncationCheck {
     /// Reads a line of a log. `ended`: the line has its line break.
     pub fn line(&mut self, number: u64, text: &[u8], ended: bool) {
         match ended {
@@ -320,7 +326,7 @@ impl Breaks {
 
 /// A combination of names: all lines of a log with the same names have the same kind.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Kind {
+pub struct LineKind {
     /// Instance: the name of the component, unless the server was started under another name.
     pub instance: String,
     /// Task.
@@ -337,48 +343,51 @@ pub struct Kind {
 
 /// One run of a codel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Run {
+pub struct LoggedRun {
     /// Time of the request for its locks, in nanoseconds.
     pub asked: i64,
     /// Time of their grant, in nanoseconds.
     pub began: i64,
     /// Time of their release, in nanoseconds.
     pub ended: i64,
-    /// Number of its kind: see [`Kinds`].
+    /// Number of its kind: see [`LineKinds`].
     pub kind: u32,
 }
 
 /// The kinds of the lines of a log, without repetition.
 #[derive(Debug, Clone, Default)]
-pub struct Kinds {
+pub struct LineKinds {
     /// Numbers of kinds, by the text after the times.
     known: FxHashMap<Box<[u8]>, u32>,
     /// Kinds, in order of first appearance.
-    pub all: Vec<Kind>,
-    abouts: Vec<About>,
+    pub all: Vec<LineKind>,
+    abouts: Vec<LineSubject>,
 }
 
-impl Kinds {
+impl LineKinds {
     /// Returns the number of the kind of a line, and the subject of such lines.
-    pub fn of(&mut self, line: &Line<'_>) -> (u32, About) {
+    pub fn of(&mut self, line: &Line<'_>) -> (u32, LineSubject) {
         let known = self.known.get(line.tail).copied();
-        let kind = known.unwrap_or_else(|| self.fresh(line));
+        let kind = known.unwrap_or_else(|| self.add_kind(line));
         (kind, self.about(kind as usize))
     }
 
     /// Returns the subject of the lines of a kind.
-    pub fn about(&self, kind: usize) -> About {
-        self.abouts.get(kind).copied().unwrap_or(About::Garbage)
+    pub fn about(&self, kind: usize) -> LineSubject {
+        self.abouts
+            .get(kind)
+            .copied()
+            .unwrap_or(LineSubject::Garbage)
     }
 
-    fn fresh(&mut self, line: &Line<'_>) -> u32 {
+    fn add_kind(&mut self, line: &Line<'_>) -> u32 {
         let names = line.names();
-        let about = names.map_or(About::Garbage, about);
+        let about = names.map_or(LineSubject::Garbage, about);
         let text = |it: &[u8]| String::from_utf8_lossy(it).into_owned();
         let [instance, task, service, function, from, to] = names.unwrap_or([b""; NAMES]).map(text);
         let kind = u32::try_from(self.all.len()).unwrap_or(u32::MAX);
         self.abouts.push(about);
-        self.all.push(Kind {
+        self.all.push(LineKind {
             instance,
             task,
             service,
@@ -391,22 +400,22 @@ impl Kinds {
     }
 }
 
-fn about([instance, _, _, function, _, last]: [&[u8]; NAMES]) -> About {
+fn about([instance, _, _, function, _, last]: [&[u8]; NAMES]) -> LineSubject {
     if last.is_empty() {
-        About::Cut
+        LineSubject::Cut
     } else if function == OVERLOAD {
-        About::Overload
+        LineSubject::Overload
     } else if instance == RECORDER {
-        About::Recorder
+        LineSubject::Recorder
     } else {
-        About::Codel
+        LineSubject::Codel
     }
 }
 
 /// The lines of a log that were not used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub struct Left {
+pub struct SkippedLines {
     /// Lines of the recorder about itself.
     pub recorder: u64,
     /// Lines of threads that had to wait for the recorder.
@@ -419,7 +428,7 @@ pub struct Left {
     pub garbage: u64,
 }
 
-impl Left {
+impl SkippedLines {
     /// Returns the number of all of these lines.
     pub fn total(&self) -> u64 {
         self.recorder + self.overloads + self.clock_steps + self.cut + self.garbage
@@ -427,9 +436,9 @@ impl Left {
 
     /// Returns the run of a codel that a line stands for, with its kind; counts any other line. `ended`: the
     /// line has its line break.
-    pub fn sift<'l>(
+    pub fn classify<'l>(
         &mut self,
-        kinds: &mut Kinds,
+        kinds: &mut LineKinds,
         text: &'l [u8],
         ended: bool,
     ) -> Option<(Line<'l>, u32)> {
@@ -450,16 +459,16 @@ impl Left {
     }
 
     /// Returns true if a line stands for a run of a codel; counts any other line.
-    pub fn count(&mut self, line: &Line<'_>, about: About, ended: bool) -> bool {
+    pub fn count(&mut self, line: &Line<'_>, about: LineSubject, ended: bool) -> bool {
         let count = match about {
             _ if !ended => &mut self.cut,
-            About::Garbage => &mut self.garbage,
-            About::Cut => &mut self.cut,
+            LineSubject::Garbage => &mut self.garbage,
+            LineSubject::Cut => &mut self.cut,
             _ if !line.exact => &mut self.garbage,
-            About::Recorder => &mut self.recorder,
-            About::Overload => &mut self.overloads,
-            About::Codel if line.is_step() => &mut self.clock_steps,
-            About::Codel => return true,
+            LineSubject::Recorder => &mut self.recorder,
+            LineSubject::Overload => &mut self.overloads,
+            LineSubject::Codel if line.is_step() => &mut self.clock_steps,
+            LineSubject::Codel => return true,
         };
         *count += 1;
         false
@@ -484,7 +493,7 @@ mod tests {
         assert_eq!(names[0], b"pump");
         assert_eq!(names[5], b"::pump::pause::start");
         assert!(line.exact);
-        assert_eq!(Kinds::default().of(&line), (0, About::Codel));
+        assert_eq!(LineKinds::default().of(&line), (0, LineSubject::Codel));
     }
 
     #[test]
@@ -518,7 +527,7 @@ mod tests {
 
     #[test]
     fn what_is_no_run_is_counted() {
-        let (mut left, mut kinds) = (Left::default(), Kinds::default());
+        let (mut left, mut kinds) = (SkippedLines::default(), LineKinds::default());
         let cut = &PLAIN[..60];
         let genom =
             "1.000000000 1.000000000 2.000000000 genom profiling writer prof_writer wakeup sleep";
@@ -534,11 +543,15 @@ mod tests {
             "1.5 x 3",
             "-1.0 2.0 3.0 a b c d e f",
         ] {
-            assert_eq!(left.sift(&mut kinds, text.as_bytes(), true), None, "{text}");
+            assert_eq!(
+                left.classify(&mut kinds, text.as_bytes(), true),
+                None,
+                "{text}"
+            );
         }
-        assert!(left.sift(&mut kinds, PLAIN.as_bytes(), true).is_some());
-        assert!(left.sift(&mut kinds, PLAIN.as_bytes(), false).is_none());
-        let expected = Left {
+        assert!(left.classify(&mut kinds, PLAIN.as_bytes(), true).is_some());
+        assert!(left.classify(&mut kinds, PLAIN.as_bytes(), false).is_none());
+        let expected = SkippedLines {
             recorder: 1,
             overloads: 1,
             clock_steps: 1,
@@ -559,7 +572,7 @@ mod tests {
             for piece in text.as_bytes().chunks(size) {
                 lines.feed(piece, |number, line| all.push((number, line.to_vec())));
             }
-            all.extend(lines.unended().map(|it| (it.0, it.1.to_vec())));
+            all.extend(lines.unterminated_line().map(|it| (it.0, it.1.to_vec())));
             all
         };
         let whole = read(text.len());
@@ -578,17 +591,17 @@ mod tests {
             end()
         );
         for length in 0..=text.len() {
-            let (mut lines, mut breaks) = (Lines::default(), Breaks::default());
-            let (mut left, mut kinds) = (Left::default(), Kinds::default());
+            let (mut lines, mut breaks) = (Lines::default(), TruncationCheck::default());
+            let (mut left, mut kinds) = (SkippedLines::default(), LineKinds::default());
             let mut runs = 0;
             let mut read = |number, line: &[u8], ended| {
                 breaks.line(number, line, ended);
-                runs += usize::from(left.sift(&mut kinds, line, ended).is_some());
+                runs += usize::from(left.classify(&mut kinds, line, ended).is_some());
             };
             lines.feed(&text.as_bytes()[..length], |number, line| {
                 read(number, line, true);
             });
-            if let Some((number, line)) = lines.unended() {
+            if let Some((number, line)) = lines.unterminated_line() {
                 read(number, line, false);
             }
             let whole = text[..length].matches('\n').count();
@@ -604,7 +617,7 @@ mod tests {
         for _ in 0..100 {
             lines.feed(&[b'x'; 10_000], |_, _| panic!("it has no end"));
         }
-        assert!(lines.rest.len() <= LONGEST);
+        assert!(lines.rest.len() <= MAX_LINE_BYTES);
         let mut all = Vec::new();
         lines.feed(b"\nnext\n", |_, line| all.push(line.to_vec()));
         assert_eq!(all, [b"".to_vec(), b"next".to_vec()]);

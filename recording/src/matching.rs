@@ -3,7 +3,7 @@
 use dotgen_analysis::model::{Codel, CodelKind, CodelRef, Component, Owner};
 use dotgen_timing::scn::names::Names;
 
-use crate::log::Kind;
+use crate::log::LineKind;
 
 /// Task name of the lines of a control task.
 pub const CONTROL: &str = "<control>";
@@ -22,7 +22,7 @@ pub struct Site {
 /// The reason why a line belongs to no codel of the specifications.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Stray {
+pub enum Mismatch {
     /// There is no such component.
     Component,
     /// The component has no such task.
@@ -75,17 +75,17 @@ pub fn event(text: &str) -> Event<'_> {
 /// # Errors
 ///
 /// Returns the reason if the line belongs to no codel of the specifications.
-pub fn site(names: &Names<'_>, kind: &Kind) -> Result<Site, Stray> {
+pub fn site(names: &Names<'_>, kind: &LineKind) -> Result<Site, Mismatch> {
     let from = event(&kind.from);
-    let component = component(names, kind, &from).ok_or(Stray::Component)?;
+    let component = component(names, kind, &from).ok_or(Mismatch::Component)?;
     let Some(member) = names.components.get(component) else {
-        return Err(Stray::Component);
+        return Err(Mismatch::Component);
     };
     let it = member.component;
     let (codel, state) = match from.component {
         Some(_) => {
             let task = it.tasks.iter().position(|task| task.name == kind.task);
-            let task = task.ok_or(Stray::Task)? as u32;
+            let task = task.ok_or(Mismatch::Task)? as u32;
             (
                 of_machine(it, task, kind, from.name)?,
                 Some(from.name.to_owned()),
@@ -94,7 +94,7 @@ pub fn site(names: &Names<'_>, kind: &Kind) -> Result<Site, Stray> {
         None => (of_control(it, kind).ok_or_else(|| without(it, kind))?, None),
     };
     if it.codel(codel).name != kind.function {
-        return Err(Stray::Function);
+        return Err(Mismatch::Function);
     }
     Ok(Site {
         component,
@@ -105,7 +105,7 @@ pub fn site(names: &Names<'_>, kind: &Kind) -> Result<Site, Stray> {
 
 /// Returns the component of a line. The event names it. For codels of the control task, it is the instance,
 /// or the only component with such a codel, because a server may have been started under another name.
-fn component(names: &Names<'_>, kind: &Kind, from: &Event<'_>) -> Option<usize> {
+fn component(names: &Names<'_>, kind: &LineKind, from: &Event<'_>) -> Option<usize> {
     let all = &names.components;
     let named = |name: &str| all.iter().position(|it| it.component.name == name);
     if let Some(component) = from.component {
@@ -120,7 +120,12 @@ fn component(names: &Names<'_>, kind: &Kind, from: &Event<'_>) -> Option<usize> 
     })
 }
 
-fn of_machine(it: &Component, task: u32, kind: &Kind, state: &str) -> Result<CodelRef, Stray> {
+fn of_machine(
+    it: &Component,
+    task: u32,
+    kind: &LineKind,
+    state: &str,
+) -> Result<CodelRef, Mismatch> {
     let service = it.services.iter().position(|of| of.name == kind.service);
     let service = service.map(|it| it as u32);
     let in_service = service.and_then(|it_is| in_state(it, Owner::Service(it_is), state));
@@ -128,13 +133,13 @@ fn of_machine(it: &Component, task: u32, kind: &Kind, state: &str) -> Result<Cod
         let of = it.services.get(service as usize).and_then(|it| it.task);
         return match of == Some(task) {
             true => Ok(codel),
-            false => Err(Stray::WrongTask),
+            false => Err(Mismatch::WrongTask),
         };
     }
     // Recorders differ in their name for the service of a permanent activity. No service has such a name.
     match service {
-        Some(_) => Err(Stray::State),
-        None => in_state(it, Owner::Task(task), state).ok_or(Stray::State),
+        Some(_) => Err(Mismatch::State),
+        None => in_state(it, Owner::Task(task), state).ok_or(Mismatch::State),
     }
 }
 
@@ -149,7 +154,7 @@ fn in_state(it: &Component, owner: Owner, state: &str) -> Option<CodelRef> {
     })
 }
 
-fn of_control(it: &Component, kind: &Kind) -> Option<CodelRef> {
+fn of_control(it: &Component, kind: &LineKind) -> Option<CodelRef> {
     let service = it.services.iter().position(|of| of.name == kind.service)?;
     let owner = Owner::Service(service as u32);
     let validates = kind.from == "validate";
@@ -167,15 +172,15 @@ fn of_control(it: &Component, kind: &Kind) -> Option<CodelRef> {
 }
 
 /// Returns the reason why a control task executes no codel.
-fn without(it: &Component, kind: &Kind) -> Stray {
+fn without(it: &Component, kind: &LineKind) -> Mismatch {
     let service = it.services.iter().find(|of| of.name == kind.service);
     let of = |it: &dotgen_analysis::model::Service| {
         let attribute = it.kind == dotgen_analysis::model::ServiceKind::Attribute;
         attribute && it.codels.iter().all(|it| it.kind == CodelKind::Validate)
     };
     match service.is_some_and(of) {
-        true => Stray::NoCodel,
-        false => Stray::State,
+        true => Mismatch::NoCodel,
+        false => Mismatch::State,
     }
 }
 

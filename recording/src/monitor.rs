@@ -30,27 +30,27 @@ use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::{Ticks, TimedSystem};
 use rustc_hash::FxHashMap;
 
-use crate::log::{Kinds, Left};
-use crate::matching::Stray;
+use crate::log::{LineKinds, SkippedLines};
+use crate::matching::Mismatch;
 
-pub use deviation::{Deviation, What};
-use model::{Model, Resolved, To};
-use order::{Executing, Order};
-use ticks::Periodic;
+pub use deviation::{Deviation, DeviationKind};
+use model::{CodelOutcome, Model, ResolvedKind};
+use order::{CodelRun, RunOrder};
+use ticks::TickPhase;
 
 /// Tolerance in nanoseconds: clocks of threads are read one after the other, so that smaller differences do
 /// not prove an order.
-pub const SLACK: i64 = 50_000;
+pub const CLOCK_TOLERANCE_NANOS: i64 = 50_000;
 
 /// Upper limit on the tracked activities.
-const PLACES: usize = 32;
+const MAX_TRACKED_ACTIVITIES: usize = 32;
 
 /// Upper limit on the kept deviations of each kind; all are counted.
-const KEPT: usize = 100;
+const MAX_KEPT_DEVIATIONS: usize = 100;
 
 /// The state in which a chain of codels continues.
 #[derive(Debug, Clone, Copy)]
-struct Awaited {
+struct ExpectedState {
     state: usize,
     paused: bool,
     /// Beginning of the chain in this turn, in nanoseconds.
@@ -63,7 +63,7 @@ struct Machine {
     seen: bool,
     /// The machine has paused or ended.
     paused: bool,
-    awaited: Vec<Awaited>,
+    awaited: Vec<ExpectedState>,
 }
 
 /// A task of one instance.
@@ -71,7 +71,7 @@ struct Machine {
 struct Task {
     chains: u64,
     greatest: i64,
-    periodic: Periodic,
+    periodic: TickPhase,
 }
 
 /// A codel in a state.
@@ -87,16 +87,16 @@ struct Codel {
 pub struct Monitor<'s> {
     model: Model<'s>,
     /// Lines that were not used.
-    pub left: Left,
-    kinds: Kinds,
-    resolved: Vec<Resolved>,
+    pub left: SkippedLines,
+    kinds: LineKinds,
+    resolved: Vec<ResolvedKind>,
     instances: FxHashMap<String, u32>,
     machines: FxHashMap<(u32, usize), Machine>,
     tasks: FxHashMap<(u32, usize), Task>,
     codels: Vec<Codel>,
     /// Number of runs, by machine, state and outcome.
     taken: FxHashMap<(usize, usize, usize), u64>,
-    order: Order,
+    order: RunOrder,
     foreign: BTreeMap<String, u64>,
     runs: u64,
     found: Vec<Deviation>,
@@ -106,7 +106,7 @@ pub struct Monitor<'s> {
 /// The times of a task, in nanoseconds.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub struct OfTask {
+pub struct TaskTimes {
     /// `component.task`
     pub task: String,
     /// Number of chains of codels in one turn.
@@ -122,7 +122,7 @@ pub struct OfTask {
 /// The times of a codel, in nanoseconds.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub struct OfCodel {
+pub struct CodelTimes {
     /// Path.
     pub codel: String,
     /// Number of runs.
@@ -137,7 +137,7 @@ pub struct OfCodel {
 
 /// A transition that was never taken.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
-pub struct Never {
+pub struct UntakenTransition {
     /// `component.task` or `component.service`.
     pub machine: String,
     /// State before the transition.
@@ -155,13 +155,13 @@ pub struct MonitorReport {
     /// Number of runs of codels that were compared.
     pub runs: u64,
     /// Tasks.
-    pub tasks: Vec<OfTask>,
+    pub tasks: Vec<TaskTimes>,
     /// Codels that were executed.
-    pub codels: Vec<OfCodel>,
+    pub codels: Vec<CodelTimes>,
     /// Codels that were never executed.
     pub never_executed: Vec<String>,
     /// Transitions that were never taken.
-    pub never_taken: Vec<Never>,
+    pub never_taken: Vec<UntakenTransition>,
     /// Components that are not in the scenario, with their number of lines.
     pub foreign: BTreeMap<String, u64>,
     /// The first deviations of each kind, in order.
@@ -171,7 +171,7 @@ pub struct MonitorReport {
     /// Number of all deviations.
     pub deviation_count: u64,
     /// Lines that were not used.
-    pub left: Left,
+    pub left: SkippedLines,
 }
 
 impl<'s> Monitor<'s> {
@@ -180,10 +180,10 @@ impl<'s> Monitor<'s> {
     pub fn new(system: &'s TimedSystem, names: &'s Names<'s>, bounds: Vec<Option<Ticks>>) -> Self {
         Monitor {
             codels: vec![Codel::default(); system.codels.len()],
-            order: Order::new(system),
+            order: RunOrder::new(system),
             model: Model::new(system, names, bounds),
-            left: Left::default(),
-            kinds: Kinds::default(),
+            left: SkippedLines::default(),
+            kinds: LineKinds::default(),
             resolved: Vec::new(),
             instances: FxHashMap::default(),
             machines: FxHashMap::default(),
@@ -198,7 +198,7 @@ impl<'s> Monitor<'s> {
 
     /// Reads a line of a log. `ended`: the line has its line break.
     pub fn line(&mut self, number: u64, text: &[u8], ended: bool) {
-        let Some((line, kind)) = self.left.sift(&mut self.kinds, text, ended) else {
+        let Some((line, kind)) = self.left.classify(&mut self.kinds, text, ended) else {
             return;
         };
         while kind as usize >= self.resolved.len()
@@ -211,24 +211,24 @@ impl<'s> Monitor<'s> {
         let Some(resolved) = self.resolved.get(kind as usize).copied() else {
             return;
         };
-        let run = Executing {
+        let run = CodelRun {
             asked: line.asked,
             began: line.began,
             ended: line.ended,
             line: number,
-            ..Executing::default()
+            ..CodelRun::default()
         };
         match resolved {
-            Resolved::Stray(Stray::NoCodel) => {}
-            Resolved::Stray(Stray::Component) => {
+            ResolvedKind::Mismatch(Mismatch::NoCodel) => {}
+            ResolvedKind::Mismatch(Mismatch::Component) => {
                 if let Some(it) = self.kinds.all.get(kind as usize) {
                     *self.foreign.entry(it.instance.clone()).or_default() += 1;
                 }
             }
-            Resolved::Stray(stray) => {
+            ResolvedKind::Mismatch(stray) => {
                 let it = self.kinds.all.get(kind as usize).cloned();
                 if let Some(it) = it {
-                    let what = What::Unknown {
+                    let what = DeviationKind::Unknown {
                         task: it.task,
                         service: it.service,
                         function: it.function,
@@ -238,8 +238,8 @@ impl<'s> Monitor<'s> {
                     self.report(&run, it.instance, what);
                 }
             }
-            Resolved::State(at) => self.state(at, kind, run),
-            Resolved::Control {
+            ResolvedKind::State(at) => self.state(at, kind, run),
+            ResolvedKind::Control {
                 codel,
                 component,
                 instance,
@@ -250,24 +250,28 @@ impl<'s> Monitor<'s> {
                     && let Some(to) = self.kinds.all.get(kind as usize).map(|it| it.to.clone())
                 {
                     let from = self.model.last_name(codel);
-                    self.report(&run, self.model.path(codel), What::Transition { from, to });
+                    self.report(
+                        &run,
+                        self.model.path(codel),
+                        DeviationKind::Transition { from, to },
+                    );
                 }
-                let run = Executing {
+                let run = CodelRun {
                     codel,
                     instance,
                     thread: self.model.control(component),
                     core: None,
                     ..run
                 };
-                self.ordered(run);
+                self.check_order(run);
             }
         }
     }
 
-    fn report(&mut self, run: &Executing, of: String, what: What) {
+    fn report(&mut self, run: &CodelRun, of: String, what: DeviationKind) {
         let count = self.counts.entry(what.kind()).or_default();
         *count += 1;
-        if *count <= KEPT as u64 {
+        if *count <= MAX_KEPT_DEVIATIONS as u64 {
             self.found.push(Deviation {
                 line: run.line,
                 at: run.began,
@@ -289,7 +293,7 @@ impl<'s> Monitor<'s> {
     }
 
     /// Checks a run of a codel, by any thread.
-    fn codel(&mut self, codel: usize, run: &Executing) {
+    fn codel(&mut self, codel: usize, run: &CodelRun) {
         self.runs += 1;
         let took = run.ended - run.began;
         if let Some(it) = self.codels.get_mut(codel) {
@@ -299,40 +303,50 @@ impl<'s> Monitor<'s> {
         }
         let (least, greatest) = self.model.limits(codel);
         if let Some(limit) = greatest.filter(|&it| took > it + 1) {
-            self.report(run, self.model.path(codel), What::Longer { took, limit });
+            self.report(
+                run,
+                self.model.path(codel),
+                DeviationKind::Longer { took, limit },
+            );
         }
         if let Some(limit) = least.filter(|&it| took + 1 < it) {
-            self.report(run, self.model.path(codel), What::Shorter { took, limit });
+            self.report(
+                run,
+                self.model.path(codel),
+                DeviationKind::Shorter { took, limit },
+            );
         }
     }
 
     /// Checks mutual exclusion, order and cores against runs at the same time.
-    fn ordered(&mut self, run: Executing) {
+    fn check_order(&mut self, run: CodelRun) {
         let mut all = Vec::new();
         self.order.add(self.model.system, run, &mut all);
         for (codel, what) in all {
             let what = match what {
-                order::Wrong::Together(other) => What::Together {
+                order::OrderViolation::Together(other) => DeviationKind::Together {
                     other: self.model.path(other),
                 },
-                order::Wrong::Overtaken(other) => What::Overtaken {
+                order::OrderViolation::Overtaken(other) => DeviationKind::Overtaken {
                     other: self.model.path(other),
                 },
-                order::Wrong::SameThread(other) => What::SameTask {
+                order::OrderViolation::SameThread(other) => DeviationKind::SameTask {
                     other: self.model.path(other),
                 },
-                order::Wrong::SameCore(other, core) => What::SameCore {
+                order::OrderViolation::SameCore(other, core) => DeviationKind::SameCore {
                     other: self.model.path(other),
                     // Scenarios count cores from 1.
                     core: core + 1,
                 },
-                order::Wrong::Cores(executing, cores) => What::Cores { executing, cores },
+                order::OrderViolation::Cores(executing, cores) => {
+                    DeviationKind::Cores { executing, cores }
+                }
             };
             self.report(&run, self.model.path(codel), what);
         }
     }
 
-    fn state(&mut self, at: model::At, kind: u32, run: Executing) {
+    fn state(&mut self, at: model::StateOutcome, kind: u32, run: CodelRun) {
         self.codel(at.codel, &run);
         let key = (at.instance, at.machine);
         let machine = self.machines.entry(key).or_default();
@@ -340,24 +354,27 @@ impl<'s> Monitor<'s> {
         let starts_up = at.permanent && !machine.paused;
         machine.paused |= at.next.is_none_or(|it| it.1);
         let core = self.model.core(at.task, at.is_async);
-        let run = Executing {
+        let run = CodelRun {
             codel: at.codel,
             instance: at.instance,
             thread: self.model.thread(at.task, at.is_async),
             core: core.filter(|_| !starts_up),
-            tied: self.model.tied(at.task, at.is_async).filter(|_| !starts_up),
+            core_and_priority: self
+                .model
+                .core_and_priority(at.task, at.is_async)
+                .filter(|_| !starts_up),
             ..run
         };
-        self.ordered(run);
-        if let To::Undeclared = at.to {
+        self.check_order(run);
+        if let CodelOutcome::Undeclared = at.to {
             let to = self.kinds.all.get(kind as usize).map(|it| it.to.clone());
-            let what = What::Transition {
+            let what = DeviationKind::Transition {
                 from: self.model.last_name(at.codel),
                 to: to.unwrap_or_default(),
             };
             self.report(&run, self.model.path(at.codel), what);
         }
-        if let To::Outcome(outcome) = at.to {
+        if let CodelOutcome::Outcome(outcome) = at.to {
             let key = (at.machine, at.state, outcome);
             *self.taken.entry(key).or_default() += 1;
         }
@@ -378,10 +395,10 @@ impl<'s> Monitor<'s> {
             _ => run.asked,
         };
         if let Some((state, paused)) = at.next {
-            if machine.awaited.len() >= PLACES {
+            if machine.awaited.len() >= MAX_TRACKED_ACTIVITIES {
                 machine.awaited.remove(0);
             }
-            machine.awaited.push(Awaited {
+            machine.awaited.push(ExpectedState {
                 state,
                 paused,
                 since,
@@ -389,7 +406,7 @@ impl<'s> Monitor<'s> {
         }
         if broken {
             let awaited = awaited.map(|it| self.model.state_name(at.machine, it));
-            let what = What::Elsewhere {
+            let what = DeviationKind::Elsewhere {
                 state: self.model.last_name(at.codel),
                 awaited,
             };
@@ -405,7 +422,14 @@ impl<'s> Monitor<'s> {
     }
 
     /// Adds a codel to a chain that began at `since` in this turn.
-    fn chain(&mut self, at: model::At, run: &Executing, since: i64, begins: bool, ends: bool) {
+    fn chain(
+        &mut self,
+        at: model::StateOutcome,
+        run: &CodelRun,
+        since: i64,
+        begins: bool,
+        ends: bool,
+    ) {
         let limits = self.model.of_task(at.task);
         let task = self.tasks.entry((at.instance, at.task)).or_default();
         let mut tick = since;
@@ -426,7 +450,7 @@ impl<'s> Monitor<'s> {
             beyond = limits
                 .bound
                 .filter(|&it| response > it + 1)
-                .map(|bound| What::Response { response, bound });
+                .map(|bound| DeviationKind::Response { response, bound });
         }
         let name = || self.model.system.task_path(at.task);
         if let Some(off) = off {
@@ -447,7 +471,7 @@ impl<'s> Monitor<'s> {
                 chains += it.chains;
                 greatest = greatest.max(it.greatest);
             }
-            OfTask {
+            TaskTimes {
                 task: system.task_path(task),
                 chains,
                 greatest,
@@ -459,7 +483,7 @@ impl<'s> Monitor<'s> {
         let codels = self.codels.iter().enumerate();
         let codels = codels
             .filter(|it| executed(&it))
-            .map(|(number, it)| OfCodel {
+            .map(|(number, it)| CodelTimes {
                 codel: self.model.path(number),
                 runs: it.runs,
                 greatest: it.greatest,
@@ -477,7 +501,7 @@ impl<'s> Monitor<'s> {
             tasks: tasks.collect(),
             codels: codels.collect(),
             never_executed: never,
-            never_taken: self.model.never(&self.taken),
+            never_taken: self.model.untaken_transitions(&self.taken),
             foreign: self.foreign.clone(),
             deviations: self.found.clone(),
             counts: self.counts.clone(),

@@ -31,7 +31,7 @@ const CHUNK: u64 = 256 << 10;
 
 /// The description of a run.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct About {
+pub struct RunInfo {
     /// Scenario.
     pub scenario: String,
     /// Unit of time in seconds, as a fraction: `1/1000000`.
@@ -44,7 +44,7 @@ pub struct About {
     pub end: u64,
 }
 
-impl About {
+impl RunInfo {
     /// Returns the metadata, with the end of the run if it is known.
     fn metadata(&self, ended: bool) -> Metadata {
         let text = |it: &str| it.to_owned();
@@ -78,7 +78,7 @@ impl<W: Write> Writer<W> {
     /// # Errors
     ///
     /// Returns an error if the recording cannot be written.
-    pub fn new(out: W, about: &About) -> McapResult<Self> {
+    pub fn new(out: W, about: &RunInfo) -> McapResult<Self> {
         let options = WriteOptions::new()
             .compression(None)
             .chunk_size(Some(CHUNK))
@@ -175,7 +175,7 @@ impl<W: Write> Writer<W> {
     /// # Errors
     ///
     /// Returns an error if the recording cannot be written.
-    pub fn finish(mut self, about: &About) -> McapResult<W> {
+    pub fn finish(mut self, about: &RunInfo) -> McapResult<W> {
         self.out.write_metadata(&about.metadata(true))?;
         self.out.finish()?;
         Ok(self.out.into_inner().into_inner())
@@ -184,9 +184,9 @@ impl<W: Write> Writer<W> {
 
 /// The contents of a recording, except the data of ports.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Read {
+pub struct Recording {
     /// Description of the run.
-    pub about: About,
+    pub about: RunInfo,
     /// Steps.
     pub steps: Vec<Step>,
     /// Number of messages of ports.
@@ -201,8 +201,8 @@ pub struct Read {
 /// # Errors
 ///
 /// Returns a message if the bytes are not a recording, or do not describe a run.
-pub fn read(bytes: &[u8]) -> Result<Read, String> {
-    let mut out = Read::default();
+pub fn read(bytes: &[u8]) -> Result<Recording, String> {
+    let mut out = Recording::default();
     let mut steps = None;
     let mut about: BTreeMap<String, String> = BTreeMap::new();
     let broken = records::each(bytes, &mut |record| {
@@ -232,7 +232,7 @@ pub fn read(bytes: &[u8]) -> Result<Read, String> {
     }
     let text = |key: &str| about.get(key).cloned().unwrap_or_default();
     let last = out.steps.last().map_or(0, |it| it.time);
-    out.about = About {
+    out.about = RunInfo {
         scenario: text("scenario"),
         unit: text("unit"),
         clock: text("clock"),
@@ -244,7 +244,7 @@ pub fn read(bytes: &[u8]) -> Result<Read, String> {
 
 /// The data of ports of a recording.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Data {
+pub struct PortRecording {
     /// Topics by channel: `/pump/level`, with a third word for the instance of a `multiple` port.
     pub topics: BTreeMap<u16, String>,
     /// Messages in the order of the file.
@@ -256,7 +256,7 @@ pub struct Data {
 /// New data of a port.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Message {
-    /// Channel, of [`Data::topics`].
+    /// Channel, of [`PortRecording::topics`].
     pub channel: u16,
     /// Time in nanoseconds.
     pub at: u64,
@@ -269,8 +269,8 @@ pub struct Message {
 /// # Errors
 ///
 /// Returns a message if the bytes are not a recording.
-pub fn read_data(bytes: &[u8]) -> Result<Data, String> {
-    let mut out = Data::default();
+pub fn read_data(bytes: &[u8]) -> Result<PortRecording, String> {
+    let mut out = PortRecording::default();
     out.broken = records::each(bytes, &mut |record| {
         match record {
             Record::Channel(channel) if channel.topic != STEPS => {

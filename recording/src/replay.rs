@@ -17,16 +17,16 @@ use dotgen_timing::system::{FOREVER, Ticks, TimedSystem};
 pub use step::{Rule, Step};
 
 /// Upper limit on the kept differences; all are counted.
-const KEPT: usize = 100;
+const MAX_KEPT_DIFFERENCES: usize = 100;
 
 /// Upper limit on the possible steps listed with a difference.
-const TOLD: usize = 8;
+const MAX_LISTED_STEPS: usize = 8;
 
 /// The kind and details of a difference. Times are in units of the system.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 #[allow(missing_docs, reason = "the words of each variant say it")]
-pub enum What {
+pub enum DifferenceKind {
     /// A codel, or a delay, took longer than its greatest time.
     Longer { took: u64, limit: Ticks },
     /// A codel, or a delay, took less than its least time.
@@ -53,7 +53,7 @@ pub struct Difference {
     pub rule: Rule,
     /// Kind and details.
     #[serde(flatten)]
-    pub what: What,
+    pub what: DifferenceKind,
 }
 
 /// The report of a replay.
@@ -98,7 +98,7 @@ pub struct Replay<'s> {
 }
 
 /// Returns a system in which every codel may throw: [`Replay`] itself checks undeclared exceptions.
-pub fn opened(system: &TimedSystem) -> TimedSystem {
+pub fn with_any_exception(system: &TimedSystem) -> TimedSystem {
     let mut out = system.clone();
     for it in &mut out.codels {
         it.throws = true;
@@ -107,7 +107,7 @@ pub fn opened(system: &TimedSystem) -> TimedSystem {
 }
 
 impl<'s> Replay<'s> {
-    /// Creates a replay. `system` is the [opened](opened) form of the `verified` system. Clients from
+    /// Creates a replay. `system` is the [form with any exception](with_any_exception) of the `verified` system. Clients from
     /// `outside` on stand for requests from outside.
     pub fn new(system: &'s TimedSystem, verified: &TimedSystem, outside: Option<usize>) -> Self {
         let mut stepper = Stepper::new(system, &Watched::default());
@@ -142,7 +142,7 @@ impl<'s> Replay<'s> {
     /// Replays the next recorded step.
     pub fn step(&mut self, step: &Step) {
         self.report.steps += 1;
-        if self.lost || !self.until(step.time, step) {
+        if self.lost || !self.advance_to(step.time, step) {
             return;
         }
         if step.rule == Rule::Abort {
@@ -158,17 +158,21 @@ impl<'s> Replay<'s> {
         let Some(action) = found else {
             // Restores the possible actions, which the search for an early end has changed.
             self.stepper.possible(&mut self.possible);
-            let actions = self.possible.actions().iter().take(TOLD);
+            let actions = self.possible.actions().iter().take(MAX_LISTED_STEPS);
             let possible = actions.map(|&it| Step::new(self.system, &self.stepper, it));
             let possible: Vec<Step> = possible.collect();
             self.lost = true;
             let due = possible.first().filter(|_| self.possible.is_committed());
             return match due.cloned() {
-                Some(due) => self.differs(step, due.rule, What::Omitted { due }),
-                None => self.differs(step, step.rule, What::Impossible { possible }),
+                Some(due) => {
+                    self.record_difference(step, due.rule, DifferenceKind::Omitted { due })
+                }
+                None => {
+                    self.record_difference(step, step.rule, DifferenceKind::Impossible { possible })
+                }
             };
         };
-        self.about(step, action);
+        self.check_action(step, action);
         self.stepper.perform(action, &mut self.seen);
         self.look();
         self.report.followed += 1;
@@ -185,9 +189,9 @@ impl<'s> Replay<'s> {
                 to: String::new(),
             };
             // The last event of the run may be missing in the recording.
-            self.until(time, &end);
+            self.advance_to(time, &end);
             for executor in 0..self.longer.len() {
-                self.tell_longer(executor, &end);
+                self.record_overrun(executor, &end);
             }
         }
         self.report.time = self.stepper.now();
@@ -213,7 +217,7 @@ impl<'s> Replay<'s> {
         let found = self.find(step)?;
         if least > 0 {
             let (took, limit) = (self.took(executor), self.begun[executor].1.0);
-            self.differs(step, step.rule, What::Shorter { took, limit });
+            self.record_difference(step, step.rule, DifferenceKind::Shorter { took, limit });
         }
         Some(found)
     }
@@ -239,16 +243,16 @@ impl<'s> Replay<'s> {
     }
 
     /// Reports the differences of a step that is possible.
-    fn about(&mut self, step: &Step, action: Action) {
+    fn check_action(&mut self, step: &Step, action: Action) {
         match action {
             Action::Finish { executor, .. } => {
-                self.tell_longer(executor, step);
+                self.record_overrun(executor, step);
                 let codel = self.stepper.work(executor).and_then(|it| it.codel());
                 let throws = codel.is_none_or(|it| self.throws.get(it).is_some_and(|it| *it));
                 // A refusal of a request is an exception, declared or not.
                 let state = matches!(self.stepper.work(executor), Some(Work::State { .. }));
                 if state && step.to == step::EXCEPTION && !throws {
-                    self.differs(step, Rule::End, What::Undeclared);
+                    self.record_difference(step, Rule::End, DifferenceKind::Undeclared);
                 }
             }
             Action::Request { client, .. } if client >= self.outside => {
@@ -259,10 +263,10 @@ impl<'s> Replay<'s> {
     }
 
     /// Lets time pass until a step. Returns false if the replay cannot continue.
-    fn until(&mut self, time: u64, step: &Step) -> bool {
+    fn advance_to(&mut self, time: u64, step: &Step) -> bool {
         if time < self.stepper.now() {
             self.lost = true;
-            self.differs(step, step.rule, What::Backwards);
+            self.record_difference(step, step.rule, DifferenceKind::Backwards);
             return false;
         }
         while self.stepper.now() < time {
@@ -275,7 +279,7 @@ impl<'s> Replay<'s> {
                 let due = due.map(|&it| Step::new(self.system, &self.stepper, it));
                 self.lost = true;
                 let Some(due) = due else { return false };
-                self.differs(step, due.rule, What::Omitted { due });
+                self.record_difference(step, due.rule, DifferenceKind::Omitted { due });
                 return false;
             }
             let left = time - self.stepper.now();
@@ -310,7 +314,7 @@ impl<'s> Replay<'s> {
         any
     }
 
-    fn tell_longer(&mut self, executor: usize, step: &Step) {
+    fn record_overrun(&mut self, executor: usize, step: &Step) {
         if !std::mem::take(&mut self.longer[executor]) {
             return;
         }
@@ -321,7 +325,11 @@ impl<'s> Replay<'s> {
             true => &whose,
             false => step,
         };
-        self.differs(&step.clone(), whose.rule, What::Longer { took, limit });
+        self.record_difference(
+            &step.clone(),
+            whose.rule,
+            DifferenceKind::Longer { took, limit },
+        );
     }
 
     fn took(&self, executor: usize) -> u64 {
@@ -335,7 +343,11 @@ impl<'s> Replay<'s> {
         let Some(place) = known else {
             self.lost = true;
             let possible = Vec::new();
-            return self.differs(step, Rule::Abort, What::Impossible { possible });
+            return self.record_difference(
+                step,
+                Rule::Abort,
+                DifferenceKind::Impossible { possible },
+            );
         };
         self.stepper.interrupt(place);
         self.report.from_outside += 1;
@@ -354,9 +366,9 @@ impl<'s> Replay<'s> {
         }
     }
 
-    fn differs(&mut self, step: &Step, rule: Rule, what: What) {
+    fn record_difference(&mut self, step: &Step, rule: Rule, what: DifferenceKind) {
         self.report.difference_count += 1;
-        if self.report.differences.len() < KEPT {
+        if self.report.differences.len() < MAX_KEPT_DIFFERENCES {
             self.report.differences.push(Difference {
                 number: self.report.steps,
                 step: step.clone(),

@@ -8,7 +8,7 @@
 
 use rustc_hash::FxHashMap;
 
-use crate::log::{About, Kinds, Left, line, origin};
+use crate::log::{LineKinds, LineSubject, SkippedLines, line, origin};
 
 /// Number, least, greatest and mean time with the standard deviation, in nanoseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -73,7 +73,7 @@ struct Entry {
 
 /// The lines of one task.
 #[derive(Debug, Default)]
-struct OfTask {
+struct TaskLines {
     entries: Vec<Entry>,
     /// Lines were added since the last sorting.
     fresh: bool,
@@ -81,7 +81,7 @@ struct OfTask {
 
 /// The groups of the lines of a kind.
 #[derive(Debug, Clone, Copy)]
-struct Belongs {
+struct KindGroups {
     task: usize,
     /// For task, service and state: the group, and the index of the kind in the group.
     groups: [(usize, usize); 3],
@@ -95,15 +95,15 @@ struct Belongs {
 #[derive(Debug, Default)]
 pub struct Collector {
     /// Lines that other readers of logs skip. Here they count.
-    pub left: Left,
-    kinds: Kinds,
+    pub left: SkippedLines,
+    kinds: LineKinds,
     /// Groups, by kind; `None` for lines that do not belong to a log.
-    belongs: Vec<Option<Belongs>>,
+    belongs: Vec<Option<KindGroups>>,
     known: FxHashMap<Vec<String>, usize>,
     keys: Vec<Vec<String>>,
     /// Kinds, by group.
     kinds_of: Vec<Vec<u32>>,
-    tasks: Vec<OfTask>,
+    tasks: Vec<TaskLines>,
     /// Tasks, by group of a task.
     task_of: FxHashMap<usize, usize>,
 }
@@ -140,9 +140,9 @@ impl Collector {
         }
     }
 
-    fn belongs(&mut self, kind: usize) -> Option<Belongs> {
+    fn belongs(&mut self, kind: usize) -> Option<KindGroups> {
         let it = self.kinds.all.get(kind)?;
-        if self.kinds.about(kind) == About::Garbage {
+        if self.kinds.about(kind) == LineSubject::Garbage {
             return None;
         }
         let (starts, pauses) = (it.from.ends_with("::start"), it.to.contains("::pause::"));
@@ -169,9 +169,9 @@ impl Collector {
         let next = self.tasks.len();
         let task = *self.task_of.entry(group).or_insert(next);
         if task == next {
-            self.tasks.push(OfTask::default());
+            self.tasks.push(TaskLines::default());
         }
-        Some(Belongs {
+        Some(KindGroups {
             task,
             groups,
             starts,
@@ -225,11 +225,11 @@ impl Collector {
 
     /// Returns the groups, in the order in which `profundis` prints them.
     pub fn groups_in_order(&self) -> Vec<Group> {
-        let mut sums: Vec<OfGroup> = (self.kinds_of.iter().zip(&self.keys))
-            .map(|(kinds, key)| OfGroup {
+        let mut sums: Vec<GroupSums> = (self.kinds_of.iter().zip(&self.keys))
+            .map(|(kinds, key)| GroupSums {
                 counts: vec![0; kinds.len()],
                 has_cycles: key.len() == 3,
-                ..OfGroup::default()
+                ..GroupSums::default()
             })
             .collect();
         for task in &self.tasks {
@@ -252,7 +252,7 @@ impl Collector {
         groups.into_iter().map(|it| it.1).collect()
     }
 
-    fn group(&self, key: &[String], kinds: &[u32], sum: &OfGroup) -> Group {
+    fn group(&self, key: &[String], kinds: &[u32], sum: &GroupSums) -> Group {
         let kind = |place: usize| {
             let number = kinds.get(place).copied()?;
             self.kinds.all.get(number as usize)
@@ -300,7 +300,7 @@ impl Collector {
 
 /// The sums of a group.
 #[derive(Debug, Default)]
-struct OfGroup {
+struct GroupSums {
     /// Last line, and the index of its kind. A later line with the same time may replace it.
     pending: Option<(Entry, usize)>,
     has_cycles: bool,
@@ -315,7 +315,7 @@ struct OfGroup {
     order: Vec<usize>,
 }
 
-impl OfGroup {
+impl GroupSums {
     fn next(&mut self, entry: Entry, place: usize) {
         if self.pending.is_some_and(|it| it.0.asked != entry.asked) {
             self.flush();
@@ -413,7 +413,7 @@ pub fn lines(groups: &[Group]) -> String {
         for edge in &it.transitions {
             let Transition { from, to, count } = edge;
             let total = it.execution.count;
-            let (key, function) = (starred(it), function(it));
+            let (key, function) = (group_key(it), function(it));
             out.push_str(&format!(
                 "trans {key} {function} {from} {to} {count}/{total}\n"
             ));
@@ -425,7 +425,7 @@ pub fn lines(groups: &[Group]) -> String {
 fn of_times(word: &str, group: &Group, times: &Times) -> String {
     let [least, greatest, mean, deviation] =
         [times.least, times.greatest, times.mean, times.deviation].map(seconds);
-    let (key, function, count) = (starred(group), function(group), times.count);
+    let (key, function, count) = (group_key(group), function(group), times.count);
     format!("{word} {key} {function} {count} {least} {greatest} {mean} {deviation}\n")
 }
 
@@ -434,7 +434,7 @@ fn function(group: &Group) -> &str {
 }
 
 /// Returns a key with two stars behind it, of four words at most.
-fn starred(group: &Group) -> String {
+fn group_key(group: &Group) -> String {
     let mut key = group.key.clone();
     key.extend(["*".to_owned(), "*".to_owned()]);
     key.truncate(4);

@@ -16,7 +16,7 @@ use dotgen_analysis::model::ParamSource;
 use dotgen_timing::scn::names::Names;
 use rustc_hash::FxHashMap;
 
-use crate::log::{Kind, Kinds, Left, Run};
+use crate::log::{LineKind, LineKinds, LoggedRun, SkippedLines};
 use crate::matching::{CONTROL, event, site};
 use proto::{Message, annotation, descriptor, event as track_event, packet};
 
@@ -27,13 +27,13 @@ const SEQUENCE: u64 = 1;
 #[derive(Debug)]
 pub struct Trace<'n> {
     /// Lines that are not in the trace.
-    pub left: Left,
+    pub left: SkippedLines,
     names: Option<&'n Names<'n>>,
-    kinds: Kinds,
+    kinds: LineKinds,
     /// Locks of codels, by kind.
     locks: Vec<Vec<String>>,
     /// Runs whose packets are not made yet.
-    runs: Vec<Run>,
+    runs: Vec<LoggedRun>,
     requests: Requests,
     tracks: Tracks,
 }
@@ -72,9 +72,9 @@ impl<'n> Trace<'n> {
     /// Creates a trace. Locks are included if the specifications are given.
     pub fn new(names: Option<&'n Names<'n>>) -> Self {
         Trace {
-            left: Left::default(),
+            left: SkippedLines::default(),
             names,
-            kinds: Kinds::default(),
+            kinds: LineKinds::default(),
             locks: Vec::new(),
             runs: Vec::new(),
             requests: Requests::default(),
@@ -84,10 +84,10 @@ impl<'n> Trace<'n> {
 
     /// Reads a line of a log. `ended`: the line has its line break.
     pub fn line(&mut self, text: &[u8], ended: bool) {
-        let Some((line, kind)) = self.left.sift(&mut self.kinds, text, ended) else {
+        let Some((line, kind)) = self.left.classify(&mut self.kinds, text, ended) else {
             return;
         };
-        self.runs.push(Run {
+        self.runs.push(LoggedRun {
             asked: line.asked,
             began: line.began,
             ended: line.ended,
@@ -125,7 +125,7 @@ impl<'n> Trace<'n> {
     }
 
     /// Adds the slices of a run.
-    fn run(&mut self, run: &Run, slices: &mut Vec<Slice>) {
+    fn run(&mut self, run: &LoggedRun, slices: &mut Vec<Slice>) {
         while self.locks.len() < self.kinds.all.len()
             && let Some(kind) = self.kinds.all.get(self.locks.len())
         {
@@ -183,7 +183,7 @@ impl<'n> Trace<'n> {
 }
 
 /// Returns the fields of the ids and the ports that a codel uses.
-fn locks_of(names: &Names<'_>, kind: &Kind) -> Vec<String> {
+fn locks_of(names: &Names<'_>, kind: &LineKind) -> Vec<String> {
     let Ok(site) = site(names, kind) else {
         return Vec::new();
     };
@@ -221,7 +221,7 @@ struct Requests {
 
 impl Requests {
     /// Returns the flow to which a run belongs.
-    fn flow(&mut self, kind: &Kind, run: &Run, out: &mut Vec<Slice>) -> Option<u64> {
+    fn flow(&mut self, kind: &LineKind, run: &LoggedRun, out: &mut Vec<Slice>) -> Option<u64> {
         // No service has this name: a permanent activity has no request.
         if !kind
             .service

@@ -35,26 +35,26 @@ pub enum Durations {
 
 /// One in this many codels throws an exception, and one in this many requests is refused by a codel, if that
 /// is possible.
-const UNUSUAL: usize = 16;
+const ONE_IN_EXCEPTIONS: usize = 16;
 
 /// Under the policy `fair`, a thread loses its core at one in this many opportunities.
-const SWAPS: usize = 8;
+const ONE_IN_PREEMPTIONS: usize = 8;
 
 /// Chooses pseudo-randomly. The same seed gives the same choices.
 #[derive(Debug, Clone)]
-pub struct Drawn<'s> {
+pub struct RandomDecisions<'s> {
     system: &'s TimedSystem,
     durations: Durations,
     /// Upper limit on the time beyond the least one, in base units, for work without a greatest time.
-    far: Ticks,
+    max_extra_time: Ticks,
     dice: fastrand::Rng,
 }
 
-impl<'s> Drawn<'s> {
+impl<'s> RandomDecisions<'s> {
     /// Creates the choices for runs of a system.
     pub fn new(system: &'s TimedSystem, durations: Durations, seed: u64) -> Self {
-        Drawn {
-            far: far(system),
+        RandomDecisions {
+            max_extra_time: max_extra_time(system),
             dice: fastrand::Rng::with_seed(seed),
             durations,
             system,
@@ -77,7 +77,7 @@ impl<'s> Drawn<'s> {
 }
 
 /// Returns eight times the longest finite time of a system, in base units.
-fn far(system: &TimedSystem) -> Ticks {
+fn max_extra_time(system: &TimedSystem) -> Ticks {
     let periods = system.tasks.iter().filter_map(|it| it.period);
     let codels = system.codels.iter().map(|it| it.upper);
     let steps = system.clients.iter().flat_map(|it| &it.steps);
@@ -94,7 +94,7 @@ fn far(system: &TimedSystem) -> Ticks {
         .min(FOREVER / 4)
 }
 
-impl Decide for Drawn<'_> {
+impl Decide for RandomDecisions<'_> {
     fn order(&mut self, steps: usize) -> usize {
         match steps {
             0 | 1 => 0,
@@ -104,7 +104,7 @@ impl Decide for Drawn<'_> {
 
     fn time(&mut self, work: &Work, least: Ticks, greatest: Ticks) -> Ticks {
         let greatest_drawn = match greatest {
-            FOREVER => least.saturating_add(self.far).min(FOREVER - 1),
+            FOREVER => least.saturating_add(self.max_extra_time).min(FOREVER - 1),
             it => it,
         };
         // A client is not a codel, and work without a greatest time has no worst case.
@@ -130,7 +130,7 @@ impl Decide for Drawn<'_> {
         if count == 0 || count == outcomes.len() {
             return self.dice.usize(..outcomes.len());
         }
-        let wanted = self.dice.usize(..UNUSUAL) != 0;
+        let wanted = self.dice.usize(..ONE_IN_EXCEPTIONS) != 0;
         let among = if wanted {
             count
         } else {
@@ -144,12 +144,12 @@ impl Decide for Drawn<'_> {
     }
 
     fn waits(&mut self) -> bool {
-        self.dice.usize(..SWAPS) != 0
+        self.dice.usize(..ONE_IN_PREEMPTIONS) != 0
     }
 }
 
 /// Returns the yield that an outcome of a state machine's codel stands for; `None` for an exception.
-pub fn yielded(system: &TimedSystem, work: &Work, outcome: usize) -> Option<Yield> {
+pub fn yield_of_outcome(system: &TimedSystem, work: &Work, outcome: usize) -> Option<Yield> {
     match *work {
         Work::State {
             automaton, state, ..

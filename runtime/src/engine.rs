@@ -4,14 +4,14 @@ use dotgen_timing::explore::{Action, Possible, Seen, Stepper, Work};
 
 use crate::decide::Decide;
 use crate::live::Live;
-use crate::watch::Watch;
+use crate::watch::RunObserver;
 
 /// Number of actions at one moment after which the run counts as a standstill. A system has some actions for
 /// each task, codel and client.
-pub(crate) const CROWDED: u64 = 1_000_000;
+pub(crate) const MAX_ACTIONS_AT_ONE_MOMENT: u64 = 1_000_000;
 
 /// Number of steps between two polls for an interruption or the end of a run.
-const LOOKS: u64 = 256;
+const STEPS_PER_POLL: u64 = 256;
 
 /// The reason for the end of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -37,7 +37,7 @@ pub fn run(
     stepper: &mut Stepper,
     decide: &mut dyn Decide,
     until: u64,
-    watch: &mut dyn Watch,
+    watch: &mut dyn RunObserver,
     mut live: Option<&mut Live<'_>>,
     interrupted: &dyn Fn() -> bool,
 ) -> End {
@@ -66,10 +66,10 @@ pub fn run(
                 note(&mut works, executor, work);
                 stepper.decide(executor, decide.time(&work, least, greatest));
             }
-            watch.see(stepper, it);
+            watch.on_event(stepper, it);
         }
         if let Some(live) = live.as_deref_mut() {
-            tell_broken(stepper, live, watch);
+            forward_violations(stepper, live, watch);
         }
         seen.clear();
         if watch.is_over() {
@@ -77,7 +77,7 @@ pub fn run(
         }
         steps += 1;
         // A step that executes a codel may take long.
-        if (live.is_some() || steps.is_multiple_of(LOOKS)) && interrupted() {
+        if (live.is_some() || steps.is_multiple_of(STEPS_PER_POLL)) && interrupted() {
             return End::Interrupted;
         }
         stepper.possible(&mut possible);
@@ -96,11 +96,11 @@ pub fn run(
             continue;
         }
         at_once += 1;
-        if actions.is_empty() || at_once > CROWDED {
+        if actions.is_empty() || at_once > MAX_ACTIONS_AT_ONE_MOMENT {
             return End::Standstill;
         }
         let action = choose(actions, &works, decide, live.as_deref_mut(), &mut outcomes);
-        watch.act(stepper, action);
+        watch.on_action(stepper, action);
         stepper.perform(action, &mut seen);
     }
 }
@@ -114,17 +114,21 @@ pub(crate) fn note(works: &mut Vec<Option<Work>>, executor: usize, work: Work) {
 }
 
 /// Passes violations by codels and new port data to the observer.
-pub(crate) fn tell_broken(stepper: &Stepper, live: &mut Live<'_>, watch: &mut dyn Watch) {
+pub(crate) fn forward_violations(
+    stepper: &Stepper,
+    live: &mut Live<'_>,
+    watch: &mut dyn RunObserver,
+) {
     for it in live.take_published() {
-        watch.wrote(stepper, &it);
+        watch.on_port_update(stepper, &it);
     }
     for it in live.take_broken() {
-        watch.broke(stepper, it);
+        watch.on_violation(stepper, it);
     }
 }
 
 /// Returns the executor or client of an action that chooses between several outcomes.
-fn chooser(action: &Action) -> Option<(u8, usize)> {
+fn deciding_executor(action: &Action) -> Option<(u8, usize)> {
     match *action {
         Action::Finish { executor, .. } => Some((0, executor)),
         Action::Request { client, .. } => Some((1, client)),
@@ -142,7 +146,9 @@ pub(crate) fn choose(
     live: Option<&mut Live<'_>>,
     outcomes: &mut Vec<usize>,
 ) -> Action {
-    let same = |a: &Action, b: &Action| chooser(a).is_some() && chooser(a) == chooser(b);
+    let same = |a: &Action, b: &Action| {
+        deciding_executor(a).is_some() && deciding_executor(a) == deciding_executor(b)
+    };
     let groups = actions.chunk_by(same).count();
     let chosen = decide.order(groups);
     let group = actions.chunk_by(same).nth(chosen).unwrap_or(actions);

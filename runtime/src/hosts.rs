@@ -9,7 +9,7 @@ pub struct Call {
     pub component: usize,
     /// Thread: a task of the system, or `u32::MAX` for the control task.
     pub lane: u32,
-    /// Number that [`Ran`] repeats.
+    /// Number that [`CodelResult`] repeats.
     pub ticket: u32,
     /// Codel.
     pub codel: u32,
@@ -43,7 +43,7 @@ pub struct Reader<'a> {
 
 /// The way in which a codel has ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum How {
+pub enum CodelEnd {
     /// With an event, or without one.
     Event,
     /// With a declared exception.
@@ -54,7 +54,7 @@ pub enum How {
 
 /// Output of a codel to a port.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Written {
+pub struct PortWrite {
     /// Port.
     pub port: u32,
     /// Instance, if the port is `multiple`.
@@ -65,24 +65,24 @@ pub struct Written {
 
 /// The result of a codel.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Ran {
+pub struct CodelResult {
     /// Ticket of the call.
     pub ticket: u32,
     /// Execution time, in nanoseconds.
     pub nanos: u64,
     /// Way in which the codel ended.
-    pub how: How,
+    pub how: CodelEnd,
     /// Full name of the event or exception; empty for `genom_ok`. For other values, a description.
     pub name: String,
     /// Detail of the exception.
     pub detail: Vec<u8>,
     /// Port data, in the order of writing.
-    pub written: Vec<Written>,
+    pub written: Vec<PortWrite>,
 }
 
 /// A request from outside the system.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Wanted {
+pub struct OutsideRequest {
     /// Number that its answers repeat.
     pub id: u64,
     /// Service of the system.
@@ -93,7 +93,7 @@ pub struct Wanted {
 
 /// The answers to a request from outside, in this order.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Answer {
+pub enum RequestReply {
     /// An activity is accepted; a second answer follows at its end.
     Accepted,
     /// The request succeeded, with these outputs.
@@ -122,9 +122,9 @@ pub struct Connection {
 
 /// The reason for which a remote service has no outputs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unanswered {
+pub enum ReplyError {
     /// There is no such service, or none that can answer in time.
-    Nobody,
+    NoService,
     /// The component of the service is lost.
     Lost,
     /// The request was refused or interrupted, or ended with an exception.
@@ -135,7 +135,7 @@ pub enum Unanswered {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Message {
     /// A codel has ended.
-    Ran(usize, Ran),
+    CodelResult(usize, CodelResult),
     /// The process of a component has ended.
     Lost {
         /// Component.
@@ -144,7 +144,7 @@ pub enum Message {
         why: String,
     },
     /// A request from outside.
-    Wanted(Wanted),
+    OutsideRequest(OutsideRequest),
     /// An abort of the request with this number, from outside.
     Abort(u64),
     /// A call of a remote service, for which a codel waits.
@@ -185,7 +185,7 @@ pub trait Hosts {
     /// Begins a request, with its inputs.
     fn make(&mut self, component: usize, service: u32, instance: u32, inputs: &[u8]);
 
-    /// Begins a codel. [`Message::Ran`] or [`Message::Lost`] follows.
+    /// Begins a codel. [`Message::CodelResult`] or [`Message::Lost`] follows.
     fn run(&mut self, call: &Call);
 
     /// Ends a request and returns its outputs; `None` if the component is lost or does not answer.
@@ -206,16 +206,16 @@ pub trait Hosts {
 
     /// Returns the time after which a codel on the virtual clock counts as blocked, in nanoseconds. `None`:
     /// no limit, for instance under a debugger.
-    fn patience(&self) -> Option<u64>;
+    fn blocked_after_nanos(&self) -> Option<u64>;
 
     /// Kills a component that does not answer.
     fn kill(&mut self, component: usize);
 
     /// Answers a codel that called a remote service, with the outputs of the service.
-    fn reply(&mut self, component: usize, ask: u32, outputs: Result<Vec<u8>, Unanswered>);
+    fn reply(&mut self, component: usize, ask: u32, outputs: Result<Vec<u8>, ReplyError>);
 
     /// Sends an answer to the sender of an outside request.
-    fn answer(&mut self, id: u64, answer: Answer);
+    fn answer(&mut self, id: u64, answer: RequestReply);
 
     /// Reports that a component is lost, and the reason.
     fn gone(&mut self, component: usize, why: &str);

@@ -9,15 +9,15 @@
 //! If components have codels, [`live`] has them executed by [`hosts`], which this crate knows only as a
 //! trait. On the real clock ([`paced`]) the rules are the same, with real times ([`refine`]).
 
-pub mod counted;
+pub mod checker;
+pub mod counts;
 pub mod decide;
 pub mod engine;
 pub mod hosts;
-pub mod judge;
 pub mod live;
-pub mod paced;
 pub mod profile;
 pub mod progress;
+pub mod real_clock;
 pub mod refine;
 pub mod report;
 pub mod simulation;

@@ -4,7 +4,7 @@
 //! A host executes a codel when the model begins it. Others see its port data when the model ends it. Between
 //! the two moments no other codel reads the data, because the codel holds the locks.
 
-mod parts;
+mod components;
 mod requests;
 
 use std::collections::{HashMap, VecDeque};
@@ -12,9 +12,11 @@ use std::collections::{HashMap, VecDeque};
 use dotgen_timing::explore::{Seen, Stepper, Work};
 use dotgen_timing::system::{TimedSystem, Yield};
 
-use crate::hosts::{Call, Connection, Hosts, How, Message, Ran, Reader, Source, Wanted};
-use crate::watch::{Broken, Published};
-pub use parts::{Feed, Part, Parts};
+use crate::hosts::{
+    Call, CodelEnd, CodelResult, Connection, Hosts, Message, OutsideRequest, Reader, Source,
+};
+use crate::watch::{CodelViolation, PortUpdate};
+pub use components::{DataFlow, HostedComponent, HostedComponents};
 
 /// A request under way.
 #[derive(Debug)]
@@ -36,7 +38,7 @@ struct Running {
     work: Work,
     /// A host executes it.
     real: bool,
-    ran: Option<Ran>,
+    ran: Option<CodelResult>,
     /// It has yielded an event that the model does not know.
     undeclared: bool,
 }
@@ -44,7 +46,7 @@ struct Running {
 /// Real codels of a system. See the [module](self).
 pub struct Live<'p> {
     system: &'p TimedSystem,
-    parts: &'p Parts<'p>,
+    parts: &'p HostedComponents<'p>,
     hosts: &'p mut dyn Hosts,
     /// The engine waits for every codel, as on the virtual clock.
     waits: bool,
@@ -59,12 +61,12 @@ pub struct Live<'p> {
     next_instance: u32,
     fault: Option<String>,
     /// Violations to be reported.
-    broken: Vec<Broken>,
+    broken: Vec<CodelViolation>,
     /// Port data is kept for a recording, in `published`.
     keeps_data: bool,
-    published: Vec<Published>,
+    published: Vec<PortUpdate>,
     /// Requests from outside, by component.
-    wanted: Vec<VecDeque<Wanted>>,
+    wanted: Vec<VecDeque<OutsideRequest>>,
     /// Requests from outside that must end.
     aborts: Vec<u64>,
     /// Calls of remote services by codels, by number: the component, and its own number for the call.
@@ -78,7 +80,7 @@ impl<'p> Live<'p> {
     /// Creates the real codels for runs of a system.
     pub fn new(
         system: &'p TimedSystem,
-        parts: &'p Parts<'p>,
+        parts: &'p HostedComponents<'p>,
         hosts: &'p mut dyn Hosts,
         waits: bool,
         stops_activities: bool,
@@ -129,7 +131,7 @@ impl<'p> Live<'p> {
     }
 
     /// Returns the violations since the last call.
-    pub fn take_broken(&mut self) -> Vec<Broken> {
+    pub fn take_broken(&mut self) -> Vec<CodelViolation> {
         std::mem::take(&mut self.broken)
     }
 
@@ -139,7 +141,7 @@ impl<'p> Live<'p> {
     }
 
     /// Returns the port data since the last call, if it is [kept](Self::keep_data).
-    pub fn take_published(&mut self) -> Vec<Published> {
+    pub fn take_published(&mut self) -> Vec<PortUpdate> {
         std::mem::take(&mut self.published)
     }
 
@@ -167,10 +169,10 @@ impl<'p> Live<'p> {
                 _ => {}
             }
         }
-        self.look(stepper);
+        self.begin_and_end_requests(stepper);
         for it in seen {
             if let Seen::Begun { executor, work, .. } = *it {
-                self.begun(executor, work);
+                self.note_begin(executor, work);
             }
         }
     }
@@ -202,7 +204,7 @@ impl<'p> Live<'p> {
         }
     }
 
-    fn begun(&mut self, executor: usize, work: Work) {
+    fn note_begin(&mut self, executor: usize, work: Work) {
         if self.running.len() <= executor {
             self.running.resize_with(executor + 1, || None);
         }
@@ -239,7 +241,7 @@ impl<'p> Live<'p> {
         if !self.waits {
             return;
         }
-        let until = self.patience();
+        let until = self.work_deadline_nanos();
         while self.is_running(executor) {
             match self.hosts.wait(until) {
                 Some(message) => self.message(message),
@@ -255,9 +257,9 @@ impl<'p> Live<'p> {
     }
 
     /// Returns the time until which the present work must end, on the clock of the hosts, in nanoseconds.
-    fn patience(&self) -> u64 {
-        let patience = self.hosts.patience();
-        patience.map_or(u64::MAX, |it| self.hosts.now().saturating_add(it))
+    fn work_deadline_nanos(&self) -> u64 {
+        let blocked_after_nanos = self.hosts.blocked_after_nanos();
+        blocked_after_nanos.map_or(u64::MAX, |it| self.hosts.now().saturating_add(it))
     }
 
     /// Returns true if a host executes work for an executor.
@@ -269,7 +271,7 @@ impl<'p> Live<'p> {
     /// Handles a message of a host.
     pub fn message(&mut self, message: Message) {
         match message {
-            Message::Ran(component, ran) => {
+            Message::CodelResult(component, ran) => {
                 if !self.is_alive(component) {
                     return;
                 }
@@ -287,12 +289,12 @@ impl<'p> Live<'p> {
                 self.measure(executor);
             }
             Message::Lost { component, why } => self.lost(component, why),
-            Message::Wanted(it) => {
+            Message::OutsideRequest(it) => {
                 let component = self.system.services[it.service].component;
                 if self.is_alive(component) {
                     self.wanted[component].push_back(it);
                 } else {
-                    self.answer_failed(it.id, requests::LOST);
+                    self.answer_failed(it.id, requests::COMPONENT_LOST);
                 }
             }
             Message::Abort(id) => self.aborts.push(id),
@@ -301,7 +303,7 @@ impl<'p> Live<'p> {
                 ask,
                 remote,
                 inputs,
-            } => self.asked(component, ask, remote, inputs),
+            } => self.call_remote(component, ask, remote, inputs),
             Message::Connect(it) => {
                 let other = |known: &Connection| (known.to, &known.name) != (it.to, &it.name);
                 self.connected.retain(other);
@@ -338,7 +340,7 @@ impl<'p> Live<'p> {
             _ => return,
         };
         let took = ran.nanos;
-        self.broken.push(Broken::Overrun {
+        self.broken.push(CodelViolation::Overrun {
             codel: self.system.codels[codel].path.clone(),
             function: self.parts.function(codel),
             took,
@@ -350,7 +352,7 @@ impl<'p> Live<'p> {
             && matches!(running.work, Work::State { automaton, .. }
                 if self.system.automata[automaton].service.is_some())
         {
-            ran.how = How::Exception;
+            ran.how = CodelEnd::Exception;
             ran.name = "::dotgen::overrun".to_owned();
             ran.detail.clear();
         }
@@ -374,7 +376,7 @@ impl<'p> Live<'p> {
                 it.real = false;
             }
         }
-        self.broken.push(Broken::Lost {
+        self.broken.push(CodelViolation::Lost {
             component: self.system.components[component].name.clone(),
             codel: culprit,
             why,
@@ -386,7 +388,7 @@ impl<'p> Live<'p> {
         let mut gone: Vec<u64> = of.filter_map(|it| it.wanted.take()).collect();
         gone.extend(self.wanted[component].drain(..).map(|it| it.id));
         for id in gone {
-            self.answer_failed(id, requests::LOST);
+            self.answer_failed(id, requests::COMPONENT_LOST);
         }
     }
 
@@ -398,10 +400,10 @@ impl<'p> Live<'p> {
             return None;
         }
         let (work, ran) = (running.work, running.ran.as_ref()?);
-        let wanted = self.meaning(&work, ran);
+        let wanted = self.outcome_of_result(&work, ran);
         let Some(wanted) = wanted else {
             let codel = work.codel()?;
-            self.broken.push(Broken::Undeclared {
+            self.broken.push(CodelViolation::Undeclared {
                 codel: self.system.codels[codel].path.clone(),
                 function: self.parts.function(codel),
                 event: ran.name.clone(),
@@ -410,16 +412,16 @@ impl<'p> Live<'p> {
             if let Some(Some(running)) = self.running.get_mut(executor) {
                 running.undeclared = true;
             }
-            return Some(self.exceptional(&work, outcomes));
+            return Some(self.exception_index(&work, outcomes));
         };
         match outcomes.iter().position(|&it| it == wanted) {
             Some(place) => Some(place),
-            None => Some(self.exceptional(&work, outcomes)),
+            None => Some(self.exception_index(&work, outcomes)),
         }
     }
 
     /// Returns the index of an exception among outcomes; if exceptions make no difference, that of the end.
-    fn exceptional(&self, work: &Work, outcomes: &[usize]) -> usize {
+    fn exception_index(&self, work: &Work, outcomes: &[usize]) -> usize {
         let Work::State {
             automaton, state, ..
         } = *work
@@ -437,12 +439,12 @@ impl<'p> Live<'p> {
     }
 
     /// Returns the outcome that an event stands for; `None` if the event is not declared.
-    fn meaning(&self, work: &Work, ran: &Ran) -> Option<usize> {
+    fn outcome_of_result(&self, work: &Work, ran: &CodelResult) -> Option<usize> {
         let codel = work.codel()?;
         match (*work, ran.how) {
-            (_, How::Other) => None,
-            (Work::Control { .. }, How::Event) => ran.name.is_empty().then_some(0),
-            (Work::Control { .. }, How::Exception) => Some(1),
+            (_, CodelEnd::Other) => None,
+            (Work::Control { .. }, CodelEnd::Event) => ran.name.is_empty().then_some(0),
+            (Work::Control { .. }, CodelEnd::Exception) => Some(1),
             (
                 Work::State {
                     automaton, state, ..
@@ -451,7 +453,7 @@ impl<'p> Live<'p> {
             ) => {
                 let machine = self.system.machine_of(automaton);
                 let yields = &machine.states.get(state)?.yields;
-                if how == How::Exception {
+                if how == CodelEnd::Exception {
                     return Some(yields.len());
                 }
                 if !self.parts.declares(codel, &ran.name) {
@@ -491,10 +493,10 @@ impl<'p> Live<'p> {
         };
         let Some(ran) = running.ran else { return };
         // In the model, a codel without `throws` has no exception: its end stands for one.
-        let failed = ran.how == How::Exception || running.undeclared || !usual;
+        let failed = ran.how == CodelEnd::Exception || running.undeclared || !usual;
         if failed && let Some(it) = self.instance(work) {
             let name = match ran.how {
-                How::Exception => ran.name.clone(),
+                CodelEnd::Exception => ran.name.clone(),
                 _ => "::genom::bad_transition".to_owned(),
             };
             it.failed = Some((name, ran.detail.clone()));
@@ -512,7 +514,7 @@ impl<'p> Live<'p> {
     fn publish(&mut self, component: usize, port: u32, id: &str, data: &[u8]) {
         self.hosts.published(component, port, id, data);
         if self.keeps_data {
-            self.published.push(Published {
+            self.published.push(PortUpdate {
                 component,
                 port,
                 id: id.to_owned(),

@@ -14,7 +14,7 @@ use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::{TimedSystem, Yield};
 use num_rational::Ratio;
 
-use crate::decide::yielded;
+use crate::decide::yield_of_outcome;
 use crate::tally::Tally;
 
 /// Nanoseconds per second.
@@ -58,7 +58,7 @@ impl<'s, W: Write> Profile<'s, W> {
 
     /// Writes the end of a codel. `offset`, in base units, is added to all times: it puts runs one after the
     /// other.
-    pub fn see(&mut self, tally: &mut Tally, stepper: &Stepper, seen: &Seen, offset: u64) {
+    pub fn on_event(&mut self, tally: &mut Tally, stepper: &Stepper, seen: &Seen, offset: u64) {
         let Seen::Ended {
             executor,
             work,
@@ -115,7 +115,7 @@ impl<'s, W: Write> Profile<'s, W> {
                     None => PERMANENT.to_owned(),
                 };
                 from = event(name(state));
-                to = match yielded(system, work, outcome) {
+                to = match yield_of_outcome(system, work, outcome) {
                     Some(Yield::Next(to)) => event(name(to)),
                     Some(Yield::Pause(to)) => event(&format!("pause::{}", name(to))),
                     Some(Yield::End) => event("ether"),

@@ -8,16 +8,16 @@ use dotgen_timing::system::{Ticks, TimedSystem, Yield};
 use dotgen_timing::verify::Prepared;
 use serde::Serialize;
 
-use crate::counted::{OfMachine, OfTask, machines, tasks};
+use crate::counts::{MachineCounts, TaskCounts, machines, tasks};
 use crate::tally::Tally;
 
 /// Receives snapshots of a run under way.
-pub trait Follow {
+pub trait ProgressReceiver {
     /// Returns true if a snapshot is due. The run waits while a snapshot is made.
-    fn wants(&mut self) -> bool;
+    fn is_due(&mut self) -> bool;
 
     /// Receives a snapshot.
-    fn hear(&mut self, progress: Progress);
+    fn receive(&mut self, progress: Progress);
 }
 
 /// A snapshot of a run.
@@ -29,11 +29,11 @@ pub struct Progress {
     /// Time since the start of the run.
     pub time: Value,
     /// Tasks, in order of declaration.
-    pub tasks: Vec<OfTask>,
+    pub tasks: Vec<TaskCounts>,
     /// State machines, with counts of their transitions.
-    pub machines: Vec<OfMachine>,
+    pub machines: Vec<MachineCounts>,
     /// States of permanent activities, and of activities under way.
-    pub activities: Vec<OfActivity>,
+    pub activities: Vec<ActivityState>,
     /// Number of violations so far.
     pub violation_count: u64,
 }
@@ -41,7 +41,7 @@ pub struct Progress {
 /// An activity under way.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub struct OfActivity {
+pub struct ActivityState {
     /// Name of its machine.
     pub machine: String,
     /// State.
@@ -52,14 +52,14 @@ pub struct OfActivity {
 
 /// The present states of activities.
 #[derive(Debug, Default)]
-pub(crate) struct States {
+pub(crate) struct ActivityStates {
     /// By automaton and place: the state, and whether a codel of the state has begun.
     at: BTreeMap<(usize, usize), (usize, bool)>,
 }
 
-impl States {
+impl ActivityStates {
     /// Records an event.
-    pub(crate) fn see(&mut self, system: &TimedSystem, seen: &Seen) {
+    pub(crate) fn on_event(&mut self, system: &TimedSystem, seen: &Seen) {
         match *seen {
             Seen::Asked {
                 work:
@@ -80,7 +80,7 @@ impl States {
                 else {
                     return;
                 };
-                match crate::decide::yielded(system, &work, outcome) {
+                match crate::decide::yield_of_outcome(system, &work, outcome) {
                     Some(Yield::Next(to) | Yield::Pause(to)) => {
                         self.at.insert((automaton, slot), (to, false));
                     }
@@ -113,7 +113,7 @@ impl States {
                     return None;
                 }
                 let machine = &system.machines[automaton.machine];
-                Some(OfActivity {
+                Some(ActivityState {
                     machine: machine.name.clone(),
                     state: machine.states[state].name.clone(),
                     executes,

@@ -6,12 +6,12 @@ use dotgen_timing::system::Ticks;
 use dotgen_timing::verify::Prepared;
 use serde::Serialize;
 
-use crate::counted::{OfMachine, OfTask, machines, tasks};
+use crate::checker::{Moment, Verdict, Violation};
+use crate::counts::{MachineCounts, TaskCounts, machines, tasks};
 use crate::decide::Durations;
 use crate::engine::End;
-use crate::judge::{Moment, Verdict, Violation};
-use crate::simulation::{Outcome, Plan};
-use crate::watch::Broken;
+use crate::simulation::{Plan, SimulationResult};
+use crate::watch::CodelViolation;
 
 /// Version of the JSON form: raised when a field changes its meaning or is removed.
 pub const FORMAT: u32 = 1;
@@ -39,17 +39,17 @@ pub struct RunReport {
     /// End of the last run.
     pub end: End,
     /// Tasks, in order of declaration.
-    pub tasks: Vec<OfTask>,
+    pub tasks: Vec<TaskCounts>,
     /// Services, in order of declaration.
-    pub services: Vec<OfService>,
+    pub services: Vec<ServiceCounts>,
     /// Codels, in order of declaration.
-    pub codels: Vec<OfCodel>,
+    pub codels: Vec<CodelCounts>,
     /// State machines, with all their transitions.
-    pub machines: Vec<OfMachine>,
+    pub machines: Vec<MachineCounts>,
     /// Checks, in order of the scenario.
-    pub checks: Vec<OfCheck>,
+    pub checks: Vec<CheckOutcome>,
     /// First violation of each kind.
-    pub violations: Vec<OfViolation>,
+    pub violations: Vec<ViolationReport>,
     /// Number of all violations.
     pub violation_count: u64,
     /// Assumptions of the model.
@@ -61,7 +61,7 @@ pub struct RunReport {
 /// The counts of a service.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub struct OfService {
+pub struct ServiceCounts {
     /// `component.service`
     pub service: String,
     /// Requests taken.
@@ -75,7 +75,7 @@ pub struct OfService {
 /// The counts of a codel.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub struct OfCodel {
+pub struct CodelCounts {
     /// `component.owner.state`
     pub codel: String,
     /// Number of runs.
@@ -89,7 +89,7 @@ pub struct OfCodel {
 /// The result of a check.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub struct OfCheck {
+pub struct CheckOutcome {
     /// Name, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
@@ -110,7 +110,7 @@ pub struct OfCheck {
     pub exceeded: bool,
     /// First moment at which the verdict was known.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub at: Option<At>,
+    pub at: Option<RunMoment>,
     /// Number of violations.
     pub violations: u64,
 }
@@ -118,7 +118,7 @@ pub struct OfCheck {
 /// A moment of a run.
 #[derive(Debug, Clone, Copy, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub struct At {
+pub struct RunMoment {
     /// Number of the run, from 1.
     pub run: u64,
     /// Seed that makes this run the first one.
@@ -130,9 +130,9 @@ pub struct At {
 /// A violation.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub struct OfViolation {
+pub struct ViolationReport {
     /// Moment.
-    pub at: At,
+    pub at: RunMoment,
     /// Kind and details.
     #[serde(flatten)]
     pub what: Violated,
@@ -196,14 +196,14 @@ impl RunReport {
     pub fn new(
         prepared: &Prepared,
         plan: &Plan,
-        outcome: &Outcome,
+        outcome: &SimulationResult,
         bounds: &[Option<Ticks>],
     ) -> RunReport {
-        let make = Maker { prepared, plan };
+        let make = ReportBuilder { prepared, plan };
         let system = &prepared.built.system;
         let services = (0..system.services.len()).map(|service| {
             let counted = &outcome.tally.services[service];
-            OfService {
+            ServiceCounts {
                 service: system.service_path(service),
                 requests: counted.requests,
                 refused: counted.refused,
@@ -211,7 +211,7 @@ impl RunReport {
             }
         });
         let codels = system.codels.iter().zip(&outcome.tally.codels);
-        let codels = codels.map(|(it, counted)| OfCodel {
+        let codels = codels.map(|(it, counted)| CodelCounts {
             codel: it.path.clone(),
             runs: counted.runs.count,
             greatest: make.value(counted.runs.greatest),
@@ -250,12 +250,12 @@ impl RunReport {
     }
 }
 
-struct Maker<'r> {
+struct ReportBuilder<'r> {
     prepared: &'r Prepared,
     plan: &'r Plan,
 }
 
-impl Maker<'_> {
+impl ReportBuilder<'_> {
     fn value(&self, ticks: Ticks) -> Value {
         Value::Time(self.prepared.time(u64::from(ticks)))
     }
@@ -265,20 +265,20 @@ impl Maker<'_> {
         Value::Time(nanos as f64 / 1e9 / unit)
     }
 
-    fn at(&self, it: Moment) -> At {
-        At {
+    fn at(&self, it: Moment) -> RunMoment {
+        RunMoment {
             run: it.run + 1,
             seed: self.plan.seed.wrapping_add(it.run),
             time: Value::Time(self.prepared.time(it.time)),
         }
     }
 
-    fn checks(&self, outcome: &Outcome) -> Vec<OfCheck> {
+    fn checks(&self, outcome: &SimulationResult) -> Vec<CheckOutcome> {
         let checks = self.prepared.checks.iter().zip(&outcome.judge.answers);
         let checks = checks.map(|(asked, answer)| {
             let greatest = answer.greatest.map(|it| self.value(it));
             let limit = asked.report.limit;
-            OfCheck {
+            CheckOutcome {
                 name: asked.report.name.clone(),
                 check: asked.report.kind,
                 of: asked.report.of.clone(),
@@ -293,10 +293,10 @@ impl Maker<'_> {
         checks.collect()
     }
 
-    fn violations(&self, outcome: &Outcome) -> Vec<OfViolation> {
+    fn violations(&self, outcome: &SimulationResult) -> Vec<ViolationReport> {
         let system = &self.prepared.built.system;
         let all = outcome.judge.violations.iter();
-        let all = all.map(|&(at, it)| OfViolation {
+        let all = all.map(|&(at, it)| ViolationReport {
             at: self.at(at),
             what: match it {
                 Violation::Check(check) => Violated::Check { check },
@@ -309,8 +309,8 @@ impl Maker<'_> {
                     response: self.value(response),
                     bound: self.value(bound),
                 },
-                Violation::Broken(at) => match &outcome.judge.broken[at] {
-                    Broken::Undeclared {
+                Violation::CodelViolation(at) => match &outcome.judge.broken[at] {
+                    CodelViolation::Undeclared {
                         codel,
                         function,
                         event,
@@ -319,7 +319,7 @@ impl Maker<'_> {
                         function: function.clone(),
                         event: event.clone(),
                     },
-                    Broken::Lost {
+                    CodelViolation::Lost {
                         component,
                         codel,
                         why,
@@ -329,7 +329,7 @@ impl Maker<'_> {
                         function: codel.as_ref().map(|it| it.1.clone()),
                         why: why.clone(),
                     },
-                    Broken::Overrun {
+                    CodelViolation::Overrun {
                         codel,
                         function,
                         took,

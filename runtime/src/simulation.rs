@@ -7,15 +7,15 @@ use dotgen_timing::explore::{Action, Run, Seen, Stepper};
 use dotgen_timing::system::{Ticks, TimedSystem};
 use dotgen_timing::verify::Prepared;
 
-use crate::decide::{Drawn, Durations};
+use crate::checker::RunChecker;
+use crate::decide::{Durations, RandomDecisions};
 use crate::engine::{self, End};
-use crate::judge::Judge;
 use crate::live::Live;
-use crate::paced::{self, Pace};
 use crate::profile::Profile;
-use crate::progress::{Follow, States};
+use crate::progress::{ActivityStates, ProgressReceiver};
+use crate::real_clock::{self, Pace};
 use crate::tally::Tally;
-use crate::watch::{Broken, Published, Watch};
+use crate::watch::{CodelViolation, PortUpdate, RunObserver};
 
 /// The plan of a simulation.
 #[derive(Debug, Clone, Copy)]
@@ -36,15 +36,15 @@ pub struct Plan {
 }
 
 /// Upper limit on the kept actions of a run.
-const RECORDED: usize = 1_000_000;
+const MAX_RECORDED_ACTIONS: usize = 1_000_000;
 
 /// The outcome of a simulation.
 #[derive(Debug)]
-pub struct Outcome<'p> {
+pub struct SimulationResult<'p> {
     /// Counts of all runs.
     pub tally: Tally,
     /// Results of the checks.
-    pub judge: Judge<'p>,
+    pub judge: RunChecker<'p>,
     /// End of the last run.
     pub end: End,
     /// Number of runs that have begun.
@@ -65,19 +65,19 @@ pub struct Execution<'l, 'p> {
     /// Real clock; `None` for the virtual clock.
     pub pace: Option<Pace>,
     /// Receiver of snapshots.
-    pub follow: Option<&'l mut dyn Follow>,
+    pub follow: Option<&'l mut dyn ProgressReceiver>,
 }
 
 /// Records a run.
 pub trait Record {
     /// Records an action before it is performed.
-    fn act(&mut self, stepper: &Stepper, action: Action);
+    fn on_action(&mut self, stepper: &Stepper, action: Action);
 
     /// Records an interruption of an activity from outside, by its place, before it is performed.
     fn interrupt(&mut self, stepper: &Stepper, place: usize);
 
     /// Records new data of an output port.
-    fn wrote(&mut self, stepper: &Stepper, written: &Published);
+    fn on_port_update(&mut self, stepper: &Stepper, written: &PortUpdate);
 
     /// Is called after time has passed: on the real clock, many times a second.
     fn moment(&mut self) {}
@@ -94,7 +94,7 @@ pub fn simulate<'p, W: Write>(
     profile: Option<&mut Profile<'p, W>>,
     execution: Option<Execution<'_, 'p>>,
     interrupted: &dyn Fn() -> bool,
-) -> Outcome<'p> {
+) -> SimulationResult<'p> {
     simulate_recorded(
         prepared,
         bounds,
@@ -116,7 +116,7 @@ pub fn simulate_recorded<'p, W: Write>(
     record: Option<&mut dyn Record>,
     mut execution: Option<Execution<'_, 'p>>,
     interrupted: &dyn Fn() -> bool,
-) -> Outcome<'p> {
+) -> SimulationResult<'p> {
     let system = &prepared.built.system;
     let (watched, places) = prepared.watched();
     let mut stepper = Stepper::new(system, &watched);
@@ -125,9 +125,9 @@ pub fn simulate_recorded<'p, W: Write>(
         system,
         prepared,
         bounds: bounds.clone(),
-        follow: follow.map(|it| (it, States::default())),
+        follow: follow.map(|it| (it, ActivityStates::default())),
         tally: Tally::new(system),
-        judge: Judge::new(prepared, places, bounds),
+        judge: RunChecker::new(prepared, places, bounds),
         profile,
         offset: 0,
         stop_at_violation: plan.stop_at_violation,
@@ -142,14 +142,14 @@ pub fn simulate_recorded<'p, W: Write>(
     let mut runs = 0;
     while runs < plan.runs {
         let seed = plan.seed.wrapping_add(runs);
-        let mut dice = Drawn::new(system, plan.durations, seed);
+        let mut dice = RandomDecisions::new(system, plan.durations, seed);
         let until = plan.until;
         end = match &mut execution {
             Some(Execution {
                 live,
                 pace: Some(pace),
                 ..
-            }) => paced::run(
+            }) => real_clock::run(
                 &mut stepper,
                 &mut dice,
                 until,
@@ -194,7 +194,7 @@ pub fn simulate_recorded<'p, W: Write>(
             break;
         }
     }
-    Outcome {
+    SimulationResult {
         tally: observer.tally,
         judge: observer.judge,
         time: observer.offset,
@@ -212,9 +212,9 @@ struct Observer<'o, 'r, 'f, 'p, W> {
     prepared: &'p Prepared,
     bounds: Vec<Option<Ticks>>,
     /// Receiver of snapshots, with the present states.
-    follow: Option<(&'f mut dyn Follow, States)>,
+    follow: Option<(&'f mut dyn ProgressReceiver, ActivityStates)>,
     tally: Tally,
-    judge: Judge<'p>,
+    judge: RunChecker<'p>,
     profile: Option<&'o mut Profile<'p, W>>,
     /// Total time of earlier runs, in base units.
     offset: u64,
@@ -225,25 +225,25 @@ struct Observer<'o, 'r, 'f, 'p, W> {
     first: bool,
 }
 
-impl<W: Write> Watch for Observer<'_, '_, '_, '_, W> {
-    fn see(&mut self, stepper: &Stepper, seen: &Seen) {
+impl<W: Write> RunObserver for Observer<'_, '_, '_, '_, W> {
+    fn on_event(&mut self, stepper: &Stepper, seen: &Seen) {
         if let Some(profile) = &mut self.profile {
-            profile.see(&mut self.tally, stepper, seen, self.offset);
+            profile.on_event(&mut self.tally, stepper, seen, self.offset);
         }
-        self.tally.see(self.system, stepper, seen);
-        self.judge.see(stepper, seen);
+        self.tally.on_event(self.system, stepper, seen);
+        self.judge.on_event(stepper, seen);
         if let Some((_, states)) = &mut self.follow {
-            states.see(self.system, seen);
+            states.on_event(self.system, seen);
         }
     }
 
-    fn act(&mut self, stepper: &Stepper, action: Action) {
+    fn on_action(&mut self, stepper: &Stepper, action: Action) {
         let now = stepper.now();
         if let Some(record) = self.record.as_mut().filter(|_| self.first) {
-            record.act(stepper, action);
+            record.on_action(stepper, action);
         }
         if let Some(run) = self.recorded.as_mut().filter(|_| self.first) {
-            match run.steps.len() < RECORDED {
+            match run.steps.len() < MAX_RECORDED_ACTIONS {
                 true => run.steps.push((now, action)),
                 false => run.left_out = true,
             }
@@ -256,9 +256,9 @@ impl<W: Write> Watch for Observer<'_, '_, '_, '_, W> {
         }
     }
 
-    fn wrote(&mut self, stepper: &Stepper, written: &Published) {
+    fn on_port_update(&mut self, stepper: &Stepper, written: &PortUpdate) {
         if let Some(record) = self.record.as_mut().filter(|_| self.first) {
-            record.wrote(stepper, written);
+            record.on_port_update(stepper, written);
         }
     }
 
@@ -268,17 +268,17 @@ impl<W: Write> Watch for Observer<'_, '_, '_, '_, W> {
             record.moment();
         }
         if let Some((follow, states)) = &mut self.follow
-            && follow.wants()
+            && follow.is_due()
         {
             let count = self.judge.count;
             let progress =
                 states.progress(self.prepared, stepper, &self.tally, &self.bounds, count);
-            follow.hear(progress);
+            follow.receive(progress);
         }
     }
 
-    fn broke(&mut self, stepper: &Stepper, broken: Broken) {
-        self.judge.broke(stepper, broken);
+    fn on_violation(&mut self, stepper: &Stepper, broken: CodelViolation) {
+        self.judge.on_violation(stepper, broken);
     }
 
     fn is_over(&self) -> bool {

@@ -31,7 +31,7 @@ impl Times {
 
 /// The counts of a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct OfTask {
+pub struct TaskTally {
     /// Response times of jobs that have ended.
     pub jobs: Times,
     /// Greatest duration of a job so far, including a job that has not ended.
@@ -46,7 +46,7 @@ pub struct OfTask {
 
 /// The counts of a service.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct OfService {
+pub struct ServiceTally {
     /// Requests that the control task has taken.
     pub requests: u64,
     /// Requests refused by a codel, or ended by its exception.
@@ -57,7 +57,7 @@ pub struct OfService {
 
 /// The counts of a codel in one place of use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct OfCodel {
+pub struct CodelTally {
     /// Times from the grant of its locks to their release.
     pub runs: Times,
     /// Times from the request of its locks to their grant.
@@ -66,7 +66,7 @@ pub struct OfCodel {
 
 /// The present work of an executor.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Busy {
+pub(crate) struct ActiveWork {
     /// Time of the request of its locks.
     pub(crate) asked: u64,
     /// Time of the grant of its locks.
@@ -77,15 +77,15 @@ pub(crate) struct Busy {
 #[derive(Debug, Clone)]
 pub struct Tally {
     /// Counts of each task.
-    pub tasks: Vec<OfTask>,
+    pub tasks: Vec<TaskTally>,
     /// Counts of each service.
-    pub services: Vec<OfService>,
+    pub services: Vec<ServiceTally>,
     /// Counts of each codel.
-    pub codels: Vec<OfCodel>,
+    pub codels: Vec<CodelTally>,
     /// By machine, state and outcome (the last one: an exception), the times of the codels that ended with
     /// this outcome.
     pub transitions: Vec<Vec<Vec<Times>>>,
-    pub(crate) busy: Vec<Busy>,
+    pub(crate) busy: Vec<ActiveWork>,
 }
 
 impl Tally {
@@ -98,16 +98,16 @@ impl Tally {
                 .collect()
         });
         Tally {
-            tasks: vec![OfTask::default(); system.tasks.len()],
-            services: vec![OfService::default(); system.services.len()],
-            codels: vec![OfCodel::default(); system.codels.len()],
+            tasks: vec![TaskTally::default(); system.tasks.len()],
+            services: vec![ServiceTally::default(); system.services.len()],
+            codels: vec![CodelTally::default(); system.codels.len()],
             transitions: machines.collect(),
             busy: Vec::new(),
         }
     }
 
     /// Counts an event.
-    pub fn see(&mut self, system: &TimedSystem, stepper: &Stepper, seen: &Seen) {
+    pub fn on_event(&mut self, system: &TimedSystem, stepper: &Stepper, seen: &Seen) {
         let now = stepper.now();
         match *seen {
             Seen::Asked { executor, .. } => self.busy(executor).asked = now,
@@ -169,7 +169,7 @@ impl Tally {
                 if let Some(times) = outcomes.and_then(|it| it.get_mut(outcome)) {
                     times.add(took);
                 }
-                let ends = match crate::decide::yielded(system, work, outcome) {
+                let ends = match crate::decide::yield_of_outcome(system, work, outcome) {
                     Some(it) => it == dotgen_timing::system::Yield::End,
                     None => true,
                 };
@@ -184,9 +184,9 @@ impl Tally {
         }
     }
 
-    pub(crate) fn busy(&mut self, executor: usize) -> &mut Busy {
+    pub(crate) fn busy(&mut self, executor: usize) -> &mut ActiveWork {
         if self.busy.len() <= executor {
-            let idle = Busy { asked: 0, begun: 0 };
+            let idle = ActiveWork { asked: 0, begun: 0 };
             self.busy.resize(executor + 1, idle);
         }
         &mut self.busy[executor]

@@ -3,12 +3,12 @@
 use dotgen_timing::explore::{Action, Seen, Stepper};
 
 /// Observes a run.
-pub trait Watch {
+pub trait RunObserver {
     /// Receives an event. The stepper has performed it.
-    fn see(&mut self, stepper: &Stepper, seen: &Seen);
+    fn on_event(&mut self, stepper: &Stepper, seen: &Seen);
 
     /// Receives an action before it is performed.
-    fn act(&mut self, stepper: &Stepper, action: Action);
+    fn on_action(&mut self, stepper: &Stepper, action: Action);
 
     /// Receives an interruption of an activity from outside, by the place of the activity.
     fn interrupt(&mut self, stepper: &Stepper, place: usize);
@@ -17,10 +17,10 @@ pub trait Watch {
     fn moment(&mut self, stepper: &Stepper);
 
     /// Receives new data of an output port.
-    fn wrote(&mut self, stepper: &Stepper, written: &Published);
+    fn on_port_update(&mut self, stepper: &Stepper, written: &PortUpdate);
 
     /// Receives a violation by a codel.
-    fn broke(&mut self, stepper: &Stepper, broken: Broken);
+    fn on_violation(&mut self, stepper: &Stepper, broken: CodelViolation);
 
     /// Returns true if the run must end.
     fn is_over(&self) -> bool;
@@ -29,7 +29,7 @@ pub trait Watch {
 /// A violation by a codel.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum Broken {
+pub enum CodelViolation {
     /// A codel ended with an undeclared event.
     Undeclared {
         /// `component.owner.state`
@@ -63,7 +63,7 @@ pub enum Broken {
 
 /// New data of an output port.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Published {
+pub struct PortUpdate {
     /// Component of the system.
     pub component: usize,
     /// Port, by number in the model of the component.

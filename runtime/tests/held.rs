@@ -1,8 +1,8 @@
 //! On random systems with all features of the servers, runs show only what verification allows.
 
+use dotgen_runtime::checker::Verdict as Held;
 use dotgen_runtime::decide::Durations;
 use dotgen_runtime::engine::End;
-use dotgen_runtime::judge::Verdict as Held;
 use dotgen_runtime::simulation::{Plan, simulate};
 use dotgen_timing::explore::Limits;
 use dotgen_timing::report::{Value, Verdict};

@@ -1,11 +1,13 @@
 //! Recorded runs replayed step by step: every run is one of the model, and a changed rule is named.
 
 use dotgen_analysis::host::UnitResult;
-use dotgen_recording::replay::{Replay, ReplayReport, Rule, Step, What, opened};
+use dotgen_recording::replay::{
+    DifferenceKind, Replay, ReplayReport, Rule, Step, with_any_exception,
+};
 use dotgen_runtime::decide::Durations;
 use dotgen_runtime::profile::Profile;
 use dotgen_runtime::simulation::{Plan, Record, simulate_recorded};
-use dotgen_runtime::watch::Published;
+use dotgen_runtime::watch::PortUpdate;
 use dotgen_timing::explore::{Action, Stepper};
 use dotgen_timing::scn::parse;
 use dotgen_timing::scn::semantics::LockRule;
@@ -22,7 +24,7 @@ struct Recording<'s> {
 }
 
 impl Record for Recording<'_> {
-    fn act(&mut self, stepper: &Stepper, action: Action) {
+    fn on_action(&mut self, stepper: &Stepper, action: Action) {
         self.steps.push(Step::new(self.system, stepper, action));
     }
 
@@ -30,7 +32,7 @@ impl Record for Recording<'_> {
         self.steps.push(Step::abort(self.system, stepper, place));
     }
 
-    fn wrote(&mut self, _: &Stepper, _: &Published) {}
+    fn on_port_update(&mut self, _: &Stepper, _: &PortUpdate) {}
 
     fn end(&mut self, stepper: &Stepper) {
         self.end = stepper.now();
@@ -67,7 +69,7 @@ fn record(prepared: &Prepared, until: u64, seed: u64, durations: Durations) -> (
 }
 
 fn replay(verified: &TimedSystem, steps: &[Step], end: u64) -> ReplayReport {
-    let system = opened(verified);
+    let system = with_any_exception(verified);
     let mut replay = Replay::new(&system, verified, None);
     for it in steps {
         replay.step(it);
@@ -117,7 +119,7 @@ fn every_run_is_one_of_the_model() {
                     seed - 1,
                     report.differences.first(),
                     (steps.iter().take(report.followed as usize + 1))
-                        .map(|it| format!("{} {}", it.time, it.words()))
+                        .map(|it| format!("{} {}", it.time, it.describe()))
                         .collect::<Vec<_>>()
                         .join("\n"),
                     texts.specifications.join("\n"),
@@ -318,7 +320,7 @@ fn a_run_is_followed_beyond_a_wrong_time_and_not_beyond_what_is_impossible() {
     assert!(report.difference_count > 50, "{}", report.difference_count);
     for it in &report.differences {
         let (took, limit) = (u64::from(upper) + 1, upper);
-        assert_eq!(it.what, What::Longer { took, limit });
+        assert_eq!(it.what, DifferenceKind::Longer { took, limit });
         assert!(it.step.what.starts_with("plant.slow.start"), "{it:?}");
     }
     let (steps, end) = record(&prepared, until, 1, Durations::Worst);
@@ -333,6 +335,6 @@ fn a_run_is_followed_beyond_a_wrong_time_and_not_beyond_what_is_impossible() {
     assert_eq!(report.difference_count, 1);
     let first = &report.differences[0];
     assert_eq!(first.rule, Rule::Tick, "{first:?}");
-    assert_eq!(first.what, What::Omitted { due }, "{first:?}");
+    assert_eq!(first.what, DifferenceKind::Omitted { due }, "{first:?}");
     assert!(report.followed < report.steps);
 }

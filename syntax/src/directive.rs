@@ -12,7 +12,7 @@ use smol_str::SmolStr;
 use crate::{
     kind::SyntaxKind::{self, *},
     lexer::{RawTokens, is_trivia, is_word, lex},
-    near::nearest,
+    suggestion::nearest,
 };
 
 /// One directive of a file.

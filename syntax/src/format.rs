@@ -12,7 +12,7 @@
 
 mod chunks;
 mod columns;
-mod page;
+mod layout;
 mod print;
 mod rules;
 mod unit;

@@ -12,13 +12,13 @@ mod fragment;
 pub mod kind;
 pub mod lexer;
 pub mod line_index;
-pub mod near;
 pub mod packages;
 mod parse;
 pub mod parser;
 pub mod preproc;
 pub mod release;
 mod sink;
+pub mod suggestion;
 
 pub use dump::dump;
 pub use expansion::ExpansionMap;

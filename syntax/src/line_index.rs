@@ -33,12 +33,12 @@ pub struct LineIndex {
     /// Offset and length (without terminator) of each line.
     lines: Vec<(u32, u32)>,
     /// The characters that are not ASCII, in order.
-    wide: Vec<Wide>,
+    wide: Vec<WideChar>,
     len: u32,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Wide {
+struct WideChar {
     start: u32,
     end: u32,
     /// Bytes saved by UTF-16 up to the end of this character.
@@ -52,7 +52,7 @@ impl LineIndex {
     pub fn new(text: &str) -> LineIndex {
         let bytes = text.as_bytes();
         let mut lines = Vec::new();
-        let mut wide: Vec<Wide> = Vec::new();
+        let mut wide: Vec<WideChar> = Vec::new();
         let mut start = 0;
         let mut at = 0;
         while let Some(&byte) = bytes.get(at) {
@@ -68,7 +68,7 @@ impl LineIndex {
                     let len = utf8_len(byte);
                     let (saved16, saved32) =
                         wide.last().map_or((0, 0), |it| (it.saved16, it.saved32));
-                    wide.push(Wide {
+                    wide.push(WideChar {
                         start: at as u32,
                         end: (at + len) as u32,
                         saved16: saved16 + if len == 4 { 2 } else { len as u32 - 1 },

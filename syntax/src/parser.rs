@@ -48,7 +48,7 @@ const MAX_DEPTH: u32 = 128;
 const MAX_ERRORS: usize = 500;
 
 /// The result of the grammar for a file.
-pub(crate) struct Said {
+pub(crate) struct ParserOutput {
     /// The events that build the tree.
     pub(crate) events: Vec<Event>,
     /// The errors in text order, up to the maximum number.
@@ -60,7 +60,12 @@ pub(crate) struct Said {
 }
 
 /// Runs the grammar on a file, given its raw tokens and the output of the preprocessor.
-pub(crate) fn read(text: &str, raw: &RawTokens, pre: &Preprocessed, fragment: Fragment) -> Said {
+pub(crate) fn read(
+    text: &str,
+    raw: &RawTokens,
+    pre: &Preprocessed,
+    fragment: Fragment,
+) -> ParserOutput {
     let is_include = |index: u32| {
         pre.directives
             .get(index as usize)
@@ -75,7 +80,7 @@ pub(crate) fn read(text: &str, raw: &RawTokens, pre: &Preprocessed, fragment: Fr
         .get(MAX_ERRORS)
         .map(|it| input.range(it.token).start());
     errors.retain(|it| inside_out.is_none_or(|from| it.token <= from));
-    Said {
+    ParserOutput {
         events,
         errors: locate(&input, errors),
         inside_out: inside_out.map(|it| input.range(it).start()),
@@ -246,13 +251,13 @@ impl<'i> Parser<'i> {
 
     /// Kind of the token `n` further on; words are identifiers.
     pub(crate) fn nth(&self, n: usize) -> SyntaxKind {
-        self.burn();
+        self.check_progress();
         self.kind_at(self.pos + n)
     }
 
     /// The current token as a keyword, if it is a word that may be one; else its kind.
     pub(crate) fn current_contextual(&self) -> SyntaxKind {
-        self.burn();
+        self.check_progress();
         self.contextual_at(self.pos)
     }
 
@@ -263,7 +268,7 @@ impl<'i> Parser<'i> {
 
     /// Returns true if the token `n` further on is, or may be read as, this kind.
     pub(crate) fn nth_at(&self, n: usize, kind: SyntaxKind) -> bool {
-        self.burn();
+        self.check_progress();
         self.kind_at(self.pos + n) == kind || self.contextual_at(self.pos + n) == kind
     }
 
@@ -274,7 +279,7 @@ impl<'i> Parser<'i> {
 
     /// Returns true if the token `n` further on is, or may be read as, one of these kinds.
     pub(crate) fn nth_at_ts(&self, n: usize, kinds: TokenSet) -> bool {
-        self.burn();
+        self.check_progress();
         kinds.contains(self.kind_at(self.pos + n))
             || kinds.contains(self.contextual_at(self.pos + n))
     }
@@ -434,7 +439,7 @@ impl<'i> Parser<'i> {
     }
 
     /// Adds to the last error the brace that is missing there.
-    pub(crate) fn lacks(&mut self, brace: &'static str) {
+    pub(crate) fn add_missing_brace(&mut self, brace: &'static str) {
         if let Some(last) = self.errors.last_mut() {
             last.missing = Some(brace);
         }
@@ -475,7 +480,7 @@ impl<'i> Parser<'i> {
             return true;
         }
         self.error_here(Parsing::TooNested { most: MAX_DEPTH });
-        self.swallow();
+        self.skip_construct();
         false
     }
 
@@ -485,7 +490,7 @@ impl<'i> Parser<'i> {
     }
 
     /// Skips tokens into one flat `ERROR` node, up to the end of the construct around.
-    pub(crate) fn swallow(&mut self) {
+    pub(crate) fn skip_construct(&mut self) {
         let (m, start) = (self.start(), self.pos);
         let (mut open, mut braces) = (0u32, 0u32);
         loop {
@@ -533,7 +538,7 @@ impl<'i> Parser<'i> {
     }
 
     /// Marks strings and code as exchanged from here, after an error at the current token or before.
-    pub(crate) fn turn_inside_out(&mut self) {
+    pub(crate) fn mark_exchanged(&mut self) {
         self.inside_out.get_or_insert(self.pos);
     }
 
@@ -560,7 +565,7 @@ impl<'i> Parser<'i> {
     }
 
     /// Detects grammar loops that do not advance.
-    fn burn(&self) {
+    fn check_progress(&self) {
         let burnt = self.fuel.get() + 1;
         self.fuel.set(burnt);
         debug_assert!(burnt < 10_000, "the parser is stuck at token {}", self.pos);

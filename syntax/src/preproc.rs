@@ -22,8 +22,8 @@ use smol_str::SmolStr;
 use crate::kind::SyntaxKind;
 
 pub use definition::{Macro, MacroKind};
-pub use env::{MacroEnv, Mentioned, mentioned};
-pub use host::{Host, IncludeError, IncludeRequest, NoIncludes, Required};
+pub use env::{MacroEnv, MentionedWords, mentioned};
+pub use host::{Host, IncludeError, IncludeRequest, NoIncludes, RequiredPackages};
 pub use output::{ActiveInclude, MacroUse, PpError, Preprocessed, Severity};
 pub use walk::preprocess;
 

@@ -15,7 +15,7 @@ use dotgen_syntax::{
     lexer::lex,
     line_index::LineIndex,
     preproc::{
-        Element, Host, IncludeError, IncludeRequest, MacroEnv, PpError, Required, Severity,
+        Element, Host, IncludeError, IncludeRequest, MacroEnv, PpError, RequiredPackages, Severity,
         preprocess,
     },
 };
@@ -94,7 +94,7 @@ impl Host for Disk {
         }
     }
 
-    fn requires(&mut self, _: &[SmolStr], env: &MacroEnv) -> Result<Required, String> {
+    fn requires(&mut self, _: &[SmolStr], env: &MacroEnv) -> Result<RequiredPackages, String> {
         Ok(env.clone().into())
     }
 }

@@ -5,7 +5,7 @@ use crate::finding::role::Role;
 use crate::{
     finding::{
         Finding,
-        codels::{OwnerName, Using},
+        codels::{CodelProblem, OwnerName},
     },
     model::{
         CodelRef, Component, ComponentKind, Owner, Spec,
@@ -43,7 +43,7 @@ fn report(component: &Component, codel: CodelRef, exclusion: &Exclusion, found: 
                 codel: codel.name.clone(),
                 owner: owner.clone(),
             };
-            let kind = Using::SharedWithCodel {
+            let kind = CodelProblem::SharedWithCodel {
                 codel: codel_name,
                 shared: shared.into(),
                 with: codel.name.clone(),
@@ -54,7 +54,7 @@ fn report(component: &Component, codel: CodelRef, exclusion: &Exclusion, found: 
         Excluded::Service(other) => {
             let service = &component.services[other as usize];
             let role = Role::Attribute(service.name.clone());
-            let kind = Using::SharedWithAttribute {
+            let kind = CodelProblem::SharedWithAttribute {
                 codel: codel_name,
                 shared: shared.into(),
                 with: service.name.clone(),

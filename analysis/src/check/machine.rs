@@ -8,7 +8,7 @@ use smol_str::format_smolstr;
 use crate::{
     finding::{
         Finding, Near,
-        codels::{OwnerName, Using},
+        codels::{CodelProblem, OwnerName},
     },
     model::{
         Codel, Component, ComponentKind, Name, Spec, Src, Type, TypeId, TypeKind, fsm::Machine,
@@ -74,7 +74,7 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
         && !ends
     {
         found.push(Finding::new(
-            Using::StopWithoutEther {
+            CodelProblem::StopWithoutEther {
                 owner: owner.name(),
             },
             stop.src,
@@ -85,7 +85,7 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
     for (&(state, src), used) in misnamed.iter() {
         found.push(
             Finding::new(
-                Using::Misnamed {
+                CodelProblem::Misnamed {
                     state: state.clone(),
                     owner: owner.name(),
                 },
@@ -116,7 +116,7 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
                 });
                 found.push(
                     Finding::new(
-                        Using::Unreachable {
+                        CodelProblem::Unreachable {
                             state: state.name.clone(),
                             owner: owner.name(),
                             in_cycle,
@@ -129,7 +129,7 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
             continue;
         }
         if let Some(ether) = codel.triggers.iter().find(|it| it.name == "ether") {
-            found.push(Finding::new(Using::EtherCodel, ether.src));
+            found.push(Finding::new(CodelProblem::EtherCodel, ether.src));
         }
         let mut missing: Vec<&Name> = Vec::new();
         for state in &codel.yields {
@@ -144,7 +144,7 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
             if let Some(exception) = thrown_elsewhere(spec, owner, &state.name) {
                 found.push(
                     Finding::new(
-                        Using::UndeclaredThrow {
+                        CodelProblem::UndeclaredThrow {
                             codel: codel.name.clone(),
                             state: state.name.clone(),
                             owner: owner.name(),
@@ -159,7 +159,7 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
                 continue;
             }
             let states = machine.states().map(|it| it.as_str());
-            let near = dotgen_syntax::near::nearest(&state.name, states.chain(["ether"]));
+            let near = dotgen_syntax::suggestion::nearest(&state.name, states.chain(["ether"]));
             let near = near.map(|name| {
                 let pause = if state.paused { "pause::" } else { "" };
                 Near {
@@ -172,7 +172,7 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
 
             found.push(
                 Finding::new(
-                    Using::Undefined {
+                    CodelProblem::Undefined {
                         codel: codel.name.clone(),
                         state: state.name.clone(),
                         owner: owner.name(),
@@ -180,7 +180,7 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
                     state.src,
                 )
                 .related(codel.src, Role::Codel)
-                .said_at(codel.src)
+                .compiler_at(codel.src)
                 .near(near),
             );
         }
@@ -207,7 +207,7 @@ fn misnamed<'m>(machine: &Machine<'m>) -> BTreeMap<(&'m Name, Src), &'m Name> {
         if given(&state.name) || used.contains(&&state.name) {
             continue;
         }
-        let near = dotgen_syntax::near::nearest(&state.name, undefined().map(Name::as_str));
+        let near = dotgen_syntax::suggestion::nearest(&state.name, undefined().map(Name::as_str));
         if let Some(meant) = undefined().find(|it| Some(it.as_str()) == near) {
             out.insert((&state.name, state.src), meant);
         }

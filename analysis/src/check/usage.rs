@@ -1,7 +1,7 @@
 //! Declarations that are never used.
 
 use crate::{
-    finding::{Finding, codels::Using},
+    finding::{Finding, codels::CodelProblem},
     model::{Component, ComponentKind},
 };
 
@@ -14,7 +14,7 @@ pub(super) fn check(component: &Component, found: &mut Vec<Finding>) {
             !task.codels.is_empty() || component.services.iter().any(|it| it.task == Some(index));
         if !runs && task.imported_from.is_none() {
             found.push(Finding::new(
-                Using::IdleTask {
+                CodelProblem::IdleTask {
                     task: task.name.clone(),
                 },
                 task.src,

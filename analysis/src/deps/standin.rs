@@ -68,9 +68,9 @@ pub fn stand_ins(root: &Utf8Path, needs: &Dependencies, spec: &Spec) -> Vec<Stan
             continue;
         };
         let declared = match name.used_as {
-            "constant" => Declared::Constant,
-            "exception" => Declared::Exception,
-            _ => Declared::Type(Vec::new()),
+            "constant" => StandInDeclaration::Constant,
+            "exception" => StandInDeclaration::Exception,
+            _ => StandInDeclaration::Type(Vec::new()),
         };
         trees[home(&name.name)]
             .within(scopes)
@@ -96,7 +96,7 @@ pub fn stand_ins(root: &Utf8Path, needs: &Dependencies, spec: &Spec) -> Vec<Stan
                 });
                 let params = service.and_then(|it| params(spec, it));
                 if let (Some(service), Some(params), Some(interface)) =
-                    (service, params, brings(spec, gap, false))
+                    (service, params, unknown_interface(spec, gap, false))
                 {
                     let module = trees[home(interface)].interface(interface);
                     module.local(service, params, name);
@@ -105,8 +105,8 @@ pub fn stand_ins(root: &Utf8Path, needs: &Dependencies, spec: &Spec) -> Vec<Stan
             Missing::Source {
                 name, kind, dir, ..
             } => {
-                let provided = brings(spec, gap, false).map(|it| (it, false));
-                let used = brings(spec, gap, true).map(|it| (it, true));
+                let provided = unknown_interface(spec, gap, false).map(|it| (it, false));
+                let used = unknown_interface(spec, gap, true).map(|it| (it, true));
                 // Remote services are derived from the used interfaces.
                 let from = match kind {
                     Some(SourceKind::Remote) => used.or(provided),
@@ -118,7 +118,7 @@ pub fn stand_ins(root: &Utf8Path, needs: &Dependencies, spec: &Spec) -> Vec<Stan
                 }
             }
             Missing::Task { name } | Missing::Service { name } => {
-                if let Some(interface) = brings(spec, gap, false) {
+                if let Some(interface) = unknown_interface(spec, gap, false) {
                     let module = trees[home(interface)].interface(interface);
                     let list = match gap.missing {
                         Missing::Task { .. } => &mut module.tasks,
@@ -159,7 +159,7 @@ fn first_of<'s>(spec: &'s Spec, gap: &Gap) -> Option<(&'s Name, bool)> {
 
 /// The first unknown interface among those that a component uses if `used`, otherwise among those that it
 /// provides or extends.
-fn brings<'s>(spec: &'s Spec, gap: &Gap, used: bool) -> Option<&'s Name> {
+fn unknown_interface<'s>(spec: &'s Spec, gap: &Gap, used: bool) -> Option<&'s Name> {
     imports(spec, gap)
         .find(|it| it.1 == used)
         .map(|(name, _)| name)
@@ -251,7 +251,7 @@ fn file(include: &str, tree: &Module) -> String {
 
 /// The kind of declaration for a name.
 #[derive(Debug, Clone, PartialEq, Eq)]
-enum Declared {
+enum StandInDeclaration {
     /// A struct with these members.
     Type(Vec<(Name, Vec<Vec<PathElement>>)>),
     Constant,
@@ -262,7 +262,7 @@ enum Declared {
 #[derive(Debug, Default)]
 struct Module {
     modules: Vec<(String, Module)>,
-    declared: Vec<(String, Declared)>,
+    declared: Vec<(String, StandInDeclaration)>,
     /// Set for an interface, with its ports, services and ids members.
     interface: Option<Vec<(Name, SourceKind, bool)>>,
     /// Tasks that activities name.
@@ -270,12 +270,12 @@ struct Module {
     /// Services that others name in their lists.
     services: Vec<Name>,
     /// Services whose local variables codels name.
-    declared_again: Vec<DeclaredAgain>,
+    declared_again: Vec<RedeclaredService>,
 }
 
 /// A service of an interface that a component declares again.
 #[derive(Debug)]
-struct DeclaredAgain {
+struct RedeclaredService {
     name: Name,
     kind: ServiceKind,
     params: Vec<String>,
@@ -306,7 +306,7 @@ impl Module {
         module
     }
 
-    fn declare(&mut self, name: &str, declared: Declared) {
+    fn declare(&mut self, name: &str, declared: StandInDeclaration) {
         if !self.declared.iter().any(|it| it.0 == name) {
             self.declared.push((name.to_owned(), declared));
         }
@@ -314,9 +314,9 @@ impl Module {
 
     /// Adds a member of a type, and the members below it.
     fn member(&mut self, ty: &str, path: &[PathElement]) {
-        self.declare(ty, Declared::Type(Vec::new()));
+        self.declare(ty, StandInDeclaration::Type(Vec::new()));
         let found = self.declared.iter_mut().find(|it| it.0 == ty);
-        let (Some((_, Declared::Type(members))), Some((PathElement::Member(name), rest))) =
+        let (Some((_, StandInDeclaration::Type(members))), Some((PathElement::Member(name), rest))) =
             (found, path.split_first())
         else {
             return;
@@ -346,7 +346,7 @@ impl Module {
         let at = match all.iter().position(|it| it.name == service.name) {
             Some(at) => at,
             None => {
-                all.push(DeclaredAgain {
+                all.push(RedeclaredService {
                     name: service.name.clone(),
                     kind: service.kind,
                     params,
@@ -365,13 +365,13 @@ impl Module {
         // Exceptions and types come first: interfaces of the same file may use them.
         for (name, declared) in &self.declared {
             match declared {
-                Declared::Constant => {
+                StandInDeclaration::Constant => {
                     let _ = writeln!(out, "{indent}const unsigned long {name} = 1;");
                 }
-                Declared::Exception => {
+                StandInDeclaration::Exception => {
                     let _ = writeln!(out, "{indent}exception {name} {{}};");
                 }
-                Declared::Type(members) => write_struct(out, name, members, depth),
+                StandInDeclaration::Type(members) => write_struct(out, name, members, depth),
             }
         }
         for (name, module) in &self.modules {

@@ -12,7 +12,7 @@ use super::{
     value::Const,
 };
 use crate::{
-    finding::{Finding, codels::Using, values::Valuing},
+    finding::{Finding, codels::CodelProblem, values::ValueProblem},
     item_tree::{CodelDecl, Duration, Name, StateRef, Unit},
     model::{
         Codel, CodelKind, Name as Text, Owner, Param, ParamDir, ParamSource, Quantity, Seconds,
@@ -72,7 +72,7 @@ impl<'a> Elaborator<'a> {
             .find(|it| it.name == name.text);
         if let Some(first) = known {
             let diagnostic = Finding::new(
-                Using::CodelTwice {
+                CodelProblem::CodelTwice {
                     name: name.text.clone(),
                 },
                 at,
@@ -93,7 +93,7 @@ impl<'a> Elaborator<'a> {
                 };
 
                 let diagnostic = Finding::new(
-                    Using::NoAccess {
+                    CodelProblem::NoAccess {
                         codel: name.text.clone(),
                         what,
                         name: param.name.clone(),
@@ -174,7 +174,7 @@ impl<'a> Elaborator<'a> {
             let known = |it: &&Param| it.name == param.name && it.source != ParamSource::Opaque;
             if let Some(first) = params.iter().find(known) {
                 let diagnostic = Finding::new(
-                    Using::ParamTwice {
+                    CodelProblem::ParamTwice {
                         name: param.name.clone(),
                     },
                     param.src,
@@ -228,7 +228,7 @@ impl<'a> Elaborator<'a> {
                 .all(|((d, t), (e, u))| d == e && types::equal(&self.spec, *t, *u));
         if !same {
             let diagnostic = Finding::new(
-                Using::OtherSignature {
+                CodelProblem::OtherSignature {
                     name: name.text.clone(),
                     there: self.signature_text(expected).into(),
                     here: self.signature_text(&signature).into(),
@@ -284,7 +284,7 @@ impl<'a> Elaborator<'a> {
             {
                 let codel = self.src(codel.ptr);
                 let diagnostic = Finding::new(
-                    Using::PausedTrigger {
+                    CodelProblem::PausedTrigger {
                         state: name.clone(),
                     },
                     codel,
@@ -292,7 +292,7 @@ impl<'a> Elaborator<'a> {
                 .related(at, Role::ThisState);
                 self.report(diagnostic);
             } else if state.paused && name == "ether" {
-                self.error(at, Using::PausedEther);
+                self.error(at, CodelProblem::PausedEther);
             }
             let paused = state.paused && codel.is_none() && name != "ether";
             if let Some(first) = states
@@ -302,7 +302,7 @@ impl<'a> Elaborator<'a> {
                 let pause = if paused { "pause::" } else { "" };
 
                 let diagnostic = Finding::new(
-                    Using::StateTwice {
+                    CodelProblem::StateTwice {
                         state: format!("{pause}{name}").into(),
                     },
                     at,
@@ -374,7 +374,7 @@ impl<'a> Elaborator<'a> {
             }
         }
         for (state, codel, place) in clashes {
-            let diagnostic = Finding::new(Using::StateTaken { state, codel }, at)
+            let diagnostic = Finding::new(CodelProblem::StateTaken { state, codel }, at)
                 .related(place, Role::OtherCodel);
             self.report(diagnostic);
         }
@@ -388,16 +388,16 @@ impl<'a> Elaborator<'a> {
         for clause in &decl.wcet {
             let at = self.src(clause.ptr);
             if let Some(first) = first {
-                self.report(Finding::new(Valuing::WcetTwice, at).related(first, Role::First));
+                self.report(Finding::new(ValueProblem::WcetTwice, at).related(first, Role::First));
                 continue;
             }
             first = Some(at);
             let Some(duration) = &clause.duration else {
-                self.error(at, Valuing::WcetEmpty);
+                self.error(at, ValueProblem::WcetEmpty);
                 continue;
             };
             if clause.bare {
-                self.report(Finding::new(Valuing::WcetBare, at));
+                self.report(Finding::new(ValueProblem::WcetBare, at));
             }
             if let Some((number, unit)) = self.execution_time(duration, TimePlace::Clause, at) {
                 result = Some(self.seconds(number, unit, at));
@@ -421,10 +421,10 @@ impl<'a> Elaborator<'a> {
             self.error(
                 at,
                 match place {
-                    TimePlace::Clause => Valuing::WcetNoNumber {
+                    TimePlace::Clause => ValueProblem::WcetNoNumber {
                         value: value.describe(),
                     },
-                    TimePlace::Pragma => Valuing::PragmaNoNumber {
+                    TimePlace::Pragma => ValueProblem::PragmaNoNumber {
                         value: value.describe(),
                     },
                 },
@@ -435,8 +435,8 @@ impl<'a> Elaborator<'a> {
             self.error(
                 at,
                 match place {
-                    TimePlace::Clause => Valuing::WcetNegative,
-                    TimePlace::Pragma => Valuing::PragmaNegative,
+                    TimePlace::Clause => ValueProblem::WcetNegative,
+                    TimePlace::Pragma => ValueProblem::PragmaNegative,
                 },
             );
             return None;

@@ -4,14 +4,14 @@ use crate::finding::role::Role;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{
-    Closing, DefId, DefKind, Entity,
+    BodyEnd, DefId, DefKind, Entity,
     context::Elaborator,
     scope::{Clash, ScopeId},
     state::ComponentState,
     types,
 };
 use crate::{
-    finding::{Finding, names::Naming, services::Declaring},
+    finding::{Finding, names::NameProblem, services::DeclarationProblem},
     item_tree::{Item, Name, PortDecl, PropertyKind, Ptr},
     model::{
         Body, Component, ComponentKind, Name as Text, Port, PortDir, ScopeKind, Src, TypeId,
@@ -73,7 +73,7 @@ impl<'a> Elaborator<'a> {
             let place = self.definitions[def.0 as usize].src;
             self.report(
                 Finding::new(
-                    Naming::OtherKind {
+                    NameProblem::OtherKind {
                         name: known.name.clone(),
                         was,
                         is,
@@ -208,7 +208,7 @@ impl<'a> Elaborator<'a> {
         self.close_services(index);
         let state = &mut self.components[index as usize];
         state.closing = Some(self.closings.len());
-        self.closings.push(Closing {
+        self.closings.push(BodyEnd {
             component: index,
             snapshot: None,
         });
@@ -293,7 +293,7 @@ impl<'a> Elaborator<'a> {
 
     // Names that were refused
 
-    pub(super) fn lose(&mut self, index: u32, name: &Text) {
+    pub(super) fn add_refused_name(&mut self, index: u32, name: &Text) {
         let lost = &mut self.components[index as usize].lost;
         lost.insert(name.clone());
     }
@@ -318,7 +318,7 @@ impl<'a> Elaborator<'a> {
         if anonymous {
             self.error(
                 keyword,
-                Declaring::AnonymousPort {
+                DeclarationProblem::AnonymousPort {
                     name: name.text.clone(),
                     ty: types::display(&self.spec, data).into(),
                 },
@@ -326,7 +326,7 @@ impl<'a> Elaborator<'a> {
         } else if types::has_native(&self.spec, data) {
             self.error(
                 keyword,
-                Declaring::NativePort {
+                DeclarationProblem::NativePort {
                     name: name.text.clone(),
                     ty: types::display(&self.spec, data).into(),
                 },
@@ -345,7 +345,7 @@ impl<'a> Elaborator<'a> {
                     let at = this.src(property.ptr);
                     let word = super::property::keyword(&property.kind);
 
-                    this.error(at, Declaring::NotInPort { word });
+                    this.error(at, DeclarationProblem::NotInPort { word });
                 }
             }
         });
@@ -382,7 +382,7 @@ impl<'a> Elaborator<'a> {
 
             self.report(
                 Finding::new(
-                    Naming::Taken {
+                    NameProblem::Taken {
                         name: port.name.clone(),
                         what: "a service",
                     },
@@ -390,7 +390,7 @@ impl<'a> Elaborator<'a> {
                 )
                 .related(place, Role::Service),
             );
-            self.lose(index, &port.name);
+            self.add_refused_name(index, &port.name);
             return false;
         }
         let scope = state.scope;
@@ -401,7 +401,7 @@ impl<'a> Elaborator<'a> {
         };
         if let Some(clash) = self.scopes.clash(scope, &port.name, false) {
             self.report_clash(scope, &port.name, at, clash);
-            self.lose(index, &port.name);
+            self.add_refused_name(index, &port.name);
             return false;
         }
         let provided = port.imported_from.is_some() && !used;

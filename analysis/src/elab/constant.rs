@@ -9,7 +9,7 @@ use super::{
     words,
 };
 use crate::{
-    finding::{Finding, values::Valuing},
+    finding::{Finding, values::ValueProblem},
     item_tree::{Expr, ExprKind},
     model::{TypeKind, Value},
 };
@@ -48,7 +48,7 @@ impl<'a> Elaborator<'a> {
                     if odd {
                         self.error(
                             at,
-                            Valuing::OctalDigit {
+                            ValueProblem::OctalDigit {
                                 text: text.clone(),
                                 value,
                             },
@@ -57,7 +57,7 @@ impl<'a> Elaborator<'a> {
                     Const::unsigned(value)
                 }
                 None => {
-                    self.error(at, Valuing::TooLong { text: text.clone() });
+                    self.error(at, ValueProblem::TooLong { text: text.clone() });
                     Const::Unknown
                 }
             },
@@ -66,14 +66,14 @@ impl<'a> Elaborator<'a> {
                 digits.parse().map_or(Const::Unknown, Const::Float)
             }
             ExprKind::Fixed => {
-                self.error(at, Valuing::FixedLiteral);
+                self.error(at, ValueProblem::FixedLiteral);
                 Const::Unknown
             }
             ExprKind::Char(text) => {
                 let content = text.strip_prefix('\'').unwrap_or(text);
                 let content = content.strip_suffix('\'').unwrap_or(content);
                 if !is_one_character(content) {
-                    self.error(at, Valuing::NotACharacter { text: text.clone() });
+                    self.error(at, ValueProblem::NotACharacter { text: text.clone() });
                     return Const::Unknown;
                 }
                 Const::Char(content.to_owned())
@@ -84,7 +84,7 @@ impl<'a> Elaborator<'a> {
             ExprKind::Path(path) => {
                 let Some(ty) = self.resolve_path(path) else {
                     self.report_unresolved(path, false);
-                    self.lack(crate::model::Missing::Name {
+                    self.record_unresolved(crate::model::Missing::Name {
                         name: words::path_text(path).into(),
                         constant: true,
                     });
@@ -97,7 +97,7 @@ impl<'a> Elaborator<'a> {
                     _ => {
                         let what = words::describe(&self.spec, ty);
                         let mut diagnostic = Finding::new(
-                            Valuing::HasNoValue {
+                            ValueProblem::HasNoValue {
                                 path: words::path_text(path).into(),
                                 what,
                             },
@@ -124,7 +124,7 @@ impl<'a> Elaborator<'a> {
 
                     self.error(
                         at,
-                        Valuing::Unary {
+                        ValueProblem::Unary {
                             op: unary_text(*op),
                             value: value.describe(),
                         },
@@ -157,7 +157,11 @@ impl<'a> Elaborator<'a> {
     }
 
     /// A value that must be a non-negative integer; `None` if it is not, which was reported.
-    pub(super) fn positive(&mut self, expr: &'a Expr, what: &'static str) -> Option<u64> {
+    pub(super) fn non_negative_integer(
+        &mut self,
+        expr: &'a Expr,
+        what: &'static str,
+    ) -> Option<u64> {
         let value = self.eval(expr);
         if value == Const::Unknown {
             return None;
@@ -168,7 +172,7 @@ impl<'a> Elaborator<'a> {
 
             self.error(
                 at,
-                Valuing::NotNatural {
+                ValueProblem::NotNatural {
                     what,
                     value: value.describe(),
                 },

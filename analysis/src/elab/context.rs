@@ -7,13 +7,13 @@ use std::{cell::Cell, sync::Arc};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{
-    Access, Closing, DefId, DefKind, Definition, Elaborated, Entity, Reference, UnitInput, Visit,
+    Access, BodyEnd, DefId, DefKind, Definition, Elaborated, Entity, Reference, UnitInput, Visit,
     scope::{Clash, GLOBAL, ScopeId, Scopes},
-    state::{ComponentState, KnownCodel, Newer, PragmaWcet},
+    state::{ComponentState, KnownCodel, NewerReleases, PragmaWcet},
     words,
 };
 use crate::{
-    finding::{Finding, Kind, Near, Severity, names::Naming},
+    finding::{Finding, FindingKind, Near, Severity, names::NameProblem},
     item_tree::{Item, Name, Ptr},
     model::{Body, Name as Text, Spec, Src, Type, TypeId, TypeKind},
 };
@@ -49,7 +49,7 @@ pub(super) struct Elaborator<'a> {
     pub(super) origins: FxHashMap<TypeId, TypeId>,
     next_order: u32,
     /// Forward declarations, with the file of each.
-    pub(super) forwards: Vec<Forward>,
+    pub(super) forwards: Vec<ForwardDeclaration>,
 
     /// Parallel to [`Spec::components`].
     pub(super) components: Vec<ComponentState<'a>>,
@@ -63,10 +63,10 @@ pub(super) struct Elaborator<'a> {
     pub(super) pragma_wcet: Vec<PragmaWcet>,
 
     /// Uses of features that only newer releases accept, and the releases that `requires` properties name.
-    pub(super) newer: Newer,
+    pub(super) newer: NewerReleases,
 
     diagnostics: Vec<Finding>,
-    reported: FxHashSet<(Src, Kind)>,
+    reported: FxHashSet<(Src, FindingKind)>,
     reported_at: FxHashSet<(&'static str, Src)>,
     /// Number of suggestions that may still be searched: a search takes time, and a text with very many
     /// unknown names is not misspelt.
@@ -77,15 +77,15 @@ pub(super) struct Elaborator<'a> {
     /// Names in lists of services that are already recorded: bodies may end several times.
     pub(super) listed: FxHashSet<Src>,
     pub(super) definitions: Vec<Definition>,
-    pub(super) closings: Vec<Closing>,
+    pub(super) closings: Vec<BodyEnd>,
     /// Set while contents of an interface are resolved again for an importing component: their names were
     /// recorded when the interface was read.
-    pub(super) importing: Option<Importing>,
+    pub(super) importing: Option<ImportInProgress>,
 }
 
 /// An import in progress.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Importing {
+pub(super) struct ImportInProgress {
     /// The interface's name in the importing property.
     pub(super) at: Src,
     /// The reason why the component already has this interface. Its contents clash; only the first clash is
@@ -95,7 +95,7 @@ pub(super) struct Importing {
 
 /// A forward declaration.
 #[derive(Debug)]
-pub(super) struct Forward {
+pub(super) struct ForwardDeclaration {
     pub(super) ty: TypeId,
     pub(super) file: u32,
     /// True if a later declaration of the name could not complete it, which was reported.
@@ -127,7 +127,7 @@ impl<'a> Elaborator<'a> {
             pragma_provides: Vec::new(),
             pragma_unknown: Vec::new(),
             pragma_wcet: Vec::new(),
-            newer: Newer::default(),
+            newer: NewerReleases::default(),
             diagnostics: Vec::new(),
             reported: FxHashSet::default(),
             reported_at: FxHashSet::default(),
@@ -220,7 +220,7 @@ impl<'a> Elaborator<'a> {
             finding.related.insert(0, place);
             finding.at = importing.at;
         }
-        if let Some(Importing {
+        if let Some(ImportInProgress {
             at,
             again: Some(why),
         }) = self.importing
@@ -253,16 +253,16 @@ impl<'a> Elaborator<'a> {
     ) -> Option<Near> {
         let left = self.hints.get().checked_sub(1)?;
         self.hints.set(left);
-        dotgen_syntax::near::nearest(name, candidates).map(|it| Near::new(at, it))
+        dotgen_syntax::suggestion::nearest(name, candidates).map(|it| Near::new(at, it))
     }
 
     /// Reports a problem that has only one place.
-    pub(super) fn error(&mut self, at: Src, kind: impl Into<Kind>) {
+    pub(super) fn error(&mut self, at: Src, kind: impl Into<FindingKind>) {
         self.report(Finding::new(kind, at));
     }
 
     /// Reports an unknown name.
-    pub(super) fn unresolved(&mut self, at: Src, kind: impl Into<Kind>, near: Option<Near>) {
+    pub(super) fn unresolved(&mut self, at: Src, kind: impl Into<FindingKind>, near: Option<Near>) {
         self.report(Finding::new(kind, at).near(near));
     }
 
@@ -388,11 +388,11 @@ impl<'a> Elaborator<'a> {
                 let what = words::describe(&self.spec, previous);
                 let place = self.type_place(previous);
                 let kind = match place {
-                    Some(_) => Naming::Clash {
+                    Some(_) => NameProblem::Clash {
                         name: name.clone(),
                         what,
                     },
-                    None => Naming::ClashWithState {
+                    None => NameProblem::ClashWithState {
                         name: name.clone(),
                         what,
                     },
@@ -413,7 +413,7 @@ impl<'a> Elaborator<'a> {
                     None => "the scope of paused states",
                 };
                 let diagnostic = Finding::new(
-                    Naming::ClashWithScope {
+                    NameProblem::ClashWithScope {
                         name: name.clone(),
                         what,
                     },
@@ -430,7 +430,7 @@ impl<'a> Elaborator<'a> {
             Clash::Enclosing => {
                 let def = self.scopes.get(scope).def;
                 let diagnostic =
-                    Finding::new(Naming::ClashWithEnclosing { name: name.clone() }, at);
+                    Finding::new(NameProblem::ClashWithEnclosing { name: name.clone() }, at);
                 match def {
                     Some(def) => {
                         let place = self.definitions[def.0 as usize].src;
@@ -444,7 +444,7 @@ impl<'a> Elaborator<'a> {
     }
 
     /// The forward declaration of a type, if it is one.
-    pub(super) fn forward_of(&mut self, ty: TypeId) -> Option<&mut Forward> {
+    pub(super) fn forward_of(&mut self, ty: TypeId) -> Option<&mut ForwardDeclaration> {
         // In order of creation.
         let found = self.forwards.binary_search_by_key(&ty, |it| it.ty);
         self.forwards.get_mut(found.ok()?)

@@ -4,13 +4,13 @@ use smol_str::format_smolstr;
 
 use super::{constant::from_value, types, value::Const};
 use crate::{
-    finding::values::{Purpose, Valuing},
+    finding::values::{Purpose, ValueProblem},
     model::{Spec, TypeId, TypeKind, Value},
 };
 
 /// The reason why a value does not convert.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Misfit {
+pub(super) enum ConversionError {
     /// The type holds no constants.
     Type,
     /// A value of another kind.
@@ -25,8 +25,8 @@ pub(crate) fn holds(spec: &Spec, ty: TypeId, value: &Value) -> bool {
 }
 
 /// Converts the value to the declared type.
-pub(super) fn convert(spec: &Spec, value: &Const, ty: TypeId) -> Result<Value, Misfit> {
-    let last = types::look_through(spec, ty);
+pub(super) fn convert(spec: &Spec, value: &Const, ty: TypeId) -> Result<Value, ConversionError> {
+    let last = types::resolve_aliases(spec, ty);
     let kind = &spec.ty(last).kind;
     let integer = |min: i128, max: i128, signed: bool| {
         let value = match value {
@@ -36,14 +36,14 @@ pub(super) fn convert(spec: &Spec, value: &Const, ty: TypeId) -> Result<Value, M
                 signed: false,
             } if *value < 0 && !signed => value & max,
             Const::Int { value, .. } => *value,
-            Const::Float(_) => value.integral().ok_or(Misfit::Kind)?,
-            _ => return Err(Misfit::Kind),
+            Const::Float(_) => value.integral().ok_or(ConversionError::Kind)?,
+            _ => return Err(ConversionError::Kind),
         };
         if value < 0 && !signed {
-            return Err(Misfit::Kind);
+            return Err(ConversionError::Kind);
         }
         if value < min || value > max {
-            return Err(Misfit::Range);
+            return Err(ConversionError::Range);
         }
         Ok(if signed {
             Value::Int(value as i64)
@@ -54,7 +54,7 @@ pub(super) fn convert(spec: &Spec, value: &Const, ty: TypeId) -> Result<Value, M
     match kind {
         TypeKind::Boolean => match value {
             Const::Bool(it) => Ok(Value::Bool(*it)),
-            _ => Err(Misfit::Kind),
+            _ => Err(ConversionError::Kind),
         },
         TypeKind::Octet => integer(0, u8::MAX.into(), false),
         TypeKind::UnsignedShort => integer(0, u16::MAX.into(), false),
@@ -63,47 +63,50 @@ pub(super) fn convert(spec: &Spec, value: &Const, ty: TypeId) -> Result<Value, M
         TypeKind::Short => integer(i16::MIN.into(), i16::MAX.into(), true),
         TypeKind::Long => integer(i32::MIN.into(), i32::MAX.into(), true),
         TypeKind::LongLong => integer(i64::MIN.into(), i64::MAX.into(), true),
-        TypeKind::Float | TypeKind::Double => value.number().map(Value::Float).ok_or(Misfit::Kind),
+        TypeKind::Float | TypeKind::Double => value
+            .number()
+            .map(Value::Float)
+            .ok_or(ConversionError::Kind),
         TypeKind::Char => match value {
             Const::Char(it) => Ok(Value::Char(it.clone())),
             Const::Str(it) => Ok(Value::String(it.clone())),
-            _ => Err(Misfit::Kind),
+            _ => Err(ConversionError::Kind),
         },
         TypeKind::String { .. } => match value {
             Const::Str(it) => Ok(Value::String(it.clone())),
-            _ => Err(Misfit::Kind),
+            _ => Err(ConversionError::Kind),
         },
         TypeKind::Enum { .. } => match value {
             Const::Enum(it) => match spec.ty(*it).kind {
                 TypeKind::Enumerator { enumeration, .. } if enumeration == last => {
                     Ok(Value::Enum(*it))
                 }
-                _ => Err(Misfit::Kind),
+                _ => Err(ConversionError::Kind),
             },
-            _ => Err(Misfit::Kind),
+            _ => Err(ConversionError::Kind),
         },
-        _ => Err(Misfit::Type),
+        _ => Err(ConversionError::Type),
     }
 }
 
 /// The error for a value that does not convert.
 pub(super) fn explain_misfit(
     spec: &Spec,
-    misfit: Misfit,
+    misfit: ConversionError,
     value: &Const,
     ty: TypeId,
     of: Purpose,
-) -> Valuing {
+) -> ValueProblem {
     let ty = types::display(spec, ty).into();
     match misfit {
-        Misfit::Type => Valuing::NoConstants { of, ty },
-        Misfit::Kind => match value {
-            Const::Enum(it) => Valuing::OtherEnum {
+        ConversionError::Type => ValueProblem::NoConstants { of, ty },
+        ConversionError::Kind => match value {
+            Const::Enum(it) => ValueProblem::OtherEnum {
                 of,
                 name: spec.ty(*it).name.clone().unwrap_or_default(),
                 ty,
             },
-            _ => Valuing::OtherKind {
+            _ => ValueProblem::OtherKind {
                 of,
                 value: match value {
                     Const::Float(it) => format_smolstr!("{it}"),
@@ -113,7 +116,7 @@ pub(super) fn explain_misfit(
                 ty,
             },
         },
-        Misfit::Range => Valuing::OutOfRange {
+        ConversionError::Range => ValueProblem::OutOfRange {
             of,
             number: value.integer().unwrap_or_default(),
             ty,

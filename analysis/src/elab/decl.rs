@@ -2,7 +2,7 @@
 
 use super::{
     DefId, DefKind,
-    context::{Elaborator, Forward},
+    context::{Elaborator, ForwardDeclaration},
     convert::{convert, explain_misfit},
     scope::{Clash, ScopeId},
     types,
@@ -12,8 +12,8 @@ use crate::finding::role::Role;
 use crate::{
     finding::{
         Finding,
-        names::Naming,
-        values::{Purpose, Valuing},
+        names::NameProblem,
+        values::{Purpose, ValueProblem},
     },
     item_tree::{
         ConstDecl, Declarator, ExceptionDecl, Item, Name, Ptr, TypeDecl, TypeDeclKind, TypeRef,
@@ -168,14 +168,14 @@ impl<'a> Elaborator<'a> {
 
     /// Warns about a string constant longer than the bound of its type.
     pub(super) fn check_string_length(&mut self, value: &Const, ty: TypeId, at: Src) {
-        let last = types::look_through(&self.spec, ty);
+        let last = types::resolve_aliases(&self.spec, ty);
         if let (Const::Str(text), TypeKind::String { bound: Some(bound) }) =
             (value, &self.spec.ty(last).kind)
             && text.len() as u64 > *bound
         {
             self.error(
                 at,
-                Valuing::StringTooLong {
+                ValueProblem::StringTooLong {
                     length: text.len(),
                     bound: *bound,
                 },
@@ -230,7 +230,7 @@ impl<'a> Elaborator<'a> {
         };
         let id = self.new_type(kind, def, name, ptr);
         let declared = self.scopes.get(self.scope).names.get(&name.text) == Some(&id);
-        self.forwards.push(Forward {
+        self.forwards.push(ForwardDeclaration {
             ty: id,
             file: self.file(),
             excused: !declared,
@@ -272,7 +272,7 @@ impl<'a> Elaborator<'a> {
         kind: ScopeKind,
         def_kind: DefKind,
         node: Src,
-    ) -> Inside {
+    ) -> OpenBody {
         let at = self.src(name.ptr);
         let mut completes = None;
         let mut clash = self.scopes.clash(self.scope, &name.text, true);
@@ -292,7 +292,7 @@ impl<'a> Elaborator<'a> {
 
                     self.report(
                         Finding::new(
-                            Naming::DefinedElsewhere {
+                            NameProblem::DefinedElsewhere {
                                 name: name.text.clone(),
                             },
                             at,
@@ -321,7 +321,7 @@ impl<'a> Elaborator<'a> {
         let scope = self
             .scopes
             .open(self.scope, &name.text, kind, Some(def), !declared);
-        Inside {
+        OpenBody {
             scope,
             def,
             at,
@@ -331,7 +331,7 @@ impl<'a> Elaborator<'a> {
     }
 
     /// Creates the type whose scope [`Self::open_type`] opened.
-    pub(super) fn close_type(&mut self, name: &Name, inside: &Inside, kind: TypeKind) -> TypeId {
+    pub(super) fn close_type(&mut self, name: &Name, inside: &OpenBody, kind: TypeKind) -> TypeId {
         let id = self.named(kind, self.scope, name.text.clone(), inside.at);
         self.type_defs[id.0 as usize] = Some(inside.def);
         self.definitions[inside.def.0 as usize].ty = Some(id);
@@ -446,7 +446,7 @@ impl<'a> Elaborator<'a> {
 }
 
 /// A struct, union or exception whose body is being read.
-pub(super) struct Inside {
+pub(super) struct OpenBody {
     pub(super) scope: ScopeId,
     pub(super) def: DefId,
     at: Src,

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use num_rational::Ratio;
 
 use super::{Access, Elaborated, context::Elaborator, property::to_f64};
-use crate::finding::{Finding, names::Naming, values::Valuing};
+use crate::finding::{Finding, names::NameProblem, values::ValueProblem};
 use crate::model::{
     ComponentKind, Gap, Missing, Quantity, Seconds, Spec, TypeId, TypeKind, visit::TypeIds,
 };
@@ -89,7 +89,7 @@ impl Elaborator<'_> {
                 let name = ty.name.clone().unwrap_or_default();
 
                 let at = ty.src;
-                self.error(at, Naming::NeverDefined { keyword, name });
+                self.error(at, NameProblem::NeverDefined { keyword, name });
             }
         }
     }
@@ -102,7 +102,7 @@ impl Elaborator<'_> {
 
                 self.unresolved(
                     pragma.at,
-                    Valuing::PragmaUnknown {
+                    ValueProblem::PragmaUnknown {
                         codel: pragma.codel.clone(),
                     },
                     near,
@@ -128,7 +128,7 @@ impl Elaborator<'_> {
             if let Some(clause) = clause {
                 self.report(
                     Finding::new(
-                        Valuing::PragmaAndClause {
+                        ValueProblem::PragmaAndClause {
                             codel: pragma.codel.clone(),
                         },
                         pragma.at,
@@ -157,7 +157,7 @@ impl Elaborator<'_> {
                 if !is_multiple(time.value, rate.value) {
                     problems.push(
                         Finding::new(
-                            Valuing::NoMultiple {
+                            ValueProblem::NoMultiple {
                                 word,
                                 task: task.name.clone(),
                                 time: to_f64(time.value).to_string().into(),

@@ -9,13 +9,13 @@ mod remotes;
 mod services;
 
 use super::{
-    context::{Elaborator, Importing},
+    context::{Elaborator, ImportInProgress},
     property::{join_doc, union},
     scope::Clash,
 };
 use crate::finding::role::Role;
 use crate::{
-    finding::{Finding, names::Naming, services::Declaring},
+    finding::{Finding, names::NameProblem, services::DeclarationProblem},
     item_tree::Name,
     model::{
         ComponentKind, Gap, Missing, Name as Text, Owner, Port, PortDir, Src, TypeId, TypeKind,
@@ -41,7 +41,7 @@ impl<'a> Elaborator<'a> {
             let at = self.src(name.ptr);
             if let Some((_, first)) = seen.iter().find(|(it, _)| *it == &name.text) {
                 let diagnostic = Finding::new(
-                    Naming::ImportedTwice {
+                    NameProblem::ImportedTwice {
                         name: name.text.clone(),
                     },
                     at,
@@ -54,8 +54,8 @@ impl<'a> Elaborator<'a> {
             let Some(interface) = self.interface(
                 &name.text,
                 at,
-                |name| Naming::UnknownInterface { name },
-                |name| Naming::NotAnInterface { name },
+                |name| NameProblem::UnknownInterface { name },
+                |name| NameProblem::NotAnInterface { name },
             ) else {
                 self.components[index as usize].incomplete = true;
                 self.spec.gaps.push(Gap {
@@ -95,8 +95,8 @@ impl<'a> Elaborator<'a> {
         &mut self,
         name: &Text,
         at: Src,
-        unknown: fn(Text) -> Naming,
-        is_component: fn(Text) -> Naming,
+        unknown: fn(Text) -> NameProblem,
+        is_component: fn(Text) -> NameProblem,
     ) -> Option<u32> {
         let Some(&found) = self.component_by_name.get(name) else {
             let interfaces = self
@@ -168,7 +168,7 @@ impl<'a> Elaborator<'a> {
         let imported = &mut self.components[index as usize].imported;
         union(imported, theirs);
         union(imported, [interface]);
-        let outer = self.importing.replace(Importing { at, again });
+        let outer = self.importing.replace(ImportInProgress { at, again });
         let uses = word == "uses";
         if !uses || !self.spec.release.has(Change::NoPropertiesOfUsed) {
             self.import_properties(index, interface, at);
@@ -240,7 +240,7 @@ impl<'a> Elaborator<'a> {
                     Change::MergedProperties,
                     "a second `codels-requires`",
                     at,
-                    Finding::new(Declaring::RequiresImported, at)
+                    Finding::new(DeclarationProblem::RequiresImported, at)
                         .related(theirs, Role::InInterface)
                         .related(own, Role::Other),
                 );
@@ -285,7 +285,7 @@ impl<'a> Elaborator<'a> {
         let name = &self.spec.components[interface as usize].name;
 
         let mut diagnostic = Finding::new(
-            Declaring::PropertyImported {
+            DeclarationProblem::PropertyImported {
                 interface: name.clone(),
                 word,
             },
@@ -392,7 +392,7 @@ impl<'a> Elaborator<'a> {
                     .given
                     .get(word);
                 let mut diagnostic = Finding::new(
-                    Declaring::TaskPropertyImported {
+                    DeclarationProblem::TaskPropertyImported {
                         task: task.name.clone(),
                         word,
                     },

@@ -11,7 +11,7 @@ use crate::finding::role::Role;
 use crate::{
     finding::{
         Finding, Near,
-        values::{Count, Purpose, Valuing},
+        values::{CountedNoun, Purpose, ValueProblem},
     },
     item_tree::{self, Designator},
     model::{InitValue, Initializer, PathElement, Src, TypeId, TypeKind},
@@ -34,9 +34,9 @@ impl<'a> Elaborator<'a> {
         }
         let member = match &init.designator {
             Some(Designator::Member(name)) => Some(PathElement::Member(name.text.clone())),
-            Some(Designator::Index(index)) => {
-                Some(PathElement::Index(self.positive(index, "index")?))
-            }
+            Some(Designator::Index(index)) => Some(PathElement::Index(
+                self.non_negative_integer(index, "index")?,
+            )),
             None => None,
         };
         self.fit(init, ty, member)
@@ -50,7 +50,7 @@ impl<'a> Elaborator<'a> {
     ) -> Option<Initializer> {
         let at = self.src(init.ptr);
         // The members of a stand-in are invented: no value is wrong for them.
-        if init.value.is_some() && self.is_made_up(ty) {
+        if init.value.is_some() && self.is_from_stand_in(ty) {
             return None;
         }
         let value = match &init.value {
@@ -60,7 +60,7 @@ impl<'a> Elaborator<'a> {
                 if value == Const::Unknown || self.is_unknown(ty) {
                     return None;
                 }
-                let last = types::look_through(&self.spec, ty);
+                let last = types::resolve_aliases(&self.spec, ty);
                 let opaque = matches!(
                     self.spec.ty(last).kind,
                     TypeKind::Native | TypeKind::Any | TypeKind::Exception { .. }
@@ -68,7 +68,7 @@ impl<'a> Elaborator<'a> {
                 if opaque && self.spec.release.has(Change::OpaqueInitializers) {
                     self.error(
                         at,
-                        Valuing::NoDefault {
+                        ValueProblem::NoDefault {
                             ty: types::display(&self.spec, ty).into(),
                         },
                     );
@@ -83,7 +83,7 @@ impl<'a> Elaborator<'a> {
                 ) {
                     self.error(
                         at,
-                        Valuing::NeedsBraces {
+                        ValueProblem::NeedsBraces {
                             ty: types::display(&self.spec, ty).into(),
                         },
                     );
@@ -125,7 +125,7 @@ impl<'a> Elaborator<'a> {
         ty: TypeId,
         at: Src,
     ) -> Option<Vec<Initializer>> {
-        let last = types::look_through(&self.spec, ty);
+        let last = types::resolve_aliases(&self.spec, ty);
         let mut said = parts.iter().filter(|it| !says_nothing(it));
         let first = said.next().map_or(at, |it| self.src(it.ptr));
         match &self.spec.ty(last).kind {
@@ -145,7 +145,7 @@ impl<'a> Elaborator<'a> {
             _ => {
                 self.error(
                     at,
-                    Valuing::NeedsNoBraces {
+                    ValueProblem::NeedsNoBraces {
                         ty: types::display(&self.spec, ty).into(),
                     },
                 );
@@ -169,13 +169,13 @@ impl<'a> Elaborator<'a> {
         for part in parts.iter().filter(|it| !says_nothing(it)) {
             let here = self.src(part.ptr);
             match &part.designator {
-                Some(Designator::Index(expr)) => match self.positive(expr, "index") {
+                Some(Designator::Index(expr)) => match self.non_negative_integer(expr, "index") {
                     Some(index) => position = index,
                     None => complete = false,
                 },
                 Some(Designator::Member(name)) => {
                     self.report_part(
-                        Valuing::ElementByName {
+                        ValueProblem::ElementByName {
                             name: name.text.clone(),
                         },
                         None,
@@ -187,7 +187,12 @@ impl<'a> Elaborator<'a> {
                 None => {}
             }
             if let Some(length) = length.filter(|it| position >= *it) {
-                self.report_part(Valuing::NoElement { position, length }, None, first, here);
+                self.report_part(
+                    ValueProblem::NoElement { position, length },
+                    None,
+                    first,
+                    here,
+                );
                 return None;
             }
             match self.fit(part, element, Some(PathElement::Index(position))) {
@@ -222,7 +227,7 @@ impl<'a> Elaborator<'a> {
                         let near = self.near(self.src(name.ptr), &name.text, names);
 
                         self.report_part(
-                            Valuing::NoMember {
+                            ValueProblem::NoMember {
                                 ty: types::display(&self.spec, ty).into(),
                                 name: name.text.clone(),
                             },
@@ -237,7 +242,7 @@ impl<'a> Elaborator<'a> {
                 }
                 Some(Designator::Index(_)) => {
                     self.report_part(
-                        Valuing::MemberByIndex {
+                        ValueProblem::MemberByIndex {
                             ty: types::display(&self.spec, ty).into(),
                         },
                         None,
@@ -250,9 +255,9 @@ impl<'a> Elaborator<'a> {
             }
             let Some(&member) = members.get(position) else {
                 self.report_part(
-                    Valuing::TooMany {
+                    ValueProblem::TooMany {
                         ty: types::display(&self.spec, ty).into(),
-                        members: Count(members.len(), "member"),
+                        members: CountedNoun(members.len(), "member"),
                     },
                     None,
                     first,
@@ -275,7 +280,7 @@ impl<'a> Elaborator<'a> {
         complete.then_some(fitted)
     }
 
-    fn report_part(&mut self, kind: Valuing, near: Option<Near>, first: Src, here: Src) {
+    fn report_part(&mut self, kind: ValueProblem, near: Option<Near>, first: Src, here: Src) {
         let mut diagnostic = Finding::new(kind, first).near(near);
         if here != first {
             diagnostic = diagnostic.related(here, Role::Initializer);

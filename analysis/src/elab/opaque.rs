@@ -1,6 +1,6 @@
 //! Placeholders for unresolved parts, so that independent parts are still elaborated.
 
-use super::{context::Elaborator, param::direction, types::look_through};
+use super::{context::Elaborator, param::direction, types::resolve_aliases};
 use crate::{
     item_tree::{Name, ParamDecl, ParamSpec, Path, PathStep, Source},
     model::{
@@ -12,7 +12,7 @@ use crate::{
 
 impl<'a> Elaborator<'a> {
     /// Records an unresolved part.
-    pub(super) fn lack(&mut self, missing: Missing) {
+    pub(super) fn record_unresolved(&mut self, missing: Missing) {
         let component = self.component;
         self.spec.gaps.push(Gap { component, missing });
     }
@@ -85,7 +85,7 @@ impl<'a> Elaborator<'a> {
                 Source::Port => SourceKind::Port,
                 Source::Remote => SourceKind::Remote,
             });
-            self.lack(Missing::Source {
+            self.record_unresolved(Missing::Source {
                 name: first.text.clone(),
                 kind,
                 dir: direction(decl.dir),
@@ -122,8 +122,8 @@ impl<'a> Elaborator<'a> {
     }
 
     /// Returns true if a type is declared by a stand-in, with unknown members.
-    pub(super) fn is_made_up(&self, ty: TypeId) -> bool {
-        let last = look_through(&self.spec, ty);
+    pub(super) fn is_from_stand_in(&self, ty: TypeId) -> bool {
+        let last = resolve_aliases(&self.spec, ty);
         let visit = self.visits.get(self.spec.ty(last).src.visit as usize);
         visit.is_some_and(|it| is_standin(it.path.as_ref()))
     }
@@ -138,7 +138,7 @@ impl<'a> Elaborator<'a> {
             PathStep::Index(_) => PathElement::Index(0),
         });
         let path = path.collect();
-        self.lack(Missing::Member {
+        self.record_unresolved(Missing::Member {
             of: of.into(),
             path,
         });

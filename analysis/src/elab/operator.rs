@@ -2,7 +2,7 @@
 
 use super::value::Const;
 use crate::{
-    finding::values::Valuing,
+    finding::values::ValueProblem,
     item_tree::{BinaryOp, UnaryOp},
 };
 
@@ -56,16 +56,16 @@ pub(super) enum BinaryProblem {
 }
 
 impl BinaryProblem {
-    pub(super) fn explain(self, op: BinaryOp, left: &Const, right: &Const) -> Valuing {
+    pub(super) fn explain(self, op: BinaryOp, left: &Const, right: &Const) -> ValueProblem {
         let op = binary_text(op);
         match self {
-            Self::Kinds => Valuing::Binary {
+            Self::Kinds => ValueProblem::Binary {
                 op,
                 left: left.describe(),
                 right: right.describe(),
             },
-            Self::DivisionByZero => Valuing::DivisionByZero { op },
-            Self::Overflow => Valuing::Overflow { op },
+            Self::DivisionByZero => ValueProblem::DivisionByZero { op },
+            Self::Overflow => ValueProblem::Overflow { op },
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::{Access, DefId, DefKind, context::Elaborator, types};
 use crate::finding::role::Role;
 use crate::{
-    finding::{Finding, codels::Using},
+    finding::{Finding, codels::CodelProblem},
     item_tree::{Dir, Name, ParamDecl, ParamSpec, PathStep, Source},
     model::{
         CodelKind, Name as Text, Param, ParamDir, ParamSource, PathElement, PortDir, Src, TypeId,
@@ -78,7 +78,7 @@ impl Target {
 }
 
 /// The parts of a parameter given as a path.
-struct Written<'a> {
+struct PathParts<'a> {
     decl: &'a ParamDecl,
     first: &'a Name,
     rest: &'a [PathStep],
@@ -119,7 +119,7 @@ impl<'a> Elaborator<'a> {
 
                 self.error(
                     at,
-                    Using::WholeIds {
+                    CodelProblem::WholeIds {
                         name: rename.text.clone(),
                         what,
                     },
@@ -128,7 +128,7 @@ impl<'a> Elaborator<'a> {
             }
             return self.whole_ids(index, decl, rename, codel_access(decl.dir));
         };
-        let written = Written {
+        let written = PathParts {
             decl,
             first,
             rest,
@@ -158,7 +158,7 @@ impl<'a> Elaborator<'a> {
         let Some((PathStep::Member(first), rest)) = path.split_first() else {
             return self.whole_ids(index, decl, rename?, attribute_access(decl.dir));
         };
-        let written = Written {
+        let written = PathParts {
             decl,
             first,
             rest,
@@ -191,7 +191,7 @@ impl<'a> Elaborator<'a> {
         index: u32,
         service: Option<u32>,
         source: Source,
-        written: &Written<'a>,
+        written: &PathParts<'a>,
     ) -> Option<Target> {
         let name = &written.first.text;
         let state = &self.components[index as usize];
@@ -204,19 +204,19 @@ impl<'a> Elaborator<'a> {
                     return None;
                 }
                 let found = self.ids_member(index, &name).map(Target::Ids);
-                (found, Using::UnknownMember { name: name.clone() })
+                (found, CodelProblem::UnknownMember { name: name.clone() })
             }
             Source::Local => {
                 let found = self.local_named(index, service, &name).map(Target::Local);
-                (found, Using::UnknownLocal { name: name.clone() })
+                (found, CodelProblem::UnknownLocal { name: name.clone() })
             }
             Source::Port => {
                 let found = state.port_by_name.get(&name).copied().map(Target::Port);
-                (found, Using::UnknownPort { name: name.clone() })
+                (found, CodelProblem::UnknownPort { name: name.clone() })
             }
             Source::Remote => {
                 let found = state.remote_by_name.get(&name).copied();
-                let kind = Using::UnknownRemote { name: name.clone() };
+                let kind = CodelProblem::UnknownRemote { name: name.clone() };
                 (found.map(Target::Remote), kind)
             }
         };
@@ -234,7 +234,7 @@ impl<'a> Elaborator<'a> {
         &mut self,
         index: u32,
         service: Option<u32>,
-        written: &Written<'a>,
+        written: &PathParts<'a>,
     ) -> Option<Target> {
         let name = &written.first.text;
         let state = &self.components[index as usize];
@@ -250,7 +250,7 @@ impl<'a> Elaborator<'a> {
             (Some(only), None) => Some(only),
             (Some(a), Some(b)) => {
                 let diagnostic = Finding::new(
-                    Using::Ambiguous {
+                    CodelProblem::Ambiguous {
                         name: name.clone(),
                         one: a.describe(),
                         other: b.describe(),
@@ -286,7 +286,7 @@ impl<'a> Elaborator<'a> {
 
                 self.unresolved(
                     written.at,
-                    Using::Unknown {
+                    CodelProblem::Unknown {
                         name: name.clone(),
                         places,
                     },
@@ -339,7 +339,7 @@ impl<'a> Elaborator<'a> {
 
         self.error(
             at,
-            Using::NoIds {
+            CodelProblem::NoIds {
                 component: name.clone(),
             },
         );
@@ -374,7 +374,7 @@ impl<'a> Elaborator<'a> {
         })
     }
 
-    fn ids_param(&mut self, index: u32, member: TypeId, written: &Written<'a>) -> Option<Param> {
+    fn ids_param(&mut self, index: u32, member: TypeId, written: &PathParts<'a>) -> Option<Param> {
         let ids = self.spec.components[index as usize].ids?;
         self.refer_target(index, None, Target::Ids(member), written);
         let mut path = vec![PathElement::Member(written.first.text.clone())];
@@ -401,7 +401,7 @@ impl<'a> Elaborator<'a> {
         index: u32,
         service: u32,
         local: u32,
-        written: &Written<'a>,
+        written: &PathParts<'a>,
         kind: CodelKind,
     ) -> Option<Param> {
         self.refer_target(index, Some(service), Target::Local(local), written);
@@ -414,7 +414,7 @@ impl<'a> Elaborator<'a> {
         let is_lost = !matches!(kind, CodelKind::Validate | CodelKind::Fsm);
         if dir == ParamDir::In && written.decl.dir != Dir::In && is_lost {
             let diagnostic = Finding::new(
-                Using::WritesInput {
+                CodelProblem::WritesInput {
                     name: written.first.text.clone(),
                 },
                 written.at,
@@ -435,26 +435,30 @@ impl<'a> Elaborator<'a> {
         })
     }
 
-    fn port_param(&mut self, index: u32, port: u32, written: &Written<'a>) -> Option<Param> {
+    fn port_param(&mut self, index: u32, port: u32, written: &PathParts<'a>) -> Option<Param> {
         self.refer_target(index, None, Target::Port(port), written);
         let known = &self.spec.components[index as usize].ports[port as usize];
         let (dir, data, place) = (known.dir, known.data, known.src);
         let name = &written.first.text;
         if !written.rest.is_empty() {
-            self.error(written.at, Using::PortMember { name: name.clone() });
+            self.error(written.at, CodelProblem::PortMember { name: name.clone() });
             return None;
         }
         match (dir, written.decl.dir) {
             (PortDir::In, Dir::Out) => {
-                let diagnostic =
-                    Finding::new(Using::WritesInputPort { name: name.clone() }, written.at)
-                        .related(place, Role::Port);
+                let diagnostic = Finding::new(
+                    CodelProblem::WritesInputPort { name: name.clone() },
+                    written.at,
+                )
+                .related(place, Role::Port);
                 self.report(diagnostic);
             }
             (PortDir::In, Dir::Inout) => {
-                let diagnostic =
-                    Finding::new(Using::InoutInputPort { name: name.clone() }, written.at)
-                        .related(place, Role::Port);
+                let diagnostic = Finding::new(
+                    CodelProblem::InoutInputPort { name: name.clone() },
+                    written.at,
+                )
+                .related(place, Role::Port);
                 self.report(diagnostic);
             }
             _ => {}
@@ -472,16 +476,22 @@ impl<'a> Elaborator<'a> {
         })
     }
 
-    fn remote_param(&mut self, index: u32, remote: u32, written: &Written<'a>) -> Option<Param> {
+    fn remote_param(&mut self, index: u32, remote: u32, written: &PathParts<'a>) -> Option<Param> {
         self.refer_target(index, None, Target::Remote(remote), written);
         let ty = self.spec.components[index as usize].remotes[remote as usize].ty;
         let name = &written.first.text;
         if !written.rest.is_empty() {
-            self.error(written.at, Using::RemoteMember { name: name.clone() });
+            self.error(
+                written.at,
+                CodelProblem::RemoteMember { name: name.clone() },
+            );
             return None;
         }
         if written.decl.dir != Dir::In {
-            self.error(written.at, Using::RemoteDirection { name: name.clone() });
+            self.error(
+                written.at,
+                CodelProblem::RemoteDirection { name: name.clone() },
+            );
         }
         let name = self.param_name(written, written.first);
         Some(Param {
@@ -501,7 +511,7 @@ impl<'a> Elaborator<'a> {
         index: u32,
         service: Option<u32>,
         target: Target,
-        written: &Written<'a>,
+        written: &PathParts<'a>,
     ) {
         if let Some(def) = self.target_def(index, service, target) {
             let at = self.src(written.first.ptr);
@@ -510,7 +520,7 @@ impl<'a> Elaborator<'a> {
     }
 
     /// The name of a parameter, after renaming.
-    fn param_name(&mut self, written: &Written<'a>, default: &Name) -> Text {
+    fn param_name(&mut self, written: &PathParts<'a>, default: &Name) -> Text {
         let Some(rename) = written.rename else {
             return default.text.clone();
         };
@@ -533,11 +543,11 @@ impl<'a> Elaborator<'a> {
     fn walk(
         &mut self,
         mut ty: TypeId,
-        written: &Written<'a>,
+        written: &PathParts<'a>,
         path: &mut Vec<PathElement>,
     ) -> Option<TypeId> {
         for (number, step) in written.rest.iter().enumerate() {
-            let last = types::look_through(&self.spec, ty);
+            let last = types::resolve_aliases(&self.spec, ty);
             let unknown = self.spec.ty(last).kind == TypeKind::Unknown;
             if unknown {
                 self.lack_member(last, &written.rest[number..]);
@@ -548,7 +558,7 @@ impl<'a> Elaborator<'a> {
                         return None;
                     }
                     let Some(member) = self.select(last, name) else {
-                        match self.is_made_up(last) {
+                        match self.is_from_stand_in(last) {
                             true => self.lack_member(last, &written.rest[number..]),
                             false => self.report_no_member(ty, last, name, written.at),
                         }
@@ -562,14 +572,14 @@ impl<'a> Elaborator<'a> {
                     ty = self.value_type(member);
                 }
                 PathStep::Index(expr) => {
-                    let number = self.positive(expr, "index")?;
+                    let number = self.non_negative_integer(expr, "index")?;
                     if unknown {
                         return None;
                     }
                     let Some((element, length)) = types::elements(&self.spec, last) else {
                         self.error(
                             written.at,
-                            Using::NoElements {
+                            CodelProblem::NoElements {
                                 ty: types::display(&self.spec, ty).into(),
                                 number,
                             },
@@ -581,13 +591,13 @@ impl<'a> Elaborator<'a> {
                     {
                         let ty = types::display(&self.spec, ty).into();
                         let kind = match length.checked_sub(1) {
-                            Some(last) => Using::Beyond {
+                            Some(last) => CodelProblem::Beyond {
                                 number,
                                 length,
                                 ty,
                                 last,
                             },
-                            None => Using::BeyondEmpty { number, ty },
+                            None => CodelProblem::BeyondEmpty { number, ty },
                         };
                         self.error(written.at, kind);
                     }
@@ -619,11 +629,11 @@ impl<'a> Elaborator<'a> {
                     .filter_map(|it| self.spec.ty(*it).name.as_deref());
                 let near = self.near(self.src(name.ptr), &name.text, names);
                 let name = name.text.clone();
-                (Using::NoMember { ty, name }, near)
+                (CodelProblem::NoMember { ty, name }, near)
             }
             None => {
                 let name = name.text.clone();
-                (Using::NoMembers { ty, name }, None)
+                (CodelProblem::NoMembers { ty, name }, None)
             }
         };
 

@@ -5,7 +5,7 @@ use smol_str::SmolStr;
 
 use super::{codel::TimePlace, context::Elaborator, property::union, state::PragmaWcet};
 use crate::{
-    finding::{Finding, names::Naming, values::Valuing},
+    finding::{Finding, names::NameProblem, values::ValueProblem},
     item_tree::{Duration, Name, Path, Pragma, Ptr},
 };
 
@@ -20,14 +20,14 @@ impl<'a> Elaborator<'a> {
                 for (name, ptr) in arguments {
                     let at = self.src(*ptr);
                     if name.starts_with("//") || name.starts_with("/*") {
-                        self.error(at, Naming::CommentInPragma);
+                        self.error(at, NameProblem::CommentInPragma);
                         break;
                     }
                     let found = self.interface(
                         name,
                         at,
-                        |name| Naming::UnknownInPragma { name },
-                        |name| Naming::ComponentInPragma { name },
+                        |name| NameProblem::UnknownInPragma { name },
+                        |name| NameProblem::ComponentInPragma { name },
                     );
                     if found.is_none() {
                         self.pragma_unknown.push(name.clone());
@@ -51,7 +51,7 @@ impl<'a> Elaborator<'a> {
         let [(template, _), (name, _), (data, _)] = arguments else {
             self.error(
                 at,
-                Naming::MasqueradeArguments {
+                NameProblem::MasqueradeArguments {
                     are: if arguments.len() == 1 { "is" } else { "are" },
                     count: arguments.len(),
                 },
@@ -59,14 +59,14 @@ impl<'a> Elaborator<'a> {
             return;
         };
         let Some(ty) = ty.and_then(|it| self.resolve_path(it)) else {
-            self.error(at, Naming::MasqueradeUnknown { name: name.clone() });
+            self.error(at, NameProblem::MasqueradeUnknown { name: name.clone() });
             return;
         };
         let known = &mut self.spec.types[ty.0 as usize].masquerade;
         if known.iter().any(|(it, _)| it == template.as_str()) {
             self.error(
                 at,
-                Naming::MasqueradeTwice {
+                NameProblem::MasqueradeTwice {
                     name: name.clone(),
                     template: template.clone(),
                 },
@@ -79,11 +79,11 @@ impl<'a> Elaborator<'a> {
     fn pragma_wcet(&mut self, codel: Option<&'a Name>, duration: Option<&'a Duration>, ptr: Ptr) {
         let at = self.src(ptr);
         let (Some(codel), Some(duration)) = (codel, duration) else {
-            self.error(at, Valuing::PragmaForm);
+            self.error(at, ValueProblem::PragmaForm);
             return;
         };
         if duration.unit.is_none() {
-            self.error(at, Valuing::PragmaUnit);
+            self.error(at, ValueProblem::PragmaUnit);
             return;
         }
         let Some((number, unit)) = self.execution_time(duration, TimePlace::Pragma, at) else {
@@ -92,7 +92,7 @@ impl<'a> Elaborator<'a> {
         let first = self.pragma_wcet.iter().find(|it| it.codel == codel.text);
         if let Some(first) = first {
             let diagnostic = Finding::new(
-                Valuing::PragmaTwice {
+                ValueProblem::PragmaTwice {
                     codel: codel.text.clone(),
                 },
                 at,

@@ -8,9 +8,9 @@ use super::{constant::string_content, context::Elaborator, value::Const, words};
 use crate::{
     finding::{
         Finding,
-        names::{Naming, Noun},
-        services::Declaring,
-        values::Valuing,
+        names::{NameProblem, Noun},
+        services::DeclarationProblem,
+        values::ValueProblem,
     },
     item_tree::{Duration, Expr, ExprKind, Path, Property, PropertyKind, Unit},
     model::{Gap, Missing, Owner, Quantity, Seconds, Src, TypeId, TypeKind, Value},
@@ -122,7 +122,8 @@ impl<'a> Elaborator<'a> {
                         Change::MergedProperties,
                         "a second `codels-requires`",
                         at,
-                        Finding::new(Declaring::RequiresTwice, at).related(first, Role::First),
+                        Finding::new(DeclarationProblem::RequiresTwice, at)
+                            .related(first, Role::First),
                     );
                 } else {
                     given.insert(word, at);
@@ -163,11 +164,11 @@ impl<'a> Elaborator<'a> {
             kind => {
                 let home = home(kind);
                 let finding = match kind {
-                    PropertyKind::Stack(_) => Declaring::StackInComponent {
+                    PropertyKind::Stack(_) => DeclarationProblem::StackInComponent {
                         home,
                         since: Change::ComponentStack.since(),
                     },
-                    _ => Declaring::NotInComponent { word, home },
+                    _ => DeclarationProblem::NotInComponent { word, home },
                 };
                 self.error(at, finding);
             }
@@ -175,7 +176,7 @@ impl<'a> Elaborator<'a> {
     }
 
     pub(super) fn local_outside(&mut self, at: Src, place: &'static str) {
-        self.error(at, Declaring::LocalOutside { place });
+        self.error(at, DeclarationProblem::LocalOutside { place });
     }
 
     /// Like [`Self::once_in_component`], for properties that may be repeated in newer releases: the first one
@@ -218,7 +219,7 @@ impl<'a> Elaborator<'a> {
         match given.get(word) {
             Some(&first) => {
                 self.report(
-                    Finding::new(Declaring::PropertyTwice { word }, at)
+                    Finding::new(DeclarationProblem::PropertyTwice { word }, at)
                         .related(first, Role::FirstGiven),
                 );
                 false
@@ -247,7 +248,7 @@ impl<'a> Elaborator<'a> {
 
                 self.error(
                     at,
-                    Declaring::ListedTwice {
+                    DeclarationProblem::ListedTwice {
                         text: string.into(),
                         word: word.into(),
                     },
@@ -297,7 +298,7 @@ impl<'a> Elaborator<'a> {
                     let name = words::path_text(path);
 
                     let mut diagnostic = Finding::new(
-                        Naming::NotAnException {
+                        NameProblem::NotAnException {
                             path: name.into(),
                             what,
                         },
@@ -313,7 +314,7 @@ impl<'a> Elaborator<'a> {
             if exceptions.contains(&ty) {
                 let name = words::path_text(path);
 
-                self.error(at, Naming::ThrownTwice { path: name.into() });
+                self.error(at, NameProblem::ThrownTwice { path: name.into() });
             } else {
                 exceptions.push(ty);
             }
@@ -338,7 +339,7 @@ impl<'a> Elaborator<'a> {
 
         self.unresolved(
             at,
-            Naming::Unknown {
+            NameProblem::Unknown {
                 noun: Noun::Exception,
                 name: name.text.clone(),
             },
@@ -368,7 +369,7 @@ impl<'a> Elaborator<'a> {
 
             self.error(
                 at,
-                Valuing::NotANumber {
+                ValueProblem::NotANumber {
                     word: word.into(),
                     value: value.describe(),
                 },
@@ -376,12 +377,12 @@ impl<'a> Elaborator<'a> {
             return None;
         };
         if number < Ratio::from_integer(0) {
-            self.error(property, Valuing::Negative { word: word.into() });
+            self.error(property, ValueProblem::Negative { word: word.into() });
             return None;
         }
         let unit = if glued {
             let at = self.src(duration.value.ptr);
-            self.error(at, Valuing::GluedUnit);
+            self.error(at, ValueProblem::GluedUnit);
             Some(Unit::S)
         } else {
             duration.unit.map(|(unit, _)| unit)
@@ -407,18 +408,18 @@ impl<'a> Elaborator<'a> {
 
     /// The value of `priority`.
     pub(super) fn priority(&mut self, expr: &'a Expr, src: Src) -> Option<Quantity> {
-        let value = self.positive(expr, "priority")?;
+        let value = self.non_negative_integer(expr, "priority")?;
         if value > 255 {
             let at = self.src(expr.ptr);
 
-            self.error(at, Valuing::PriorityRange { value });
+            self.error(at, ValueProblem::PriorityRange { value });
         }
         Some(self.amount(value, src))
     }
 
     /// The value of `stack`, in bytes.
     pub(super) fn stack(&mut self, size: &'a Duration, src: Src) -> Option<Quantity> {
-        let value = self.positive(&size.value, "stack size")?;
+        let value = self.non_negative_integer(&size.value, "stack size")?;
         let factor = match size.unit {
             Some((Unit::K, _)) => 1 << 10,
             Some((Unit::M, _)) => 1 << 20,
@@ -428,7 +429,7 @@ impl<'a> Elaborator<'a> {
             Some(bytes) => Some(self.amount(bytes, src)),
             None => {
                 let at = self.src(size.value.ptr);
-                self.error(at, Valuing::StackTooLarge);
+                self.error(at, ValueProblem::StackTooLarge);
                 None
             }
         }

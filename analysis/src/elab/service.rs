@@ -13,8 +13,8 @@ use super::{
 use crate::{
     finding::{
         Finding,
-        names::Naming,
-        services::{Declaring, ImportedBy},
+        names::NameProblem,
+        services::{DeclarationProblem, ImportedBy},
     },
     item_tree::{CodelDecl, Item, Name, Property, PropertyKind, ServiceDecl},
     model::{
@@ -42,7 +42,7 @@ impl<'a> Elaborator<'a> {
         let Some(name) = &decl.name else { return };
         let at = self.src(name.ptr);
         if name.text == "all" {
-            self.error(at, Declaring::Reserved);
+            self.error(at, DeclarationProblem::Reserved);
         }
         if self.taken_by_other(index, &name.text, at) {
             return;
@@ -118,11 +118,11 @@ impl<'a> Elaborator<'a> {
         let Some((what, place)) = taken else {
             return false;
         };
-        self.lose(index, name);
+        self.add_refused_name(index, name);
 
         self.report(
             Finding::new(
-                Naming::Taken {
+                NameProblem::Taken {
                     name: name.clone(),
                     what,
                 },
@@ -149,7 +149,7 @@ impl<'a> Elaborator<'a> {
         let place = known.src;
         self.report(
             Finding::new(
-                Declaring::OtherKind {
+                DeclarationProblem::OtherKind {
                     name: known.name.clone(),
                     was: kind_text(known.kind),
                     is: kind_text(kind),
@@ -254,7 +254,7 @@ impl<'a> Elaborator<'a> {
                         if *it == name.text {
                             self.error(
                                 *src,
-                                Declaring::ListsItself {
+                                DeclarationProblem::ListsItself {
                                     name: it.clone(),
                                     word,
                                 },
@@ -269,7 +269,7 @@ impl<'a> Elaborator<'a> {
                     let service = self.src(name.ptr);
                     self.report(
                         Finding::new(
-                            Declaring::NoTask {
+                            DeclarationProblem::NoTask {
                                 name: name.text.clone(),
                                 kind: kind_text(kind),
                             },
@@ -309,14 +309,24 @@ impl<'a> Elaborator<'a> {
                 let stateful = codel.triggers.is_some();
                 match (kind, stateful) {
                     (ServiceKind::Activity, false) => {
-                        self.misplaced_codel(name, codel, at, Declaring::CodelWithoutState);
+                        self.misplaced_codel(
+                            name,
+                            codel,
+                            at,
+                            DeclarationProblem::CodelWithoutState,
+                        );
                         let owner = Owner::Service(service);
                         self.misplaced_params(index, owner, codel, CodelKind::Fsm);
                         return;
                     }
                     (ServiceKind::Attribute | ServiceKind::Function, true) => {
                         let kind = kind_text(kind);
-                        self.misplaced_codel(name, codel, at, Declaring::CodelWithState { kind });
+                        self.misplaced_codel(
+                            name,
+                            codel,
+                            at,
+                            DeclarationProblem::CodelWithState { kind },
+                        );
                         let owner = Owner::Service(service);
                         self.misplaced_params(index, owner, codel, CodelKind::Fsm);
                         return;
@@ -326,7 +336,7 @@ impl<'a> Elaborator<'a> {
                             Change::AttributeCodels,
                             "a codel of an attribute",
                             at,
-                            Finding::new(Declaring::AttributeCodel, at),
+                            Finding::new(DeclarationProblem::AttributeCodel, at),
                         );
                     }
                     _ => {}
@@ -341,7 +351,7 @@ impl<'a> Elaborator<'a> {
             other => {
                 self.error(
                     at,
-                    Declaring::NotInService {
+                    DeclarationProblem::NotInService {
                         kind: kind_text(kind),
                         word,
                         home: property::home(other),
@@ -356,13 +366,13 @@ impl<'a> Elaborator<'a> {
         service: &Name,
         codel: &CodelDecl,
         property: Src,
-        kind: Declaring,
+        kind: DeclarationProblem,
     ) {
-        let said_at = self.src(service.ptr);
+        let compiler_at = self.src(service.ptr);
         let at = codel.name.as_ref().map_or(property, |it| self.src(it.ptr));
         self.report(
             // The reference compiler reports it at the service.
-            Finding::new(kind, said_at).related(at, Role::ThisCodel),
+            Finding::new(kind, compiler_at).related(at, Role::ThisCodel),
         );
     }
 
@@ -388,7 +398,7 @@ impl<'a> Elaborator<'a> {
 
             self.unresolved(
                 at,
-                Declaring::UnknownTask {
+                DeclarationProblem::UnknownTask {
                     name: task.text.clone(),
                 },
                 near,
@@ -407,7 +417,7 @@ impl<'a> Elaborator<'a> {
             let at = self.src(name.ptr);
             if let Some((_, first)) = names.iter().find(|(it, _)| *it == name.text) {
                 let diagnostic = Finding::new(
-                    Declaring::NamedTwice {
+                    DeclarationProblem::NamedTwice {
                         name: name.text.clone(),
                         word: word.into(),
                     },
@@ -469,8 +479,8 @@ impl<'a> Elaborator<'a> {
                     let name = name.clone();
                     let component = self.spec.components[index as usize].name.clone();
                     let kind = match remote {
-                        true => Declaring::OnlyRemote { name, component },
-                        false => Declaring::UnknownService { name, component },
+                        true => DeclarationProblem::OnlyRemote { name, component },
+                        false => DeclarationProblem::UnknownService { name, component },
                     };
 
                     self.unresolved(*at, kind, near);
@@ -503,18 +513,18 @@ impl<'a> Elaborator<'a> {
         if no_task {
             let (name, by) = (name.clone(), by.clone());
             let kind = match component.tasks.first() {
-                Some(task) => Declaring::ActivityWithoutTask {
+                Some(task) => DeclarationProblem::ActivityWithoutTask {
                     name,
                     by,
                     task: task.name.clone(),
                 },
-                None => Declaring::ActivityWithoutAnyTask { name, by },
+                None => DeclarationProblem::ActivityWithoutAnyTask { name, by },
             };
 
             self.error(at, kind);
         }
         if !starts {
-            self.error(at, Declaring::ActivityWithoutStart { name, by });
+            self.error(at, DeclarationProblem::ActivityWithoutStart { name, by });
         }
     }
 }

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::finding::role::Role;
 use crate::{
-    finding::{Finding, services::Declaring},
+    finding::{Finding, services::DeclarationProblem},
     item_tree::{Declarator, ParamDecl, ParamSpec, PathStep, ServiceDecl, TypeRef},
     model::{Param, ParamDir, ParamSource, Src, TypeId, TypeKind},
     release::Change,
@@ -34,7 +34,7 @@ impl<'a> Elaborator<'a> {
             }
             if let Some(first) = params.iter().find(|it| it.param.name == new.param.name) {
                 let diagnostic = Finding::new(
-                    Declaring::ParamTwice {
+                    DeclarationProblem::ParamTwice {
                         what: "parameter",
                         name: new.param.name.clone(),
                     },
@@ -50,7 +50,7 @@ impl<'a> Elaborator<'a> {
             let at = self.src(name.ptr);
 
             let diagnostic = Finding::new(
-                Declaring::NativeParam {
+                DeclarationProblem::NativeParam {
                     param,
                     service: name.text.clone(),
                 },
@@ -115,7 +115,7 @@ impl<'a> Elaborator<'a> {
         }
         // This error replaces the general one.
         self.retract("not-a-type");
-        let kind = Declaring::SpecialParam {
+        let kind = DeclarationProblem::SpecialParam {
             name: name.into(),
             what: words::describe(&self.spec, ty),
             ty: types::display(&self.spec, ty).into(),
@@ -190,7 +190,7 @@ impl<'a> Elaborator<'a> {
             if old.name != new.name {
                 problems.push(
                     Finding::new(
-                        Declaring::OtherName {
+                        DeclarationProblem::OtherName {
                             service: known.name.clone(),
                             old: old.name.clone(),
                             new: new.name.clone(),
@@ -206,7 +206,7 @@ impl<'a> Elaborator<'a> {
         if let Some(extra) = params.get(expected.len()) {
             problems.push(
                 Finding::new(
-                    Declaring::ParamExtra {
+                    DeclarationProblem::ParamExtra {
                         service: known.name.clone(),
                         name: extra.name.clone(),
                     },
@@ -218,7 +218,7 @@ impl<'a> Elaborator<'a> {
         if let Some(missing) = expected.get(params.len()) {
             problems.push(
                 Finding::new(
-                    Declaring::ParamMissing {
+                    DeclarationProblem::ParamMissing {
                         service: known.name.clone(),
                         name: missing.name.clone(),
                     },
@@ -232,16 +232,16 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    fn conflict(&self, old: &Param, new: &Param) -> Option<Declaring> {
+    fn conflict(&self, old: &Param, new: &Param) -> Option<DeclarationProblem> {
         let name = new.name.clone();
         if old.dir != new.dir {
-            return Some(Declaring::OtherDirection {
+            return Some(DeclarationProblem::OtherDirection {
                 name,
                 old: dir_text(old.dir),
                 new: dir_text(new.dir),
             });
         }
-        (!types::equal(&self.spec, old.ty, new.ty)).then(|| Declaring::OtherType {
+        (!types::equal(&self.spec, old.ty, new.ty)).then(|| DeclarationProblem::OtherType {
             name,
             old: types::display(&self.spec, old.ty).into(),
             new: types::display(&self.spec, new.ty).into(),
@@ -303,7 +303,7 @@ impl<'a> Elaborator<'a> {
 
             self.report(
                 Finding::new(
-                    Declaring::ParamTwice {
+                    DeclarationProblem::ParamTwice {
                         what,
                         name: local.name.clone(),
                     },

@@ -122,7 +122,7 @@ pub(super) struct PragmaWcet {
 
 /// The newer releases referred to by a unit.
 #[derive(Debug, Default)]
-pub(super) struct Newer {
+pub(super) struct NewerReleases {
     /// The used changes, with a description and a place for each.
     pub(super) uses: Vec<(Change, &'static str, Src)>,
     /// The releases that `requires` properties name, with their places.

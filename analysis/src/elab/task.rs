@@ -11,7 +11,7 @@ use super::{
     state::TaskState,
 };
 use crate::{
-    finding::{Finding, services::Declaring, values::Valuing},
+    finding::{Finding, services::DeclarationProblem, values::ValueProblem},
     item_tree::{Item, Name, PropertyKind, Ptr},
     model::{CodelKind, Name as Text, Owner, OwnerBody, Src, Task},
     release::Change,
@@ -113,7 +113,7 @@ impl<'a> Elaborator<'a> {
                         .as_ref()
                         .is_some_and(|it| it.value == Ratio::from_integer(0))
                 {
-                    self.error(at, Valuing::PeriodZero);
+                    self.error(at, ValueProblem::PeriodZero);
                 }
                 if self.once_in_task(index, task, word, at) {
                     let task = &mut self.spec.components[c].tasks[t];
@@ -145,17 +145,17 @@ impl<'a> Elaborator<'a> {
             }
             PropertyKind::Codel(decl) => {
                 self.components[c].tasks[t].incomplete = true;
-                let said_at = self.src(name.ptr);
+                let compiler_at = self.src(name.ptr);
                 let (at, codel) = match &decl.name {
                     Some(it) => (self.src(it.ptr), it.text.clone()),
                     None => (self.src(decl.ptr), Text::default()),
                 };
-                let kind = Declaring::TaskCodelWithoutState {
+                let kind = DeclarationProblem::TaskCodelWithoutState {
                     codel,
                     task: name.text.clone(),
                 };
                 // The reference compiler reports it at the task.
-                self.report(Finding::new(kind, said_at).related(at, Role::ThisCodel));
+                self.report(Finding::new(kind, compiler_at).related(at, Role::ThisCodel));
                 self.misplaced_params(index, Owner::Task(task), decl, CodelKind::Fsm);
             }
             PropertyKind::Local { ty, .. } => {
@@ -165,7 +165,7 @@ impl<'a> Elaborator<'a> {
             kind => {
                 self.error(
                     at,
-                    Declaring::NotInTask {
+                    DeclarationProblem::NotInTask {
                         word,
                         home: property::home(kind),
                     },
@@ -199,14 +199,14 @@ impl<'a> Elaborator<'a> {
             None if !period_given => {
                 self.error(
                     at,
-                    Valuing::DelayWithoutPeriod {
+                    ValueProblem::DelayWithoutPeriod {
                         task: task.name.clone(),
                     },
                 );
             }
             Some(period) if delay.value >= period.value => {
                 let diagnostic =
-                    Finding::new(Valuing::DelayRange, at).related(period.src, Role::Period);
+                    Finding::new(ValueProblem::DelayRange, at).related(period.src, Role::Period);
                 self.report(diagnostic);
             }
             _ => {}

@@ -7,8 +7,8 @@ use super::{context::Elaborator, foreign, words};
 use crate::{
     finding::{
         Finding, Near,
-        names::{Inside, Naming, Noun},
-        values::Valuing,
+        names::{NameProblem, Noun, SearchedScope},
+        values::ValueProblem,
     },
     item_tree::{BaseType, Declarator, Expr, Path, TypeRef, TypeRefKind},
     model::{Missing, Spec, Src, TypeId, TypeKind},
@@ -16,7 +16,7 @@ use crate::{
 
 /// The place of use of a type, as far as forward declarations are concerned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Use {
+pub(super) enum TypeUse {
     /// The contents of the type must be known.
     Value,
     /// As the element of a sequence or optional.
@@ -26,10 +26,10 @@ pub(super) enum Use {
 impl<'a> Elaborator<'a> {
     /// The type object of a type specifier.
     pub(super) fn type_ref(&mut self, ty: &'a TypeRef) -> TypeId {
-        self.type_ref_for(ty, Use::Value)
+        self.type_ref_for(ty, TypeUse::Value)
     }
 
-    fn type_ref_for(&mut self, ty: &'a TypeRef, usage: Use) -> TypeId {
+    fn type_ref_for(&mut self, ty: &'a TypeRef, usage: TypeUse) -> TypeId {
         let at = self.src(ty.ptr);
         match &ty.kind {
             TypeRefKind::Base(base) => self.anonymous(base_kind(*base), at),
@@ -38,16 +38,16 @@ impl<'a> Elaborator<'a> {
                 self.sized(bound, at, |bound| TypeKind::String { bound })
             }
             TypeRefKind::Sequence { element, bound } => {
-                let element = self.type_ref_for(element, Use::Element);
+                let element = self.type_ref_for(element, TypeUse::Element);
                 let bound = bound.as_ref().map(|it| self.size(it, "bound"));
                 self.sized(bound, at, |bound| TypeKind::Sequence { element, bound })
             }
             TypeRefKind::Optional { element } => {
-                let element = self.type_ref_for(element, Use::Element);
+                let element = self.type_ref_for(element, TypeUse::Element);
                 self.anonymous(TypeKind::Optional { element }, at)
             }
             TypeRefKind::Fixed => {
-                self.error(at, Valuing::FixedType);
+                self.error(at, ValueProblem::FixedType);
                 self.unknown(at)
             }
             TypeRefKind::Named(path) => self.named_type(path, usage),
@@ -56,11 +56,11 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    fn named_type(&mut self, path: &'a Path, usage: Use) -> TypeId {
+    fn named_type(&mut self, path: &'a Path, usage: TypeUse) -> TypeId {
         let at = self.src(path.ptr);
         let Some(ty) = self.resolve_path(path) else {
             self.report_unresolved(path, true);
-            self.lack(Missing::Name {
+            self.record_unresolved(Missing::Name {
                 name: words::path_text(path).into(),
                 constant: false,
             });
@@ -78,7 +78,7 @@ impl<'a> Elaborator<'a> {
         ) {
             let what = words::describe(&self.spec, ty);
             let mut diagnostic = Finding::new(
-                Naming::NotAType {
+                NameProblem::NotAType {
                     path: words::path_text(path).into(),
                     what,
                 },
@@ -91,20 +91,20 @@ impl<'a> Elaborator<'a> {
         }
         let last = self.spec.resolve_alias(ty);
         match &self.spec.ty(last).kind {
-            TypeKind::Exception { members } if members.is_empty() && usage == Use::Value => {
+            TypeKind::Exception { members } if members.is_empty() && usage == TypeUse::Value => {
                 self.error(
                     at,
-                    Naming::NoData {
+                    NameProblem::NoData {
                         path: words::path_text(path).into(),
                     },
                 );
                 self.unknown(at)
             }
             TypeKind::ForwardStruct { .. } | TypeKind::ForwardUnion { .. }
-                if usage == Use::Value =>
+                if usage == TypeUse::Value =>
             {
                 let mut diagnostic = Finding::new(
-                    Naming::NotYetDefined {
+                    NameProblem::NotYetDefined {
                         path: words::path_text(path).into(),
                     },
                     at,
@@ -166,17 +166,17 @@ impl<'a> Elaborator<'a> {
         let standard = foreign::standard_type(path_text.trim_start_matches("::"));
         let (kind, near) = if let Some(ty) = standard.filter(|_| types) {
             let path = path_text.into();
-            (Naming::Standard { path, ty }, None)
+            (NameProblem::Standard { path, ty }, None)
         } else if followed + 1 < names.len() {
             let missing = names[followed];
             let inner = self.scopes.get(scope);
             let candidates = inner.children.keys().map(|it| it.as_str());
             let near = self.near(self.src(token(followed)), missing, candidates);
             let inside = match followed {
-                0 => Inside::Here,
-                _ => Inside::Scope(names[followed - 1].clone()),
+                0 => SearchedScope::Here,
+                _ => SearchedScope::Scope(names[followed - 1].clone()),
             };
-            let kind = Naming::UnknownScope {
+            let kind = NameProblem::UnknownScope {
                 path: words::path_text(path).into(),
                 noun,
                 missing: missing.clone(),
@@ -192,7 +192,7 @@ impl<'a> Elaborator<'a> {
                 .map(|(name, _)| name.as_str());
             let near = self.near(self.src(last.ptr), &last.text, candidates);
             let path = words::path_text(path).into();
-            (Naming::UnknownPath { noun, path }, near)
+            (NameProblem::UnknownPath { noun, path }, near)
         } else {
             let candidates = self
                 .scopes
@@ -216,7 +216,7 @@ impl<'a> Elaborator<'a> {
                 }
             };
             let name = last.text.clone();
-            (Naming::Unknown { noun, name }, near)
+            (NameProblem::Unknown { noun, name }, near)
         };
         let at = self.src(path.ptr);
         self.unresolved(at, kind, near);
@@ -257,12 +257,12 @@ impl<'a> Elaborator<'a> {
     /// reported.
     fn size(&mut self, expr: &'a Expr, what: &'static str) -> Option<u64> {
         let at = self.src(expr.ptr);
-        let size = self.positive(expr, what)?;
+        let size = self.non_negative_integer(expr, what)?;
         if size == 0 {
-            self.error(at, Valuing::Zero { what });
+            self.error(at, ValueProblem::Zero { what });
         }
         if size > LARGEST_SIZE {
-            self.error(at, Valuing::TooLarge { what, size });
+            self.error(at, ValueProblem::TooLarge { what, size });
         }
         Some(size)
     }
@@ -289,7 +289,7 @@ fn base_kind(base: BaseType) -> TypeKind {
 }
 
 /// The type behind aliases and `optional<>`.
-pub(crate) fn look_through(spec: &Spec, mut ty: TypeId) -> TypeId {
+pub(crate) fn resolve_aliases(spec: &Spec, mut ty: TypeId) -> TypeId {
     for _ in 0..=spec.types.len() {
         ty = spec.resolve_alias(ty);
         match spec.ty(ty).kind {
@@ -327,9 +327,9 @@ pub(crate) fn equal(spec: &Spec, a: TypeId, b: TypeId) -> bool {
 
 /// Pairs of composite types that are equal unless a difference is found elsewhere. Each pair is compared only
 /// once.
-type Seen = FxHashSet<(TypeId, TypeId)>;
+type ComparedPairs = FxHashSet<(TypeId, TypeId)>;
 
-fn equal_parts(spec: &Spec, a: TypeId, b: TypeId, seen: &mut Seen) -> bool {
+fn equal_parts(spec: &Spec, a: TypeId, b: TypeId, seen: &mut ComparedPairs) -> bool {
     let (a, b) = (spec.resolve_alias(a), spec.resolve_alias(b));
     if a == b {
         return true;
@@ -414,7 +414,7 @@ fn equal_parts(spec: &Spec, a: TypeId, b: TypeId, seen: &mut Seen) -> bool {
 
 /// Elements may be forward declarations, through which types can be recursive: these compare by name, before
 /// aliases are resolved.
-fn equal_element(spec: &Spec, a: TypeId, b: TypeId, seen: &mut Seen) -> bool {
+fn equal_element(spec: &Spec, a: TypeId, b: TypeId, seen: &mut ComparedPairs) -> bool {
     match (forward_target(spec, a), forward_target(spec, b)) {
         (None, None) => equal_parts(spec, a, b, seen),
         (a_target, b_target) => {

@@ -5,7 +5,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::{
     DefKind,
     context::Elaborator,
-    convert::{Misfit, convert, explain_misfit},
+    convert::{ConversionError, convert, explain_misfit},
     types,
     value::Const,
 };
@@ -13,7 +13,7 @@ use crate::finding::role::Role;
 use crate::{
     finding::{
         Finding,
-        values::{Purpose, Valuing},
+        values::{Purpose, ValueProblem},
     },
     item_tree::{CaseLabel, Item, Name, TypeRef, TypeRefKind},
     model::{Label, ScopeKind, Src, TypeId, TypeKind, Value},
@@ -54,7 +54,7 @@ impl<'a> Elaborator<'a> {
                         let at = this.src(declarator.name.ptr);
                         this.error(
                             at,
-                            Valuing::MemberIsSwitch {
+                            ValueProblem::MemberIsSwitch {
                                 name: declarator.name.text.clone(),
                             },
                         );
@@ -106,7 +106,7 @@ impl<'a> Elaborator<'a> {
 
         self.error(
             at,
-            Valuing::BadSwitch {
+            ValueProblem::BadSwitch {
                 name: name.text.clone(),
                 ty: types::display(&self.spec, ty).into(),
             },
@@ -146,7 +146,7 @@ impl<'a> Elaborator<'a> {
             let key = LabelKey::of(&value);
             if keys.contains(&key) {
                 let at = self.src(label.ptr);
-                self.error(at, Valuing::LabelTwice);
+                self.error(at, ValueProblem::LabelTwice);
                 continue;
             }
             if let Some(other) = used.get(&key) {
@@ -160,7 +160,7 @@ impl<'a> Elaborator<'a> {
 
             self.report(
                 Finding::new(
-                    Valuing::LabelTaken {
+                    ValueProblem::LabelTaken {
                         name: self.spec.ty(other).name.clone().unwrap_or_default(),
                     },
                     at,
@@ -180,7 +180,7 @@ impl<'a> Elaborator<'a> {
 
     fn bad_label(
         &mut self,
-        misfit: Misfit,
+        misfit: ConversionError,
         value: &Const,
         switch: TypeId,
         member: Option<Src>,

@@ -48,7 +48,7 @@ impl fmt::Display for OwnerName {
 
 findings! {
     /// A codel that does not fit its component.
-    pub enum Using {
+    pub enum CodelProblem {
         "prop-duplicate" CodelTwice { name: Name }
             => "codel `{name}` is already used here",
                "within one task or service a codel can be used once";
@@ -143,23 +143,25 @@ findings! {
     }
 }
 
-impl Using {
+impl CodelProblem {
     /// The fixes, the best first, made from the text around.
     pub(crate) fn fixes(&self, here: &FixSite<'_>) -> Vec<TextFix> {
         match self {
-            Using::PausedEther => vec![here.replace("ether").plain()],
-            Using::StateTwice { .. } => {
+            CodelProblem::PausedEther => vec![here.replace("ether").plain()],
+            CodelProblem::StateTwice { .. } => {
                 here.remove_part().map(TextFix::plain).into_iter().collect()
             }
-            Using::UnknownMember { name } => here.declare_ids_member(name).into_iter().collect(),
-            Using::UnknownPort { name } => here.declare_port(name).into_iter().collect(),
-            Using::Unknown { name, .. } => {
+            CodelProblem::UnknownMember { name } => {
+                here.declare_ids_member(name).into_iter().collect()
+            }
+            CodelProblem::UnknownPort { name } => here.declare_port(name).into_iter().collect(),
+            CodelProblem::Unknown { name, .. } => {
                 let ways = [here.declare_ids_member(name), here.declare_port(name)];
                 ways.into_iter().flatten().collect()
             }
-            Using::Undefined { state, .. } => here.declare_state(state),
-            Using::UndeclaredThrow { exception, .. } => here.declare_throw(exception),
-            Using::Unreachable { in_cycle, .. } => here.connect_or_remove_codel(*in_cycle),
+            CodelProblem::Undefined { state, .. } => here.declare_state(state),
+            CodelProblem::UndeclaredThrow { exception, .. } => here.declare_throw(exception),
+            CodelProblem::Unreachable { in_cycle, .. } => here.connect_or_remove_codel(*in_cycle),
             _ => Vec::new(),
         }
     }

@@ -9,7 +9,7 @@ use crate::{
 
 findings! {
     /// A problem with reading a file.
-    pub enum Reading {
+    pub enum FileProblem {
         "pp-input" NoFile => "no such file";
         "pp-input" Directory => "this is a directory, not a specification";
         "pp-input" Unreadable { why: Name } => "this file cannot be read: {why}";
@@ -26,7 +26,7 @@ findings! {
     }
 }
 
-impl Reading {
+impl FileProblem {
     /// The fixes, made from the text around.
     pub(crate) fn fixes(&self, _: &FixSite<'_>) -> Vec<TextFix> {
         Vec::new()

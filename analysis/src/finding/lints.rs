@@ -72,9 +72,9 @@ impl fmt::Display for Names {
 
 /// Names with a verb, for late codels.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct Late(pub Names);
+pub struct LateCodels(pub Names);
 
-impl fmt::Display for Late {
+impl fmt::Display for LateCodels {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} {}", self.0, self.0.verb("comes", "come"))
     }
@@ -82,16 +82,16 @@ impl fmt::Display for Late {
 
 /// Codels of one task or service without execution time.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct Untimed {
+pub struct UntimedCodels {
     /// The codels.
     pub codels: Names,
     /// Their task or service.
     pub owner: OwnerName,
 }
 
-impl fmt::Display for Untimed {
+impl fmt::Display for UntimedCodels {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Untimed { codels, owner } = self;
+        let UntimedCodels { codels, owner } = self;
         let (has, counts) = (codels.verb("has", "have"), codels.verb("counts", "count"));
         write!(
             f,
@@ -102,9 +102,9 @@ impl fmt::Display for Untimed {
 
 /// States or services in a cycle, shown as `a → b → a`.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct Round(pub Vec<Name>);
+pub struct CyclePath(pub Vec<Name>);
 
-impl fmt::Display for Round {
+impl fmt::Display for CyclePath {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for name in &self.0 {
             write!(f, "{name} → ")?;
@@ -133,7 +133,7 @@ impl fmt::Display for Chain {
 
 findings! {
     /// Legal text that is probably a mistake.
-    pub enum Noticing {
+    pub enum LintWarning {
         "port/never-read" PortNeverRead { name: Name } => "no codel reads the input port `{name}`";
         "port/never-written" PortNeverWritten { name: Name }
             => "no codel writes the output port `{name}`: its readers will never get data",
@@ -178,14 +178,14 @@ findings! {
             => "`{name}` keeps the control task busy for {time} (more than {budget}), and no other \
                 request is served meanwhile",
                "make it an activity";
-        "service/order-cycle" OrderCycle { round: Round }
+        "service/order-cycle" OrderCycle { round: CyclePath }
             => "`before` and `after` go round in a circle: {round}", "no order satisfies them";
 
-        "fsm/no-termination" NoTermination { owner: OwnerName, round: Round, closing: Name }
+        "fsm/no-termination" NoTermination { owner: OwnerName, round: CyclePath, closing: Name }
             => "{owner} never ends: no path leads from `start` to `ether`, and it can go round {round} \
                 without ever pausing",
                "yield `ether` somewhere, or `pause::{closing}` to let others run";
-        "fsm/busy-loop" BusyLoop { owner: OwnerName, round: Round, cost: &'static str, closing: Name }
+        "fsm/busy-loop" BusyLoop { owner: OwnerName, round: CyclePath, cost: &'static str, closing: Name }
             => "state cycle without pause in {owner}: {round}",
                "{cost}; yield `pause::{closing}` if each round may wait";
         "fsm/pause-in-aperiodic-task" AperiodicPause { task: Name, state: Name }
@@ -202,7 +202,7 @@ findings! {
             => "activity `{name}` can be interrupted (by `{by}`) and writes the {what} `{param}`, but has \
                 no `codel<stop>` to leave it in a consistent state";
 
-        "timing/missing-wcet" MissingWcet { untimed: Untimed }
+        "timing/missing-wcet" MissingWcet { untimed: UntimedCodels }
             => "{untimed} as taking none", "add `wcet` with the measured worst case";
         "timing/wcet-exceeds-period" CodelExceedsPeriod {
             codel: Name, time: Time, task: Name, period: Time,
@@ -237,7 +237,7 @@ findings! {
             => "{what} `{name}` has no `doc`";
         "style/naming" OddName { name: Name, convention: &'static str }
             => "service `{name}` is not in {convention}, as most services of this component are";
-        "style/order" OddOrder { late: Late }
+        "style/order" OddOrder { late: LateCodels }
             => "{late} late: attributes first, then functions, then activities";
 
         "lint/unused-suppression" UnusedAllowance { code: Name }
@@ -248,24 +248,24 @@ findings! {
     }
 }
 
-impl Noticing {
+impl LintWarning {
     /// The fixes, the best first, made from the text around.
     pub(crate) fn fixes(&self, here: &FixSite<'_>) -> Vec<TextFix> {
         match self {
-            Noticing::BusyLoop { .. } => here.pause_somewhere(),
-            Noticing::NoTermination { .. } => {
+            LintWarning::BusyLoop { .. } => here.pause_somewhere(),
+            LintWarning::NoTermination { .. } => {
                 let mut fixes = here.end_somewhere();
                 fixes.extend(here.pause_somewhere());
                 fixes
             }
-            Noticing::MissingStop { .. } => here.add_stop_codel(),
-            Noticing::MissingWcet { .. } => here.add_wcet(),
-            Noticing::BlindValidate { .. } => here.validate_new_value(),
-            Noticing::ConcurrentInstances { .. } => here.interrupt_itself(),
-            Noticing::NeverThrown { .. }
-            | Noticing::TypeUnused { .. }
-            | Noticing::LocalUnused { .. } => here.remove_declaration(),
-            Noticing::UnusedAllowance { .. } | Noticing::UnknownAllowance { .. } => {
+            LintWarning::MissingStop { .. } => here.add_stop_codel(),
+            LintWarning::MissingWcet { .. } => here.add_wcet(),
+            LintWarning::BlindValidate { .. } => here.validate_new_value(),
+            LintWarning::ConcurrentInstances { .. } => here.interrupt_itself(),
+            LintWarning::NeverThrown { .. }
+            | LintWarning::TypeUnused { .. }
+            | LintWarning::LocalUnused { .. } => here.remove_declaration(),
+            LintWarning::UnusedAllowance { .. } | LintWarning::UnknownAllowance { .. } => {
                 here.remove_comment()
             }
             _ => Vec::new(),

@@ -30,25 +30,25 @@ impl fmt::Display for Noun {
 
 /// The scopes searched for the first part of a path.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub enum Inside {
+pub enum SearchedScope {
     /// The enclosing scopes.
     Here,
     /// The scope named by the part before.
     Scope(Name),
 }
 
-impl fmt::Display for Inside {
+impl fmt::Display for SearchedScope {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Inside::Here => f.write_str("here"),
-            Inside::Scope(name) => write!(f, "in `{name}`"),
+            SearchedScope::Here => f.write_str("here"),
+            SearchedScope::Scope(name) => write!(f, "in `{name}`"),
         }
     }
 }
 
 findings! {
     /// A name that is declared twice, not declared, or used as something else.
-    pub enum Naming {
+    pub enum NameProblem {
         "name-clash" Clash { name: Name, what: &'static str }
             => "`{name}` is already declared in this scope, as {what}";
         "name-clash" ClashWithState { name: Name, what: &'static str }
@@ -74,7 +74,7 @@ findings! {
             => "`{path}` is only declared so far",
                "until it is defined it can be used in `sequence<>` and `optional<>` only";
 
-        "unknown-type" UnknownScope { path: Name, noun: Noun, missing: Name, inside: Inside }
+        "unknown-type" UnknownScope { path: Name, noun: Noun, missing: Name, inside: SearchedScope }
             => "`{path}` does not name a {noun}: there is no module, component or type scope \
                 `{missing}` {inside}";
         "unknown-type" Standard { path: Name, ty: &'static str }
@@ -121,16 +121,16 @@ findings! {
     }
 }
 
-impl Naming {
+impl NameProblem {
     /// See [`Kind::may_be_in_a_package`](super::Kind::may_be_in_a_package).
     pub(super) fn may_be_in_a_package(&self, is_near: bool) -> bool {
         match self {
-            Naming::UnknownScope { .. }
-            | Naming::UnknownInterface { .. }
-            | Naming::UnknownInPragma { .. }
-            | Naming::MasqueradeUnknown { .. } => true,
-            Naming::UnknownPath { .. } => !is_near,
-            Naming::Unknown { .. } => !is_near,
+            NameProblem::UnknownScope { .. }
+            | NameProblem::UnknownInterface { .. }
+            | NameProblem::UnknownInPragma { .. }
+            | NameProblem::MasqueradeUnknown { .. } => true,
+            NameProblem::UnknownPath { .. } => !is_near,
+            NameProblem::Unknown { .. } => !is_near,
             _ => false,
         }
     }
@@ -138,15 +138,15 @@ impl Naming {
     /// The fixes, the best first, made from the text around.
     pub(crate) fn fixes(&self, here: &FixSite<'_>) -> Vec<TextFix> {
         match self {
-            Naming::ThrownTwice { .. } => {
+            NameProblem::ThrownTwice { .. } => {
                 here.remove_part().map(TextFix::plain).into_iter().collect()
             }
-            Naming::Standard { ty, .. } => vec![here.replace(ty)],
-            Naming::Unknown {
+            NameProblem::Standard { ty, .. } => vec![here.replace(ty)],
+            NameProblem::Unknown {
                 noun: Noun::Exception,
                 name,
             } => here.declare_exception(name).into_iter().collect(),
-            Naming::Unknown {
+            NameProblem::Unknown {
                 noun: Noun::Type,
                 name,
             } => here.declare_type(name).into_iter().collect(),

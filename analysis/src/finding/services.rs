@@ -25,7 +25,7 @@ impl fmt::Display for ImportedBy {
 
 findings! {
     /// An invalid declaration in a component.
-    pub enum Declaring {
+    pub enum DeclarationProblem {
         "prop-duplicate" PropertyTwice { word: &'static str }
             => "`{word}` is given twice", "keep one of them";
         "prop-duplicate" PropertyImported { interface: Name, word: &'static str }
@@ -135,18 +135,17 @@ findings! {
     }
 }
 
-impl Declaring {
+impl DeclarationProblem {
     /// The fixes, the best first, made from the text around.
     pub(crate) fn fixes(&self, here: &FixSite<'_>) -> Vec<TextFix> {
         let fix = match self {
-            Declaring::ListedTwice { .. } => here.remove_part().map(TextFix::plain),
-            Declaring::ActivityWithoutTask { task, .. } => here.add_task(task),
-            Declaring::UnknownTask { name } => here.declare_task(name),
-            Declaring::UnknownService { name, .. } => here.declare_service(name),
-            Declaring::CodelWithoutState | Declaring::TaskCodelWithoutState { .. } => {
-                here.add_first_state()
-            }
-            Declaring::ActivityWithoutStart { .. } => here.add_start(),
+            DeclarationProblem::ListedTwice { .. } => here.remove_part().map(TextFix::plain),
+            DeclarationProblem::ActivityWithoutTask { task, .. } => here.add_task(task),
+            DeclarationProblem::UnknownTask { name } => here.declare_task(name),
+            DeclarationProblem::UnknownService { name, .. } => here.declare_service(name),
+            DeclarationProblem::CodelWithoutState
+            | DeclarationProblem::TaskCodelWithoutState { .. } => here.add_first_state(),
+            DeclarationProblem::ActivityWithoutStart { .. } => here.add_start(),
             _ => None,
         };
         fix.into_iter().collect()

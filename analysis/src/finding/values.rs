@@ -32,9 +32,9 @@ impl fmt::Display for Purpose {
 
 /// A number of things, with their noun.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct Count(pub usize, pub &'static str);
+pub struct CountedNoun(pub usize, pub &'static str);
 
-impl fmt::Display for Count {
+impl fmt::Display for CountedNoun {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let plural = if self.0 == 1 { "" } else { "s" };
         write!(f, "{} {}{plural}", self.0, self.1)
@@ -43,7 +43,7 @@ impl fmt::Display for Count {
 
 findings! {
     /// An invalid value, or one that does not fit its place.
-    pub enum Valuing {
+    pub enum ValueProblem {
         "octal-digit" OctalDigit { text: Name, value: i128 }
             => "`{text}` starts with 0, so it is read as octal, and ends at the first 8 or 9: its \
                 value is {value}";
@@ -96,7 +96,7 @@ findings! {
         "init-member" NoMember { ty: Name, name: Name } => "`{ty}` has no member `{name}`";
         "init-struct-index" MemberByIndex { ty: Name }
             => "`{ty}` has members, not elements", "select one with `.name =`";
-        "init-too-many" TooMany { ty: Name, members: Count }
+        "init-too-many" TooMany { ty: Name, members: CountedNoun }
             => "`{ty}` has {members}, there is none left for this value";
 
         "union-member-switch-clash" MemberIsSwitch { name: Name }
@@ -147,12 +147,12 @@ findings! {
     }
 }
 
-impl Valuing {
+impl ValueProblem {
     /// The fixes, the best first, made from the text around.
     pub(crate) fn fixes(&self, here: &FixSite<'_>) -> Vec<TextFix> {
         match self {
-            Valuing::GluedUnit => here.part_unit().into_iter().collect(),
-            Valuing::WcetBare => vec![here.add_wcet_word()],
+            ValueProblem::GluedUnit => here.part_unit().into_iter().collect(),
+            ValueProblem::WcetBare => vec![here.add_wcet_word()],
             _ => Vec::new(),
         }
     }

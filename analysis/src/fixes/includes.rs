@@ -1,7 +1,7 @@
 //! Misspelt paths of included files.
 
 use camino::{Utf8Path, Utf8PathBuf};
-use dotgen_syntax::near::nearest;
+use dotgen_syntax::suggestion::nearest;
 
 use crate::loader::Loader;
 

@@ -48,7 +48,7 @@ const INSERTED: [&str; 11] = [
 const MARKS: [&str; 12] = [";", ",", ":", "::", ".", "(", ")", "[", "]", "{", "}", ">"];
 
 /// A change to try.
-struct Trial {
+struct CandidateFix {
     title: String,
     edits: Vec<(Range<usize>, String)>,
     /// Lower is more likely.
@@ -62,7 +62,7 @@ pub(crate) fn repairs(text: &str, at: TextRange) -> Vec<TextFix> {
         return Vec::new();
     }
     let before = errors_in(text);
-    let mut kept: Vec<(usize, Trial)> = Vec::new();
+    let mut kept: Vec<(usize, CandidateFix)> = Vec::new();
     for trial in trials(text, at) {
         let left = errors_in(&applied(text, &trial.edits));
         if left < before {
@@ -73,7 +73,7 @@ pub(crate) fn repairs(text: &str, at: TextRange) -> Vec<TextFix> {
     let best = kept.first().map(|it| it.0);
     kept.retain(|it| Some(it.0) == best);
     kept.truncate(MOST_KEPT);
-    let fix = |(_, trial): (usize, Trial)| TextFix {
+    let fix = |(_, trial): (usize, CandidateFix)| TextFix {
         kind: FixKind::Guess,
         title: trial.title,
         edits: trial
@@ -145,7 +145,7 @@ impl Window<'_> {
     }
 }
 
-fn trials(text: &str, at: TextRange) -> Vec<Trial> {
+fn trials(text: &str, at: TextRange) -> Vec<CandidateFix> {
     let raw = lex(text);
     let is_code = |it: &usize| !raw.kind(*it).is_trivia();
     let tokens: Vec<usize> = (0..raw.len()).filter(is_code).collect();
@@ -161,17 +161,17 @@ fn trials(text: &str, at: TextRange) -> Vec<Trial> {
     removals(&window, at, &mut out);
     replacements(&window, &mut out);
     insertions(&window, &mut out);
-    orders(&window, &mut out);
-    habits(&window, &mut out);
+    exchanges(&window, &mut out);
+    c_constructs(&window, &mut out);
     out
 }
 
 /// Removals: a mark, a word, or the whole range of the error.
-fn removals(window: &Window<'_>, at: TextRange, out: &mut Vec<Trial>) {
+fn removals(window: &Window<'_>, at: TextRange, out: &mut Vec<CandidateFix>) {
     let mut remove = |range: Range<usize>, cost: u32| {
         let title = format!("Remove `{}`", window.text[range.clone()].trim());
         let range = with_blank(window.text, range);
-        out.push(Trial {
+        out.push(CandidateFix {
             title,
             edits: vec![(range, String::new())],
             cost,
@@ -202,11 +202,11 @@ fn removals(window: &Window<'_>, at: TextRange, out: &mut Vec<Trial>) {
 }
 
 /// Replacements of one mark by another, one kind of quotes by the other, or comment marks.
-fn replacements(window: &Window<'_>, out: &mut Vec<Trial>) {
+fn replacements(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
     for number in window.around() {
         let (range, token) = (window.range(number), window.token(number));
         let mut replace = |with: &str, cost: u32| {
-            out.push(Trial {
+            out.push(CandidateFix {
                 title: format!("Change `{token}` to `{with}`"),
                 edits: vec![(range.clone(), with.to_owned())],
                 cost: cost + window.distance(number),
@@ -228,7 +228,7 @@ fn replacements(window: &Window<'_>, out: &mut Vec<Trial>) {
             }
             _ if window.is_mark(number) => {
                 for mark in MARKS.into_iter().filter(|it| *it != token) {
-                    replace(mark, if is_like(token, mark) { 3 } else { 14 });
+                    replace(mark, if is_similar(token, mark) { 3 } else { 14 });
                 }
             }
             _ => {}
@@ -237,7 +237,7 @@ fn replacements(window: &Window<'_>, out: &mut Vec<Trial>) {
 }
 
 /// Returns true if two marks look similar or are used in similar places.
-fn is_like(a: &str, b: &str) -> bool {
+fn is_similar(a: &str, b: &str) -> bool {
     const LIKE: [&[&str]; 4] = [
         &[";", ":", ","],
         &[":", "::", "."],
@@ -248,7 +248,7 @@ fn is_like(a: &str, b: &str) -> bool {
 }
 
 /// Insertions before the error, or before the token before it.
-fn insertions(window: &Window<'_>, out: &mut Vec<Trial>) {
+fn insertions(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
     for number in window.around().skip(1).take(BEFORE) {
         let behind = window.range(number - 1).end;
         let before = window.range(number).start;
@@ -260,7 +260,7 @@ fn insertions(window: &Window<'_>, out: &mut Vec<Trial>) {
             }
             let at = if is_word { before } else { behind };
             let base = if is_word { 2 } else { 8 + rank };
-            out.push(Trial {
+            out.push(CandidateFix {
                 title: format!("Insert `{}`", what.trim()),
                 edits: vec![(at..at, what.to_owned())],
                 cost: base + window.distance(number),
@@ -271,7 +271,7 @@ fn insertions(window: &Window<'_>, out: &mut Vec<Trial>) {
 
 /// Exchanges: two neighbours in the wrong order, one word in two pieces, and the length of an array before
 /// the name.
-fn orders(window: &Window<'_>, out: &mut Vec<Trial>) {
+fn exchanges(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
     for first in window.around() {
         let Some(second) = Some(first + 1).filter(|it| *it < window.tokens.len()) else {
             break;
@@ -284,14 +284,14 @@ fn orders(window: &Window<'_>, out: &mut Vec<Trial>) {
         }
         let words = !window.is_mark(first) && !window.is_mark(second);
         if words {
-            out.push(Trial {
+            out.push(CandidateFix {
                 title: format!("Write `{other} {one}`"),
                 edits: vec![(a.start..b.end, format!("{other}{between}{one}"))],
                 cost: 10 + window.distance(first),
             });
         }
         if !between.is_empty() {
-            out.push(Trial {
+            out.push(CandidateFix {
                 title: format!("Write `{one}{other}`"),
                 edits: vec![(a.start..b.end, format!("{one}{other}"))],
                 cost: 9 + window.distance(first),
@@ -306,7 +306,7 @@ fn orders(window: &Window<'_>, out: &mut Vec<Trial>) {
             let group = a.start..window.range(close).end;
             let name = window.range(close + 1);
             let length = window.text[group.clone()].to_owned();
-            out.push(Trial {
+            out.push(CandidateFix {
                 title: format!("Write `{length}` behind `{}`", window.token(close + 1)),
                 edits: vec![(group.clone(), String::new()), (name.end..name.end, length)],
                 cost: 5,
@@ -316,7 +316,7 @@ fn orders(window: &Window<'_>, out: &mut Vec<Trial>) {
 }
 
 /// Constructs of C: a pointer to characters, `typedef` before a structure, a comment that does not end.
-fn habits(window: &Window<'_>, out: &mut Vec<Trial>) {
+fn c_constructs(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
     for number in window.around() {
         let second = number + 1;
         if window.token(number) == "char"
@@ -325,7 +325,7 @@ fn habits(window: &Window<'_>, out: &mut Vec<Trial>) {
         {
             let range = window.range(number).start..window.range(second).end;
             let glued = window.text[range.end..].starts_with(|it: char| !it.is_whitespace());
-            out.push(Trial {
+            out.push(CandidateFix {
                 title: "Change `char *` to `string`".to_owned(),
                 edits: vec![(range, if glued { "string " } else { "string" }.to_owned())],
                 cost: 1,
@@ -337,7 +337,7 @@ fn habits(window: &Window<'_>, out: &mut Vec<Trial>) {
         .find(|it| window.token(*it) == "typedef");
     if let Some(word) = word {
         let range = with_blank(window.text, window.range(word));
-        out.push(Trial {
+        out.push(CandidateFix {
             title: "Remove `typedef`".to_owned(),
             edits: vec![(range, String::new())],
             cost: 20,
@@ -349,7 +349,7 @@ fn habits(window: &Window<'_>, out: &mut Vec<Trial>) {
         if window.kind(number) == SyntaxKind::STRING && line.len() < token.len() {
             let text = line.trim_end().trim_end_matches([';', ',', ')', ' ']);
             let at = start + text.len();
-            out.push(Trial {
+            out.push(CandidateFix {
                 title: "Close the text with `\"`".to_owned(),
                 edits: vec![(at..at, "\"".to_owned())],
                 cost: 1,
@@ -366,7 +366,7 @@ fn habits(window: &Window<'_>, out: &mut Vec<Trial>) {
         }
         if let Some(at) = window.text[range.clone()].find("* /") {
             let at = range.start + at;
-            out.push(Trial {
+            out.push(CandidateFix {
                 title: "Change `* /` to `*/`".to_owned(),
                 edits: vec![(at..at + 3, "*/".to_owned())],
                 cost: 1,

@@ -255,7 +255,7 @@ mod tests {
 
     /// Checks that a refactoring does not apply.
     #[track_caller]
-    pub(super) fn refused(id: &str, text: &str) {
+    pub(super) fn assert_not_offered(id: &str, text: &str) {
         let (_, assists) = offered(text);
         assert!(assists.iter().all(|it| it.id != id), "{assists:#?}");
     }

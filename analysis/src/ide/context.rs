@@ -2,7 +2,7 @@
 //! text since the last `;`, `{` or `,` in each.
 //!
 //! Incomplete text seldom has a useful tree around the cursor, but the tokens before it nearly always
-//! suffice. The text after the cursor ([`After`]) only removes completion items.
+//! suffice. The text after the cursor ([`TextAfter`]) only removes completion items.
 
 use std::ops::Range;
 
@@ -11,9 +11,9 @@ use smol_str::SmolStr;
 
 use super::FileView;
 use crate::source_map::bytes;
-pub(crate) use after::After;
+pub(crate) use text_after::TextAfter;
 
-mod after;
+mod text_after;
 
 /// A token before the cursor, macros expanded.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -83,7 +83,7 @@ pub(crate) struct Context {
     /// The word around or before the cursor; empty at the cursor if there is none.
     pub(crate) word: Range<usize>,
     /// The text after the word.
-    pub(crate) after: After,
+    pub(crate) after: TextAfter,
 }
 
 /// The kind of text around the cursor.
@@ -162,7 +162,7 @@ impl Context {
             reader.token(i);
         }
         let frames = reader.frames;
-        let after = After::new(view, word.end.max(at));
+        let after = TextAfter::new(view, word.end.max(at));
         Context {
             tokens,
             frames,

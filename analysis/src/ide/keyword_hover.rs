@@ -11,8 +11,10 @@ pub(crate) fn hover(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Hover>> 
     }
     let (token, text) = match view.root().token_at_offset(offset(at)) {
         TokenAtOffset::None => return None,
-        TokenAtOffset::Single(it) => told(it)?,
-        TokenAtOffset::Between(left, right) => told(right).or_else(|| told(left))?,
+        TokenAtOffset::Single(it) => keyword_with_meaning(it)?,
+        TokenAtOffset::Between(left, right) => {
+            keyword_with_meaning(right).or_else(|| keyword_with_meaning(left))?
+        }
     };
     Some(RangeInfo {
         range: bytes(token.text_range()),
@@ -24,17 +26,17 @@ pub(crate) fn hover(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Hover>> 
 }
 
 /// A keyword, not a name, with its meaning.
-fn told(token: SyntaxToken) -> Option<(SyntaxToken, &'static str)> {
+fn keyword_with_meaning(token: SyntaxToken) -> Option<(SyntaxToken, &'static str)> {
     let within = token.parent()?.kind();
     let text = match (token.kind(), within) {
         (_, NAME | NAME_REF) => return None,
-        (kind, _) => meaning(kind)?,
+        (kind, _) => keyword_meaning(kind)?,
     };
     Some((token, text))
 }
 
 #[allow(clippy::too_many_lines, reason = "one line for each word")]
-fn meaning(word: SyntaxKind) -> Option<&'static str> {
+fn keyword_meaning(word: SyntaxKind) -> Option<&'static str> {
     Some(match word {
         COMPONENT_KW => {
             "a program of the robot with its data (`ids`), ports, tasks and services. Opened again, it is \

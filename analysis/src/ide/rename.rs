@@ -11,7 +11,7 @@ use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_syntax::{SyntaxKind, directive::DirectiveKind, lexer::lex};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use self::fresh::Fresh;
+use self::rename_check::RenameCheck;
 use super::{
     FileView, RangeInfo,
     document_links::path_range,
@@ -172,8 +172,8 @@ fn check_name(name: &str) -> Result<(), RenameError> {
     Ok(())
 }
 
-type Spot = (SourceFile, Range<usize>);
-type Places = FxHashSet<Spot>;
+type FileSpan = (SourceFile, Range<usize>);
+type Places = FxHashSet<FileSpan>;
 
 /// Every mention of some definitions and of everything that shares its name with them.
 fn places_of(
@@ -232,7 +232,7 @@ fn mentions(
     wanted: &[Identity],
     old: &str,
     count: usize,
-) -> Vec<(Spot, Identity)> {
+) -> Vec<(FileSpan, Identity)> {
     let elaborated = elaborated_of_many(db, unit, count);
     let ids = find_identities(db, unit, &elaborated, wanted);
     if ids.is_empty() {
@@ -242,7 +242,7 @@ fn mentions(
     let is_named = |it: DefId| elaborated.definition(it).name == old;
     let declared = elaborated.definitions.iter().map(|it| (it.src, it.id));
     let used = elaborated.references.iter().map(|it| (it.at, it.target));
-    let named: Vec<(Spot, DefId)> = declared
+    let named: Vec<(FileSpan, DefId)> = declared
         .chain(used)
         .filter(|it| is_named(it.1))
         .filter_map(|(src, id)| {
@@ -250,7 +250,7 @@ fn mentions(
             Some(((file, bytes(range)), id))
         })
         .collect();
-    let found: FxHashSet<&Spot> = named
+    let found: FxHashSet<&FileSpan> = named
         .iter()
         .filter(|it| ids.contains(&it.1))
         .map(|it| &it.0)
@@ -373,7 +373,7 @@ fn check_meaning(
         })
     };
     // The rename is always compiled in the requested unit.
-    let fresh = Fresh::new(view.db, edits, old, new_name);
+    let fresh = RenameCheck::new(view.db, edits, old, new_name);
     let here = view.unit.inputs(view.db);
     let tried = |db: &dyn Db, root| here.contains(&root) || !fresh.in_unit_of(db, root);
     match compare_some(view.db, edits, tried, differs, progress).first() {
@@ -496,6 +496,6 @@ pub fn relative(from: &Utf8Path, to: &Utf8Path) -> Option<Utf8PathBuf> {
 }
 
 mod clash;
-mod fresh;
+mod rename_check;
 #[cfg(test)]
 mod tests;

@@ -98,7 +98,7 @@ pub(crate) fn compare_some<R: Send>(
             texts,
             below: db.loader().clone(),
         };
-        let other = RootDatabase::like(db, Arc::new(overlay));
+        let other = RootDatabase::with_settings_of(db, Arc::new(overlay));
         let mut found = Vec::new();
         for &root in *batch {
             db.unwind_if_revision_cancelled();
@@ -130,7 +130,7 @@ pub(crate) fn edited_unit(db: &dyn Db, root: SourceFile, edits: &[FileEdit]) -> 
         texts,
         below: db.loader().clone(),
     };
-    let other = RootDatabase::like(db, Arc::new(overlay));
+    let other = RootDatabase::with_settings_of(db, Arc::new(overlay));
     let there = unit_of_root(&other, other.file(root.path(db)));
     unit_result(&other, there)
 }

@@ -62,7 +62,7 @@ impl PtrRanges {
 /// Lowers a file that was parsed as `fragment`. `raw` are the tokens it was parsed from.
 pub fn lower(parse: &Parse, fragment: Fragment, raw: &RawTokens, pre: &Preprocessed) -> Lowered {
     let root = parse.tree();
-    let mut lower = Lower {
+    let mut lower = Lowering {
         map: &parse.expansion,
         raw,
         directives: directives(root.syntax(), pre),
@@ -91,17 +91,17 @@ pub fn lower(parse: &Parse, fragment: Fragment, raw: &RawTokens, pre: &Preproces
 
 /// Collects into vectors without spare capacity: item trees of all files are kept, and most of their lists
 /// have one or two elements.
-trait Tight: Iterator + Sized {
-    fn tight(self) -> Vec<Self::Item> {
+trait CollectExact: Iterator + Sized {
+    fn collect_exact(self) -> Vec<Self::Item> {
         let mut all: Vec<Self::Item> = self.collect();
         all.shrink_to_fit();
         all
     }
 }
 
-impl<I: Iterator> Tight for I {}
+impl<I: Iterator> CollectExact for I {}
 
-struct Lower<'a> {
+struct Lowering<'a> {
     map: &'a ExpansionMap,
     raw: &'a RawTokens,
     pre: &'a Preprocessed,
@@ -155,7 +155,7 @@ fn directives<'a>(
         .collect()
 }
 
-impl Lower<'_> {
+impl Lowering<'_> {
     // Pointers.
 
     fn ptr(&mut self, range: TextRange) -> Ptr {
@@ -212,7 +212,9 @@ impl Lower<'_> {
     }
 
     fn names(&mut self, names: AstChildren<ast::NameRef>) -> Vec<Name> {
-        names.filter_map(|it| self.name_ref(Some(it))).tight()
+        names
+            .filter_map(|it| self.name_ref(Some(it)))
+            .collect_exact()
     }
 
     // Items.
@@ -311,7 +313,10 @@ impl Lower<'_> {
             },
             ast::Item::ExceptionDecl(it) => Item::Exceptions {
                 ptr: self.node(&node),
-                exceptions: it.exceptions().filter_map(|it| self.exception(&it)).tight(),
+                exceptions: it
+                    .exceptions()
+                    .filter_map(|it| self.exception(&it))
+                    .collect_exact(),
             },
             ast::Item::TypeDecl(it) => {
                 let ty = self.type_ref(it.type_spec(), &node);
@@ -374,7 +379,7 @@ impl Lower<'_> {
                             .is_none()
                             .then(|| self.expr(it.expr(), it.syntax())),
                     })
-                    .tight(),
+                    .collect_exact(),
                 ty: self.type_ref(it.type_spec(), &node),
                 declarator: it.declarator().and_then(|it| self.declarator(&it)),
             },
@@ -411,7 +416,7 @@ impl Lower<'_> {
                         .args
                         .iter()
                         .map(|arg| (arg.text.clone(), it.ptr(arg.range)))
-                        .tight()
+                        .collect_exact()
                 };
                 Some(Item::Pragma(match word.as_str() {
                     "require" | "requires" => Pragma::Requires {
@@ -503,7 +508,10 @@ impl Lower<'_> {
                 }
             }
             ast::Property::RequiresProperty(it) => {
-                let values = it.values().map(|it| self.literal(Some(it), node)).tight();
+                let values = it
+                    .values()
+                    .map(|it| self.literal(Some(it), node))
+                    .collect_exact();
                 match word? {
                     SyntaxKind::REQUIRES_KW => P::Requires(values),
                     _ => P::CodelsRequires(values),
@@ -526,7 +534,7 @@ impl Lower<'_> {
                 }
             }
             ast::Property::ThrowsProperty(it) => {
-                P::Throws(it.paths().filter_map(|it| self.path(&it)).tight())
+                P::Throws(it.paths().filter_map(|it| self.path(&it)).collect_exact())
             }
             ast::Property::PriorityProperty(it) => P::Priority(self.expr(it.expr(), node)),
             ast::Property::SchedulingProperty(_) => P::Scheduling,

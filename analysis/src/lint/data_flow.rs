@@ -8,26 +8,26 @@ use crate::model::{
 
 use super::Lint;
 use super::locks::only_starts_or_stops;
-use crate::finding::lints::{Names, Noticing};
+use crate::finding::lints::{LintWarning, Names};
 
 /// An access to data by a codel or an attribute.
-struct Use {
+struct DataAccess {
     /// Member of the ids (`None`: the whole ids), or index of the port.
-    what: What,
+    what: AccessedData,
     reads: bool,
     writes: bool,
     at: Src,
-    by: By,
+    by: Accessor,
 }
 
 #[derive(Clone, PartialEq, Eq)]
-enum What {
+enum AccessedData {
     Ids(Option<String>),
     Port(u32),
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum By {
+enum Accessor {
     Codel(CodelRef),
     Attribute(u32),
 }
@@ -42,24 +42,24 @@ pub(super) fn check(lint: &mut Lint) {
     ids(lint, &uses);
 }
 
-fn uses(lint: &Lint) -> Vec<Use> {
+fn uses(lint: &Lint) -> Vec<DataAccess> {
     let mut out = Vec::new();
     let component = lint.component;
     for it in component.all_codels() {
         for param in &component.codel(it).params {
             let what = match param.source {
-                ParamSource::Ids => What::Ids(member(&param.path)),
-                ParamSource::Port(port) => What::Port(port),
+                ParamSource::Ids => AccessedData::Ids(member(&param.path)),
+                ParamSource::Port(port) => AccessedData::Port(port),
                 _ => continue,
             };
             // `in` on an output port reads back the written value.
             let (reads, writes) = directions(param.dir);
-            out.push(Use {
+            out.push(DataAccess {
                 what,
                 reads,
                 writes,
                 at: param.src,
-                by: By::Codel(it),
+                by: Accessor::Codel(it),
             });
         }
     }
@@ -68,13 +68,13 @@ fn uses(lint: &Lint) -> Vec<Use> {
             for param in &service.params {
                 // Relative to the ids: an `in` attribute sets, an `out` attribute gets.
                 let (writes, reads) = directions(param.dir);
-                let what = What::Ids(member(&param.path));
-                out.push(Use {
+                let what = AccessedData::Ids(member(&param.path));
+                out.push(DataAccess {
                     what,
                     reads,
                     writes,
                     at: param.src,
-                    by: By::Attribute(i as u32),
+                    by: Accessor::Attribute(i as u32),
                 });
             }
         }
@@ -96,43 +96,46 @@ fn member(path: &[PathElement]) -> Option<String> {
     }
 }
 
-fn ports(lint: &mut Lint, uses: &[Use]) {
+fn ports(lint: &mut Lint, uses: &[DataAccess]) {
     for (index, port) in lint.component.ports.iter().enumerate() {
-        let of_port: Vec<&Use> = uses
+        let of_port: Vec<&DataAccess> = uses
             .iter()
-            .filter(|u| u.what == What::Port(index as u32))
+            .filter(|u| u.what == AccessedData::Port(index as u32))
             .collect();
         let name = &port.name;
         if port.dir == PortDir::In {
             if !of_port.iter().any(|u| u.reads) {
-                lint.report(port.src, Noticing::PortNeverRead { name: name.clone() });
+                lint.report(port.src, LintWarning::PortNeverRead { name: name.clone() });
             }
             continue;
         }
-        let writers: Vec<&&Use> = of_port.iter().filter(|u| u.writes).collect();
+        let writers: Vec<&&DataAccess> = of_port.iter().filter(|u| u.writes).collect();
         if writers.is_empty() {
-            lint.report(port.src, Noticing::PortNeverWritten { name: name.clone() });
+            lint.report(
+                port.src,
+                LintWarning::PortNeverWritten { name: name.clone() },
+            );
             continue;
         }
         let mut tasks: Vec<u32> = writers
             .iter()
             .filter_map(|u| match u.by {
-                By::Codel(it) => lint.component.task_of(it),
-                By::Attribute(_) => None,
+                Accessor::Codel(it) => lint.component.task_of(it),
+                Accessor::Attribute(_) => None,
             })
             .collect();
         tasks.sort_unstable();
         tasks.dedup();
         if tasks.len() > 1 {
             // The `start` and `stop` codels of tasks run before and after everything else.
-            let steady: Vec<&&&Use> = writers
+            let steady: Vec<&&&DataAccess> = writers
                 .iter()
-                .filter(|u| !matches!(u.by, By::Codel(it) if only_starts_or_stops(lint, it)))
+                .filter(|u| !matches!(u.by, Accessor::Codel(it) if only_starts_or_stops(lint, it)))
                 .collect();
             let mut racing: Vec<u32> = steady
                 .iter()
                 .filter_map(|u| {
-                    if let By::Codel(it) = u.by {
+                    if let Accessor::Codel(it) = u.by {
                         lint.component.task_of(it)
                     } else {
                         None
@@ -151,13 +154,13 @@ fn ports(lint: &mut Lint, uses: &[Use]) {
             let related: Vec<(Src, Role)> = steady
                 .iter()
                 .filter_map(|u| match u.by {
-                    By::Codel(it) => Some((u.at, Role::WrittenBy(lint.codel_name(it)))),
-                    By::Attribute(_) => None,
+                    Accessor::Codel(it) => Some((u.at, Role::WrittenBy(lint.codel_name(it)))),
+                    Accessor::Attribute(_) => None,
                 })
                 .collect();
             let found = lint.report(
                 port.src,
-                Noticing::WriteRace {
+                LintWarning::WriteRace {
                     name: name.clone(),
                     tasks: Names(names),
                 },
@@ -167,7 +170,7 @@ fn ports(lint: &mut Lint, uses: &[Use]) {
     }
 }
 
-fn ids(lint: &mut Lint, uses: &[Use]) {
+fn ids(lint: &mut Lint, uses: &[DataAccess]) {
     let Some(ids) = lint.component.ids else {
         return;
     };
@@ -177,23 +180,26 @@ fn ids(lint: &mut Lint, uses: &[Use]) {
     for &id in members {
         let ty = lint.spec.ty(id);
         let Some(name) = &ty.name else { continue };
-        let touches = |u: &&Use| match &u.what {
-            What::Ids(None) => true,
-            What::Ids(Some(member)) => member == name.as_str(),
-            What::Port(_) => false,
+        let touches = |u: &&DataAccess| match &u.what {
+            AccessedData::Ids(None) => true,
+            AccessedData::Ids(Some(member)) => member == name.as_str(),
+            AccessedData::Port(_) => false,
         };
-        let of_member: Vec<&Use> = uses.iter().filter(touches).collect();
+        let of_member: Vec<&DataAccess> = uses.iter().filter(touches).collect();
         let named = of_member
             .iter()
-            .any(|u| matches!(u.what, What::Ids(Some(_))));
+            .any(|u| matches!(u.what, AccessedData::Ids(Some(_))));
         let reads = of_member.iter().any(|u| u.reads);
         let writes = of_member.iter().any(|u| u.writes);
         if !reads && !writes {
-            lint.report(ty.src, Noticing::MemberUnused { name: name.clone() });
+            lint.report(ty.src, LintWarning::MemberUnused { name: name.clone() });
         } else if !writes {
-            lint.report(ty.src, Noticing::MemberNeverWritten { name: name.clone() });
+            lint.report(
+                ty.src,
+                LintWarning::MemberNeverWritten { name: name.clone() },
+            );
         } else if !reads && named {
-            lint.report(ty.src, Noticing::MemberNeverRead { name: name.clone() });
+            lint.report(ty.src, LintWarning::MemberNeverRead { name: name.clone() });
         } else {
             read_before_write(lint, name, &of_member);
         }
@@ -202,9 +208,9 @@ fn ids(lint: &mut Lint, uses: &[Use]) {
 
 /// `ids/read-before-write`: after the start of the component, a codel can read a member that only later
 /// requests set.
-fn read_before_write(lint: &mut Lint, name: &Name, uses: &[&Use]) {
-    let starts = |by: By| match by {
-        By::Codel(
+fn read_before_write(lint: &mut Lint, name: &Name, uses: &[&DataAccess]) {
+    let starts = |by: Accessor| match by {
+        Accessor::Codel(
             it @ CodelRef {
                 owner: Owner::Task(_),
                 ..
@@ -222,7 +228,7 @@ fn read_before_write(lint: &mut Lint, name: &Name, uses: &[&Use]) {
             && !u.writes
             && matches!(
                 u.by,
-                By::Codel(CodelRef {
+                Accessor::Codel(CodelRef {
                     owner: Owner::Task(_),
                     ..
                 })
@@ -232,7 +238,7 @@ fn read_before_write(lint: &mut Lint, name: &Name, uses: &[&Use]) {
         u.writes
             && matches!(
                 u.by,
-                By::Codel(CodelRef {
+                Accessor::Codel(CodelRef {
                     owner: Owner::Task(_),
                     ..
                 })
@@ -241,22 +247,22 @@ fn read_before_write(lint: &mut Lint, name: &Name, uses: &[&Use]) {
     if permanent_writer {
         return;
     }
-    let Some((reader, By::Codel(it))) = reader.map(|r| (r, r.by)) else {
+    let Some((reader, Accessor::Codel(it))) = reader.map(|r| (r, r.by)) else {
         return;
     };
     let writers: Vec<(Src, Role)> = uses
         .iter()
         .filter(|u| u.writes)
         .map(|u| match u.by {
-            By::Codel(it) => (u.at, Role::WrittenBy(lint.codel_name(it))),
-            By::Attribute(i) => (u.at, Role::SetBy(lint.owner_name(Owner::Service(i)))),
+            Accessor::Codel(it) => (u.at, Role::WrittenBy(lint.codel_name(it))),
+            Accessor::Attribute(i) => (u.at, Role::SetBy(lint.owner_name(Owner::Service(i)))),
         })
         .collect();
     debug_assert!(lint.codel(it).kind == CodelKind::Fsm);
     let codel = lint.codel_name(it);
     let found = lint.report(
         reader.at,
-        Noticing::ReadBeforeWrite {
+        LintWarning::ReadBeforeWrite {
             codel,
             name: name.clone(),
         },

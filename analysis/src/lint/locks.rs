@@ -3,9 +3,9 @@
 use crate::finding::role::Role;
 use crate::finding::{
     Severity,
-    lints::{Noticing, Time},
+    lints::{LintWarning, Time},
 };
-use crate::model::mutex::{self, Excluded, Through};
+use crate::model::mutex::{self, Excluded, SharedParameters};
 use crate::model::{CodelRef, Owner};
 
 use super::Lint;
@@ -46,7 +46,7 @@ fn long_hold(lint: &mut Lint, it: CodelRef, exclusions: &[mutex::Exclusion]) {
         let through = describe(lint, &exclusion.through);
         let found = lint.report(
             wcet.1,
-            Noticing::LongHold {
+            LintWarning::LongHold {
                 codel: lint.codel_name(it),
                 through: through.as_str().into(),
                 time: Time(wcet.0),
@@ -90,7 +90,7 @@ fn self_blocking(lint: &mut Lint, it: CodelRef) {
         let at = lint.codel(it).src;
         let found = lint.report(
             at,
-            Noticing::SelfBlocking {
+            LintWarning::SelfBlocking {
                 codel: lint.codel_name(it),
                 through: through.as_str().into(),
                 other: lint.codel_name(other),
@@ -106,7 +106,7 @@ fn self_blocking(lint: &mut Lint, it: CodelRef) {
 }
 
 /// The data two codels share: `trajectory` of the ids.
-fn describe(lint: &Lint, through: &[Through]) -> String {
+fn describe(lint: &Lint, through: &[SharedParameters]) -> String {
     let mut names: Vec<String> = Vec::new();
     for it in through {
         let name = it.shared.describe(lint.component);

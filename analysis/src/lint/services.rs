@@ -5,7 +5,7 @@ use crate::model::{CodelKind, ParamDir, ParamSource, ServiceKind, Src};
 
 use super::Lint;
 use super::timing::control_task_time;
-use crate::finding::lints::{Noticing, Round, Time};
+use crate::finding::lints::{CyclePath, LintWarning, Time};
 
 pub(super) fn check(lint: &mut Lint) {
     for index in 0..lint.component.services.len() as u32 {
@@ -37,7 +37,7 @@ fn interrupts_nothing(lint: &mut Lint, index: u32) {
             (&service.name, service.src, &param.name, param.src);
         let found = lint.report(
             at,
-            Noticing::ConcurrentInstances {
+            LintWarning::ConcurrentInstances {
                 name: name.clone(),
                 param: param_name.clone(),
             },
@@ -73,7 +73,7 @@ fn blind_validate(lint: &mut Lint, index: u32) {
         let value = &service.params[0].name;
         let found = lint.report(
             codel.src,
-            Noticing::BlindValidate {
+            LintWarning::BlindValidate {
                 codel: codel.name.clone(),
                 attribute: service.name.clone(),
                 value: value.clone(),
@@ -98,7 +98,7 @@ fn long_function(lint: &mut Lint, index: u32) {
     let budget = lint.config.control_task_budget;
     lint.report(
         service.src,
-        Noticing::LongFunction {
+        LintWarning::LongFunction {
             name: service.name.clone(),
             time: Time(time),
             budget: Time(budget),
@@ -127,12 +127,12 @@ fn order_cycles(lint: &mut Lint) {
             continue;
         }
         path.iter().for_each(|&i| reported[i] = true);
-        let round = Round(path.iter().map(|&i| services[i].name.clone()).collect());
+        let round = CyclePath(path.iter().map(|&i| services[i].name.clone()).collect());
         let related: Vec<(Src, Role)> = path[1..]
             .iter()
             .map(|&i| (services[i].src, Role::InCircle(services[i].name.clone())))
             .collect();
-        let found = lint.report(services[start].src, Noticing::OrderCycle { round });
+        let found = lint.report(services[start].src, LintWarning::OrderCycle { round });
         found.related = related;
     }
 }

@@ -3,7 +3,7 @@
 use crate::finding::role::Role;
 use crate::finding::{
     Severity,
-    lints::{Names, Noticing, Round},
+    lints::{CyclePath, LintWarning, Names},
 };
 use crate::model::fsm::Machine;
 use crate::model::{Component, Name, Owner, ParamDir, ParamSource, ServiceKind, Src, State};
@@ -57,7 +57,7 @@ fn names_of_events(lint: &mut Lint) {
         }
     }
     for (at, codel, state) in found {
-        lint.report(at, Noticing::NamedAsEvent { codel, state });
+        lint.report(at, LintWarning::NamedAsEvent { codel, state });
     }
 }
 
@@ -80,14 +80,14 @@ fn loops(lint: &mut Lint, owner: Owner, machine: &Machine) {
         let Some(closing) = names.first().cloned() else {
             continue;
         };
-        let round = Round(names);
+        let round = CyclePath(names);
         let at = first.triggers.first().map_or(first.src, |s| s.src);
         let owner = lint.owner_name(owner);
         let never_ends = is_activity && !ends && !throws && machine.position("start").is_some();
         let found = if never_ends {
             lint.report(
                 at,
-                Noticing::NoTermination {
+                LintWarning::NoTermination {
                     owner,
                     round,
                     closing,
@@ -101,7 +101,7 @@ fn loops(lint: &mut Lint, owner: Owner, machine: &Machine) {
             };
             lint.report(
                 at,
-                Noticing::BusyLoop {
+                LintWarning::BusyLoop {
                     owner,
                     round,
                     cost,
@@ -152,7 +152,7 @@ fn pause_in_aperiodic_task(lint: &mut Lint) {
         let (at, name) = (first.src, &first.name);
         let found = lint.report(
             at,
-            Noticing::AperiodicPause {
+            LintWarning::AperiodicPause {
                 task: task.name.clone(),
                 state: name.clone(),
             },
@@ -175,7 +175,7 @@ fn dead_ends(lint: &mut Lint, machine: &Machine) {
             let at = codel.triggers.first().map_or(codel.src, |s| s.src);
             lint.report(
                 at,
-                Noticing::DeadEnd {
+                LintWarning::DeadEnd {
                     codel: codel.name.clone(),
                     states: Names(names),
                 },
@@ -241,7 +241,7 @@ fn missing_stop(lint: &mut Lint, index: u32, by: u32) {
         let (param_name, param_src, by_src) = (param.name.clone(), param.src, interrupter.src);
         let found = lint.report(
             service.src,
-            Noticing::MissingStop {
+            LintWarning::MissingStop {
                 name: name.clone(),
                 by: by.clone(),
                 what,

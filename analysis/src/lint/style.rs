@@ -1,6 +1,6 @@
 //! Rules of taste, off by default.
 
-use crate::finding::lints::{Late, Names, Noticing};
+use crate::finding::lints::{LateCodels, LintWarning, Names};
 use crate::finding::role::Role;
 use crate::model::{ComponentKind, Name, Src};
 
@@ -27,7 +27,7 @@ fn missing_doc(lint: &mut Lint) {
         undocumented.push((service.src, "service", service.name.clone()));
     }
     for (at, what, name) in undocumented {
-        lint.report(at, Noticing::MissingDoc { what, name });
+        lint.report(at, LintWarning::MissingDoc { what, name });
     }
 }
 
@@ -68,7 +68,7 @@ fn naming(lint: &mut Lint) {
         for (at, name) in odd {
             lint.report(
                 at,
-                Noticing::OddName {
+                LintWarning::OddName {
                     name,
                     convention: main,
                 },
@@ -97,8 +97,8 @@ fn ordering(lint: &mut Lint) {
         let names = late.iter().map(|(_, n)| n.clone()).collect();
         let found = lint.report(
             at,
-            Noticing::OddOrder {
-                late: Late(Names(names)),
+            LintWarning::OddOrder {
+                late: LateCodels(Names(names)),
             },
         );
         found.related = late[1..]

@@ -8,7 +8,7 @@ use crate::model::turn::Turn;
 use crate::model::{CodelKind, CodelRef, Owner, Seconds, ServiceKind, Src};
 
 use super::Lint;
-use crate::finding::lints::{Chain, Names, Noticing, Share, Time, Untimed};
+use crate::finding::lints::{Chain, LintWarning, Names, Share, Time, UntimedCodels};
 
 pub(super) fn check(lint: &mut Lint) {
     let timed = lint.has_timing();
@@ -42,8 +42,8 @@ fn missing_wcet(lint: &mut Lint) {
             .collect();
         let found = lint.report(
             at,
-            Noticing::MissingWcet {
-                untimed: Untimed {
+            LintWarning::MissingWcet {
+                untimed: UntimedCodels {
                     codels: Names(names),
                     owner: lint.owner_name(owner),
                 },
@@ -84,7 +84,7 @@ fn wcet_exceeds_period(lint: &mut Lint, owner: Owner) {
         let at = wcet.src;
         let found = lint.report(
             at,
-            Noticing::CodelExceedsPeriod {
+            LintWarning::CodelExceedsPeriod {
                 codel: codel.name.clone(),
                 time: Time(wcet.value),
                 task: task.name.clone(),
@@ -114,7 +114,7 @@ fn wcet_exceeds_period(lint: &mut Lint, owner: Owner) {
 
         let found = lint.report(
             at,
-            Noticing::ChainExceedsPeriod {
+            LintWarning::ChainExceedsPeriod {
                 state: state.into(),
                 owner: lint.owner_name(owner),
                 time: Time(sum),
@@ -152,7 +152,7 @@ fn no_period(lint: &mut Lint) {
         if timed && pauses {
             lint.report(
                 task.src,
-                Noticing::NoPeriod {
+                LintWarning::NoPeriod {
                     task: task.name.clone(),
                 },
             );
@@ -183,7 +183,7 @@ fn overutilised(lint: &mut Lint) {
     if total > Ratio::from_integer(i128::from(cores)) {
         let found = lint.report(
             lint.component.src,
-            Noticing::Overutilised {
+            LintWarning::Overutilised {
                 component: lint.component.name.clone(),
                 share: Share(total),
                 cores,
@@ -202,7 +202,7 @@ fn suspicious_units(lint: &mut Lint) {
         if let Some(wcet) = codel.wcet.as_ref().filter(|w| w.value > long) {
             lint.report(
                 wcet.src,
-                Noticing::LongCodel {
+                LintWarning::LongCodel {
                     codel: codel.name.clone(),
                     time: Time(wcet.value),
                 },
@@ -217,7 +217,7 @@ fn suspicious_units(lint: &mut Lint) {
         {
             lint.report(
                 period.src,
-                Noticing::ShortPeriod {
+                LintWarning::ShortPeriod {
                     task: task.name.clone(),
                     period: Time(period.value),
                 },

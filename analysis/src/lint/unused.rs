@@ -3,7 +3,7 @@
 use rustc_hash::FxHashSet;
 
 use crate::elab::{DefKind, Elaborated};
-use crate::finding::{Finding, lints::Noticing};
+use crate::finding::{Finding, lints::LintWarning};
 use crate::model::TypeKind;
 
 /// Reports unused types, natives, exceptions and local variables that are declared in a root file of a unit,
@@ -20,15 +20,15 @@ pub fn unused(unit: &Elaborated, is_root: impl Fn(u32) -> bool) -> Vec<Finding> 
     for definition in &unit.definitions {
         let name = definition.name.clone();
         let kind = match definition.kind {
-            DefKind::Exception => Noticing::NeverThrown { name },
-            DefKind::Native => Noticing::TypeUnused {
+            DefKind::Exception => LintWarning::NeverThrown { name },
+            DefKind::Native => LintWarning::TypeUnused {
                 what: "native type",
                 name,
             },
             DefKind::Typedef | DefKind::Struct | DefKind::Union | DefKind::Enum => {
-                Noticing::TypeUnused { what: "type", name }
+                LintWarning::TypeUnused { what: "type", name }
             }
-            DefKind::Local => Noticing::LocalUnused { name },
+            DefKind::Local => LintWarning::LocalUnused { name },
             _ => continue,
         };
         if used.contains(&definition.id.0) || !is_root(definition.src.visit) {

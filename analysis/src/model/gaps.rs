@@ -179,8 +179,8 @@ impl Spec {
     }
 
     /// The unknown interfaces and types that a codel of a component depends on.
-    pub fn awaited(&self, component: u32, codel: &Codel) -> Awaited {
-        let mut out = Awaited::default();
+    pub fn unknown_dependencies(&self, component: u32, codel: &Codel) -> UnknownDependencies {
+        let mut out = UnknownDependencies::default();
         let add = |all: &mut Vec<Name>, name: &Name| {
             if !all.contains(name) {
                 all.push(name.clone());
@@ -217,7 +217,7 @@ impl Spec {
 
 /// The unknown interfaces and types that the parameters of a codel depend on, each once.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Awaited {
+pub struct UnknownDependencies {
     /// Unknown interfaces, one of which must declare the source of a parameter.
     pub interfaces: Vec<Name>,
     /// Unknown modules and types that the type of a parameter depends on: it agrees with any type.

@@ -14,7 +14,7 @@ pub struct Exclusion {
     /// The excluded one.
     pub with: Excluded,
     /// Every pair of parameters that causes the exclusion, at least one.
-    pub through: Vec<Through>,
+    pub through: Vec<SharedParameters>,
 }
 
 /// See [`Exclusion`].
@@ -28,7 +28,7 @@ pub enum Excluded {
 
 /// Two parameters that refer to the same data.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Through {
+pub struct SharedParameters {
     /// The shared data.
     pub shared: Shared,
     /// Index into the parameters of the codel.
@@ -86,7 +86,7 @@ pub fn exclusions(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<Ex
     }
     let task = component.task_of(codel);
     let mut found: Vec<Exclusion> = Vec::new();
-    let mut add = |with: Excluded, through: Vec<Through>| {
+    let mut add = |with: Excluded, through: Vec<SharedParameters>| {
         if !through.is_empty() {
             found.push(Exclusion { with, through });
         }
@@ -191,7 +191,7 @@ fn interrupts(service: &super::Service, codel: CodelRef) -> bool {
 }
 
 /// The pairs of parameters through which two codels conflict.
-pub fn collisions(spec: &Spec, own: &Codel, other: &Codel) -> Vec<Through> {
+pub fn collisions(spec: &Spec, own: &Codel, other: &Codel) -> Vec<SharedParameters> {
     pairs(spec, &own.params, &other.params, |a, b| {
         a == ParamDir::In && b == ParamDir::In
     })
@@ -199,7 +199,7 @@ pub fn collisions(spec: &Spec, own: &Codel, other: &Codel) -> Vec<Through> {
 
 /// The pairs of parameters through which a codel conflicts with an attribute. The attribute's direction is
 /// relative to the client: `in` sets the ids, `out` reads them.
-fn attribute_collisions(spec: &Spec, own: &Codel, params: &[Param]) -> Vec<Through> {
+fn attribute_collisions(spec: &Spec, own: &Codel, params: &[Param]) -> Vec<SharedParameters> {
     pairs(spec, &own.params, params, |a, b| {
         a == ParamDir::In && b == ParamDir::Out
     })
@@ -210,12 +210,12 @@ fn pairs(
     own: &[Param],
     other: &[Param],
     both_read: impl Fn(ParamDir, ParamDir) -> bool,
-) -> Vec<Through> {
+) -> Vec<SharedParameters> {
     let mut found = Vec::new();
     for (i, a) in (0..).zip(own) {
         for (j, b) in (0..).zip(other) {
             if let Some(shared) = shared(spec, a, b, &both_read) {
-                found.push(Through {
+                found.push(SharedParameters {
                     shared,
                     own: i,
                     other: j,

@@ -14,7 +14,7 @@ use super::{fixes_at, shown};
 use crate::{
     base::{Db, FileStatus, SourceFile, lexed},
     diagnostic::{Diagnostic, FixKind, Related},
-    finding::{Kind, files::Reading},
+    finding::{FindingKind, files::FileProblem},
     fixes::{TextFix, near_include},
     source_map::{bytes, offset},
     unit::{self, FileKey, lowered, parsed, preprocessed, text_facts},
@@ -24,7 +24,7 @@ use crate::{
 #[salsa::tracked]
 pub(super) fn text_report<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<Vec<Diagnostic>> {
     let file = key.file(db);
-    let at = |kind: Kind, range: TextRange, related: Option<(TextRange, &str)>| {
+    let at = |kind: FindingKind, range: TextRange, related: Option<(TextRange, &str)>| {
         let mut out = shown(&kind, None, None, file.path(db), range);
         let related = related.map(|(range, what)| related_at(db, file, range, what));
         out.related.extend(related);
@@ -36,7 +36,7 @@ pub(super) fn text_report<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<Vec<Di
         out.push(at(kind.into(), range, None));
     }
     for error in &preprocessed(db, key).errors {
-        let kind = Kind::Preprocessing(error.kind.clone());
+        let kind = FindingKind::Preprocessing(error.kind.clone());
         let it = match misspelt_include(db, file, &error.kind, error.range) {
             Some((range, path)) => {
                 let meant = format!("did you mean `{path}`?");
@@ -54,13 +54,13 @@ pub(super) fn text_report<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<Vec<Di
         out.push(it);
     }
     for error in &parsed(db, key).errors {
-        let kind = Kind::Parsing(Box::new(error.clone()));
+        let kind = FindingKind::Parsing(Box::new(error.clone()));
         let mut it = at(kind, error.range, error.related);
         it.related.extend(expanded_from(db, key, error.range));
         out.push(it);
     }
     for &range in &lowered(db, key).misplaced {
-        out.push(at(Reading::MisplacedInclude.into(), range, None));
+        out.push(at(FileProblem::MisplacedInclude.into(), range, None));
     }
     Arc::new(out)
 }
@@ -87,25 +87,28 @@ fn misspelt_include(
 }
 
 /// The error of the file as such.
-fn reading(db: &dyn Db, file: SourceFile) -> Option<(Reading, TextRange)> {
+fn reading(db: &dyn Db, file: SourceFile) -> Option<(FileProblem, TextRange)> {
     let start = TextRange::empty(TextSize::new(0));
     match file.status(db) {
         FileStatus::Text => None,
-        FileStatus::Missing => Some((Reading::NoFile, start)),
-        FileStatus::Directory => Some((Reading::Directory, start)),
+        FileStatus::Missing => Some((FileProblem::NoFile, start)),
+        FileStatus::Directory => Some((FileProblem::Directory, start)),
         FileStatus::Unreadable(why) => {
             let why = why.as_str().into();
-            Some((Reading::Unreadable { why }, start))
+            Some((FileProblem::Unreadable { why }, start))
         }
         FileStatus::TooLarge(size) => {
             let (size, limit) = (size.div_ceil(1024), db.max_bytes() / 1024);
-            Some((Reading::TooLarge { size, limit }, start))
+            Some((FileProblem::TooLarge { size, limit }, start))
         }
         FileStatus::NotUtf8 => {
             let at = encoding::first_escape(file.text(db));
             let at = at.or_else(|| file.text(db).find('\u{fffd}')).unwrap_or(0);
             let width = file.text(db)[at..].chars().next().map_or(0, char::len_utf8);
-            Some((Reading::NotUtf8, TextRange::at(offset(at), offset(width))))
+            Some((
+                FileProblem::NotUtf8,
+                TextRange::at(offset(at), offset(width)),
+            ))
         }
     }
 }

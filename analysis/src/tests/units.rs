@@ -360,11 +360,11 @@ fn what_was_forgotten_is_made_again() {
     let before = fixture.all_diagnostics();
     fixture.host.keep_little();
     for _ in 0..2 {
-        fixture.host.shrink();
+        fixture.host.evict_cache();
         assert_eq!(fixture.all_diagnostics(), before);
     }
     fixture.replace("/t.idl", "struct shared", "struct lost");
-    fixture.host.shrink();
+    fixture.host.evict_cache();
     let after = fixture.all_diagnostics();
     assert_eq!(after.matches("`shared`").count(), 40, "{after}");
 }

@@ -6,11 +6,11 @@ use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_syntax::{
     SyntaxKind,
     lexer::{RawTokens, lex},
-    preproc::{Host, IncludeError, IncludeRequest, MacroEnv, Required, preprocess},
+    preproc::{Host, IncludeError, IncludeRequest, MacroEnv, RequiredPackages, preprocess},
 };
 use smol_str::SmolStr;
 
-use super::{Outcome, UnitKey};
+use super::{DirectiveEffect, UnitKey};
 use crate::{
     base::{Db, FileStatus, SourceFile, lexed, normalize},
     requirement,
@@ -82,7 +82,7 @@ fn places<'a>(
 pub(crate) struct WalkVisit {
     pub(crate) file: SourceFile,
     pub(crate) entry: MacroEnv,
-    pub(crate) outcomes: Vec<Outcome>,
+    pub(crate) outcomes: Vec<DirectiveEffect>,
     /// Visit that each active include leads to.
     pub(crate) includes: Vec<Option<u32>>,
     /// The length of [`Walk::search`] at each active include.
@@ -294,11 +294,15 @@ impl Host for VisitHost<'_, '_> {
         };
         walker.visits[self.visit]
             .outcomes
-            .push(Outcome::Include(result.clone()));
+            .push(DirectiveEffect::Include(result.clone()));
         result
     }
 
-    fn requires(&mut self, arguments: &[SmolStr], env: &MacroEnv) -> Result<Required, String> {
+    fn requires(
+        &mut self,
+        arguments: &[SmolStr],
+        env: &MacroEnv,
+    ) -> Result<RequiredPackages, String> {
         let walker = &mut *self.walker;
         let arguments: Vec<String> = arguments.iter().map(|it| it.to_string()).collect();
         let packages = walker.db.packages(&arguments);
@@ -315,12 +319,12 @@ impl Host for VisitHost<'_, '_> {
                     define_in(&mut env, name, value);
                 }
                 let own = flags.own.iter().map(SmolStr::from).collect();
-                Required { env, own }
+                RequiredPackages { env, own }
             });
         walker.packages_missing |= result.is_err();
         walker.visits[self.visit]
             .outcomes
-            .push(Outcome::Requires(result.clone()));
+            .push(DirectiveEffect::Requires(result.clone()));
         result
     }
 }

@@ -5,8 +5,8 @@ use std::io::Write;
 use camino::Utf8PathBuf;
 use clap::builder::styling::{AnsiColor, Style};
 use dotgen_analysis::terminal;
-use dotgen_recording::matching::Stray;
-use dotgen_recording::monitor::{Deviation, MonitorReport, What};
+use dotgen_recording::matching::Mismatch;
+use dotgen_recording::monitor::{Deviation, DeviationKind, MonitorReport};
 
 use crate::wcet::stats::{nanos, table, told};
 
@@ -147,9 +147,9 @@ fn deviation(it: &Deviation) -> String {
     terminal::text(&text).into_owned()
 }
 
-fn words(what: &What) -> String {
+fn words(what: &DeviationKind) -> String {
     match what {
-        What::Unknown {
+        DeviationKind::Unknown {
             task,
             service,
             function,
@@ -157,56 +157,60 @@ fn words(what: &What) -> String {
             why,
         } => {
             let why = match why {
-                Stray::Component => "has no such component",
-                Stray::Task => "has no such task",
-                Stray::State => "has no such state or codel",
-                Stray::Function => "has another function there",
-                Stray::WrongTask => "has this activity in another task",
-                Stray::NoCodel => "has no codel there",
+                Mismatch::Component => "has no such component",
+                Mismatch::Task => "has no such task",
+                Mismatch::State => "has no such state or codel",
+                Mismatch::Function => "has another function there",
+                Mismatch::WrongTask => "has this activity in another task",
+                Mismatch::NoCodel => "has no codel there",
             };
             format!("executed `{function}` ({task} {service} {from}), but the specification {why}")
         }
-        What::Transition { from, to } => format!("led from {from} to {to}, which is not declared"),
-        What::Elsewhere { state, awaited } => match awaited {
+        DeviationKind::Transition { from, to } => {
+            format!("led from {from} to {to}, which is not declared")
+        }
+        DeviationKind::Elsewhere { state, awaited } => match awaited {
             Some(awaited) => format!("was executed in {state}, while {awaited} was to follow"),
             None => format!("was executed in {state}, to which nothing had led"),
         },
-        What::Longer { took, limit } => {
+        DeviationKind::Longer { took, limit } => {
             format!(
                 "took {}, more than the declared {}",
                 nanos(*took),
                 nanos(*limit)
             )
         }
-        What::Shorter { took, limit } => {
+        DeviationKind::Shorter { took, limit } => {
             format!(
                 "took {}, less than the declared {}",
                 nanos(*took),
                 nanos(*limit)
             )
         }
-        What::Together { other } => format!("was executed together with {other}"),
-        What::Overtaken { other } => {
+        DeviationKind::Together { other } => format!("was executed together with {other}"),
+        DeviationKind::Overtaken { other } => {
             format!("got its locks before {other}, which had asked earlier")
         }
-        What::SameTask { other } => format!("was executed while its task executed {other}"),
-        What::SameCore { other, core } => {
+        DeviationKind::SameTask { other } => {
+            format!("was executed while its task executed {other}")
+        }
+        DeviationKind::SameCore { other, core } => {
             format!("was executed while {other} had their only core, {core}")
         }
-        What::Cores { executing, cores } => {
+        DeviationKind::Cores { executing, cores } => {
             format!("was one of {executing} codels that executed at one time on {cores} cores")
         }
-        What::Early { by, period } => format!(
+        DeviationKind::Early { by, period } => format!(
             "began a turn at least {} before its tick, with a period of {}",
             nanos(*by),
             nanos(*period)
         ),
-        What::Late { by, period } => format!(
+        DeviationKind::Late { by, period } => format!(
             "began a turn at least {} later than its response time allows, with a period of {}",
             nanos(*by),
             nanos(*period)
         ),
-        What::Response { response, bound } => {
+        DeviationKind::Response { response, bound } => {
             format!(
                 "took {} for a job, more than the proved {}",
                 nanos(*response),

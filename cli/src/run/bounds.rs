@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use clap::ValueEnum;
-use dotgen_runtime::counted::{has_times, untimed};
+use dotgen_runtime::counts::{codels_without_time, has_times};
 use dotgen_timing::analytic::response_bounds;
 use dotgen_timing::explore::Limits;
 use dotgen_timing::property::PropertyKind;
@@ -172,21 +172,25 @@ pub(crate) fn without_times(
     bounds: &mut [Option<Ticks>],
     measured: bool,
 ) -> Option<String> {
-    let untimed = untimed(system);
+    let codels_without_time = codels_without_time(system);
     for (task, bound) in bounds.iter_mut().enumerate() {
-        let is_unknown = measured && !untimed.is_empty();
+        let is_unknown = measured && !codels_without_time.is_empty();
         if is_unknown || !has_times(system, task) {
             *bound = None;
         }
     }
     let all = system.codels.iter().filter(|it| it.site.is_some());
     let none_has = all.clone().next().is_some() && all.clone().all(|it| it.upper == 0);
-    let names = || match untimed.len() {
-        n if n > NAMED => format!("{} and {} more", untimed[..NAMED].join(", "), n - NAMED),
-        _ => untimed.join(", "),
+    let names = || match codels_without_time.len() {
+        n if n > NAMED => format!(
+            "{} and {} more",
+            codels_without_time[..NAMED].join(", "),
+            n - NAMED
+        ),
+        _ => codels_without_time.join(", "),
     };
     match (measured, none_has) {
-        _ if untimed.is_empty() => None,
+        _ if codels_without_time.is_empty() => None,
         (false, true) => Some(
             "no execution times: this run shows the order of codels, not their timing; measure with `dotgen \
              run --clock real --profile FILE` and `dotgen wcet import`, or write `wcet`"

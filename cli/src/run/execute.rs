@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use dotgen_recording::log::origins;
 use dotgen_runtime::profile::{Profile, functions};
 use dotgen_runtime::report::RunReport;
-use dotgen_runtime::simulation::{Outcome, Record, simulate_recorded};
+use dotgen_runtime::simulation::{Record, SimulationResult, simulate_recorded};
 use dotgen_timing::report::Event;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::Ticks;
@@ -197,7 +197,7 @@ impl Context<'_, '_> {
         Recording::new(file, prepared, self.names, scenario, real).map(Some)
     }
 
-    fn told(&self, prepared: &Prepared, outcome: &Outcome<'_>) -> Option<Told> {
+    fn told(&self, prepared: &Prepared, outcome: &SimulationResult<'_>) -> Option<Told> {
         let run = outcome.recorded.as_ref()?;
         let input = SystemInput {
             specs: self.problem.specs(),
@@ -222,8 +222,8 @@ impl Context<'_, '_> {
         use dotgen_hosting::strays::Strays;
         use dotgen_runtime::engine::End;
         use dotgen_runtime::live::Live;
-        use dotgen_runtime::paced::Pace;
-        use dotgen_runtime::progress::Follow;
+        use dotgen_runtime::progress::ProgressReceiver;
+        use dotgen_runtime::real_clock::Pace;
         use dotgen_runtime::simulation::Execution;
         use dotgen_timing::verify::settings;
 
@@ -317,7 +317,7 @@ impl Context<'_, '_> {
         let execution = Execution {
             live: &mut live,
             pace,
-            follow: lookers.as_mut().map(|it| it as &mut dyn Follow),
+            follow: lookers.as_mut().map(|it| it as &mut dyn ProgressReceiver),
         };
         let mut recording = self.recording(files.recording.take(), &opened, real)?;
         let mut outcome = simulate_recorded(

@@ -9,7 +9,7 @@ use dotgen_codegen::codels::build::Optimization;
 use dotgen_codegen::codels::files::{Files as _, Sources};
 use dotgen_codegen::codels::folder::folders;
 use dotgen_codegen::codels::value::Values;
-use dotgen_runtime::live::{Part, Parts};
+use dotgen_runtime::live::{HostedComponent, HostedComponents};
 use dotgen_runtime::refine;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::Ticks;
@@ -26,7 +26,7 @@ use dotgen_views::verification::Problem;
 /// What is executed of a system.
 pub(super) struct Hosted<'s> {
     /// By component of [`Names`].
-    parts: Vec<Option<Part<'s>>>,
+    parts: Vec<Option<HostedComponent<'s>>>,
     /// Shared objects, likewise.
     libraries: Vec<Option<Utf8PathBuf>>,
     /// What people should know of it.
@@ -81,7 +81,7 @@ pub(super) fn build<'s>(
                 let Some(found) = found else { continue };
                 out.libraries[found] = Some(it.link.output);
                 let missing: HashSet<_> = it.missing.into_iter().collect();
-                out.parts[found] = Some(Part {
+                out.parts[found] = Some(HostedComponent {
                     member: names.components[found],
                     missing,
                 });
@@ -151,9 +151,9 @@ impl<'s> Hosted<'s> {
         names: &Names<'s>,
         settings: &Settings,
         inputs: &HashMap<String, Vec<u8>>,
-    ) -> Parts<'s> {
+    ) -> HostedComponents<'s> {
         let parts = self.parts.clone();
-        Parts::new(prepared, names, settings, parts, &|it| {
+        HostedComponents::new(prepared, names, settings, parts, &|it| {
             inputs.get(it).cloned()
         })
     }
@@ -163,7 +163,7 @@ impl<'s> Hosted<'s> {
 /// outside. The factor by which its times have grown, and the first client from outside.
 pub(super) fn opened(
     prepared: &Prepared,
-    parts: &Parts<'_>,
+    parts: &HostedComponents<'_>,
     real: bool,
     without_clients: bool,
 ) -> (Prepared, Ticks, Option<usize>) {

@@ -4,10 +4,10 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use dotgen_codegen::codels::schema;
 use dotgen_codegen::codels::value::Values;
-use dotgen_recording::record::{About, Writer};
+use dotgen_recording::record::{RunInfo, Writer};
 use dotgen_recording::replay::Step;
 use dotgen_runtime::simulation::Record;
-use dotgen_runtime::watch::Published;
+use dotgen_runtime::watch::PortUpdate;
 use dotgen_timing::explore::{Action, Stepper};
 use dotgen_timing::scn::names::{Member, Names};
 use dotgen_timing::system::TimedSystem;
@@ -26,7 +26,7 @@ pub(super) struct Recording<'r, 's> {
     /// By component of the system.
     members: Vec<Option<&'r Member<'s>>>,
     out: Writer<Growing>,
-    about: About,
+    about: RunInfo,
     /// Nanoseconds since 1970 at which the run begins; 0 on the virtual clock.
     start: u64,
     /// Messages, steps apart.
@@ -53,7 +53,7 @@ impl<'r, 's> Recording<'r, 's> {
         }
         let start = SystemTime::now().duration_since(UNIX_EPOCH);
         let start = start.map_or(0, |it| u64::try_from(it.as_nanos()).unwrap_or(0));
-        let about = About {
+        let about = RunInfo {
             unit: system.unit.to_string(),
             clock: if real { "real" } else { "virtual" }.to_owned(),
             outside: real,
@@ -101,7 +101,7 @@ impl<'r, 's> Recording<'r, 's> {
 }
 
 impl Record for Recording<'_, '_> {
-    fn act(&mut self, stepper: &Stepper, action: Action) {
+    fn on_action(&mut self, stepper: &Stepper, action: Action) {
         let at = self.at(stepper);
         self.step(at, &Step::new(self.system, stepper, action));
     }
@@ -111,7 +111,7 @@ impl Record for Recording<'_, '_> {
         self.step(at, &Step::abort(self.system, stepper, place));
     }
 
-    fn wrote(&mut self, stepper: &Stepper, written: &Published) {
+    fn on_port_update(&mut self, stepper: &Stepper, written: &PortUpdate) {
         let Some(Some(member)) = self.members.get(written.component) else {
             return;
         };

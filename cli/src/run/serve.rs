@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use anyhow::Context;
 #[cfg(feature = "zenoh")]
 use dotgen_analysis::model::PortDir;
-use dotgen_runtime::live::Parts;
+use dotgen_runtime::live::HostedComponents;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::verify::Prepared;
 use std::os::unix::fs::DirBuilderExt as _;
@@ -33,7 +33,7 @@ pub(super) fn start(
     problem: &Problem,
     names: &Names<'_>,
     prepared: &Prepared,
-    parts: &Parts<'_>,
+    parts: &HostedComponents<'_>,
     children: &mut Children,
 ) -> anyhow::Result<Serving> {
     let path = match &arguments.socket {
@@ -112,7 +112,7 @@ pub(super) fn start(
 fn join(
     arguments: &Arguments,
     known: &BTreeMap<usize, Known>,
-    parts: &Parts<'_>,
+    parts: &HostedComponents<'_>,
     children: &mut Children,
 ) -> anyhow::Result<Option<Network>> {
     use dotgen_hosting::network::{self, Wanted};

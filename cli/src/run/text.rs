@@ -4,9 +4,9 @@ use std::io::Write;
 
 use clap::builder::styling::{AnsiColor, Style};
 use dotgen_analysis::terminal;
+use dotgen_runtime::checker::Verdict;
 use dotgen_runtime::engine::End;
-use dotgen_runtime::judge::Verdict;
-use dotgen_runtime::report::{At, OfCheck, RunReport, Violated};
+use dotgen_runtime::report::{CheckOutcome, RunMoment, RunReport, Violated};
 use dotgen_timing::report::Value;
 use dotgen_timing::verify::settings;
 
@@ -206,7 +206,7 @@ fn transitions(out: &mut impl Write, report: &RunReport) -> std::io::Result<()> 
     Ok(())
 }
 
-fn word(it: &OfCheck) -> &'static str {
+fn word(it: &CheckOutcome) -> &'static str {
     match it.verdict {
         // The word of `dotgen verify`.
         Verdict::Kept if it.exceeded => "exceeds",
@@ -230,7 +230,7 @@ fn checks(out: &mut impl Write, report: &RunReport, scale: Scale) -> std::io::Re
     table(out, &["verdict", "check", "greatest", "limit"], &rows)
 }
 
-fn title(it: &OfCheck) -> String {
+fn title(it: &CheckOutcome) -> String {
     let named = it
         .name
         .as_ref()
@@ -314,7 +314,7 @@ fn times(count: u64) -> String {
 }
 
 /// When it was, and how to come there again.
-fn moment(at: &At, report: &RunReport, scale: Scale) -> String {
+fn moment(at: &RunMoment, report: &RunReport, scale: Scale) -> String {
     let time = scale.show_value(at.time);
     match report.runs {
         1 => format!("first at {time}"),

@@ -12,11 +12,11 @@ use dotgen_analysis::diagnostic::{FileEdit, Severity};
 use dotgen_analysis::host::{Change, FileContent, UnitResult};
 use dotgen_analysis::model::{CodelRef, Seconds};
 use dotgen_analysis::source_map::{Location, Locations};
-use dotgen_recording::edits::{self, Form, Refusal, Wanted};
-use dotgen_recording::log::{Kind, Left};
-use dotgen_recording::matching::{Site, Stray, path};
-use dotgen_recording::measured::{Measure, Measured};
-use dotgen_recording::propose::{Decision, Margin, decide, micros, seconds};
+use dotgen_recording::edits::{self, NewWcet, Refusal, WcetForm};
+use dotgen_recording::log::{LineKind, SkippedLines};
+use dotgen_recording::matching::{Mismatch, Site, path};
+use dotgen_recording::measurements::{ExecutionTimes, LogMeasurements};
+use dotgen_recording::proposal::{Decision, Margin, decide, micros, seconds};
 use dotgen_timing::scn::ast::{Item, Scenario};
 use dotgen_timing::scn::names::Names;
 use num_rational::Ratio;
@@ -94,7 +94,7 @@ struct Row {
     /// Where its codel is declared.
     place: Option<Location>,
     function: String,
-    measure: Measure,
+    measure: ExecutionTimes,
     declared: Option<Seconds>,
     proposed: Option<u64>,
     decision: Decision,
@@ -104,10 +104,10 @@ struct Row {
 struct Answer {
     logs: Vec<Utf8PathBuf>,
     rows: Vec<Row>,
-    strays: Vec<(Kind, Stray, u64)>,
+    strays: Vec<(LineKind, Mismatch, u64)>,
     /// Simulated codels, with the number of their runs.
     simulated: BTreeMap<String, u64>,
-    left: Left,
+    left: SkippedLines,
     refused: Vec<(String, Refusal)>,
     edits: Vec<FileEdit>,
     /// Texts before and after, by file.
@@ -128,7 +128,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         is_scenario || arguments.form != FormName::Sidecar,
         "`--as sidecar` writes into a scenario: name one (.scn) that uses the specification"
     );
-    let mut measured = Measured::default();
+    let mut measured = LogMeasurements::default();
     for (file, log) in files.logs.iter().enumerate() {
         read_log(log, |number, line, ended| {
             measured.line(file, number, line, ended);
@@ -174,7 +174,7 @@ fn answer(
     session: &mut Session,
     problem: &Problem,
     logs: Vec<Utf8PathBuf>,
-    measured: &Measured,
+    measured: &LogMeasurements,
 ) -> anyhow::Result<Answer> {
     let specs = problem.specs();
     let names = Names::new(&specs);
@@ -211,7 +211,7 @@ fn answer(
             true => Decision::Kept,
             false => decide(declared, proposed, arguments.replace),
         };
-        if let (true, Some(micros)) = (decision.writes(), proposed) {
+        if let (true, Some(micros)) = (decision.must_write(), proposed) {
             wanted.push((site.clone(), micros));
         }
         let unit = problem.units.get(member.spec_index);
@@ -264,12 +264,12 @@ fn answer(
         return Ok(answer);
     }
     let form = match arguments.form {
-        FormName::Pragma => Form::Pragma,
-        _ => Form::Clause,
+        FormName::Pragma => WcetForm::Pragma,
+        _ => WcetForm::Clause,
     };
-    let mut of_units: Vec<Vec<Wanted>> = Vec::new();
+    let mut of_units: Vec<Vec<NewWcet>> = Vec::new();
     for (index, unit) in problem.units.iter().enumerate() {
-        let mut of_unit: Vec<Wanted> = Vec::new();
+        let mut of_unit: Vec<NewWcet> = Vec::new();
         for (site, micros) in &wanted {
             let Some(member) = names.components.get(site.component) else {
                 continue;
@@ -277,7 +277,7 @@ fn answer(
             let mut components = unit.spec.components.iter();
             let place = components.position(|it| std::ptr::eq(it, member.component));
             if let (true, Some(place)) = (member.spec_index == index, place) {
-                of_unit.push(Wanted {
+                of_unit.push(NewWcet {
                     component: place as u32,
                     codel: site.codel,
                     micros: *micros,
@@ -318,7 +318,7 @@ fn answer(
         // Pragmas may stand one after the other at one place, such as the end of a file.
         let apart = |it: &[FileEdit]| match it {
             [a, b] => {
-                let lines = form == Form::Pragma && a.range.is_empty();
+                let lines = form == WcetForm::Pragma && a.range.is_empty();
                 a.range.end <= b.range.start && (lines || a.range != b.range)
             }
             _ => true,
@@ -340,8 +340,8 @@ fn answer(
 
 /// A declaration that several specifications include, such as that of an interface, gets the greatest time of
 /// all of them; so does a function that is used there, as a pragma is about functions.
-fn agree(units: &[UnitResult], wanted: &mut [Vec<Wanted>]) {
-    let place = |unit: &UnitResult, it: &Wanted| {
+fn agree(units: &[UnitResult], wanted: &mut [Vec<NewWcet>]) {
+    let place = |unit: &UnitResult, it: &NewWcet| {
         let codel = (unit.spec.components.get(it.component as usize)?).codel(it.codel);
         let place = unit.locations.locate(codel.node)?;
         Some((codel.name.to_string(), (place.path, place.range.start)))
@@ -359,7 +359,7 @@ fn agree(units: &[UnitResult], wanted: &mut [Vec<Wanted>]) {
     let shared = of_places.into_values().filter(|it| it.0.len() > 1);
     let shared: BTreeSet<String> = shared.map(|it| it.1).collect();
     let mut greatest: BTreeMap<&str, u64> = BTreeMap::new();
-    let name = |unit: &UnitResult, it: &Wanted| {
+    let name = |unit: &UnitResult, it: &NewWcet| {
         let name = place(unit, it).map(|it| it.0)?;
         shared.get(&name).map(String::as_str)
     };
@@ -401,7 +401,7 @@ fn change(answer: &mut Answer, path: &Utf8Path, old: &str, edits: &[FileEdit]) {
     if edits.is_empty() {
         return;
     }
-    let new = edits::applied(old, edits);
+    let new = edits::apply_edits(old, edits);
     answer.edits.extend(edits.iter().cloned());
     let entry = answer.changed.entry(path.to_owned());
     entry.or_insert_with(|| (old.to_owned(), new));
@@ -411,7 +411,7 @@ fn change(answer: &mut Answer, path: &Utf8Path, old: &str, edits: &[FileEdit]) {
 fn check_unit(
     session: &mut Session,
     unit: &UnitResult,
-    wanted: &[Wanted],
+    wanted: &[NewWcet],
     answer: &Answer,
 ) -> anyhow::Result<()> {
     let Some(root) = unit.files.first().filter(|_| !answer.changed.is_empty()) else {

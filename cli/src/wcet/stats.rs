@@ -6,7 +6,7 @@ use anyhow::bail;
 use camino::Utf8PathBuf;
 use clap::{Args, ValueEnum};
 use dotgen_analysis::terminal;
-use dotgen_recording::log::Left;
+use dotgen_recording::log::SkippedLines;
 use dotgen_recording::statistics::{Collector, Group, Times, lines};
 use serde::Serialize;
 
@@ -42,7 +42,7 @@ enum Format {
 struct Document<'d> {
     format: u32,
     groups: &'d [Group],
-    left: &'d Left,
+    left: &'d SkippedLines,
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
@@ -83,7 +83,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-fn print(groups: &[Group], left: &Left) -> anyhow::Result<Outcome> {
+fn print(groups: &[Group], left: &SkippedLines) -> anyhow::Result<Outcome> {
     let mut out = anstream::AutoStream::auto(std::io::stdout().lock());
     let mut rows = vec![["", "runs", "least", "greatest", "mean", "deviation"].map(str::to_owned)];
     for it in groups {
@@ -165,7 +165,7 @@ pub(crate) fn nanos(time: i64) -> String {
 }
 
 /// What lines were left out, in words.
-pub(crate) fn told(left: &Left) -> Vec<String> {
+pub(crate) fn told(left: &SkippedLines) -> Vec<String> {
     let one = |count: u64, what: &str| {
         let lines = if count == 1 { "line" } else { "lines" };
         (count > 0).then(|| format!("{count} {lines} {what}"))

@@ -6,8 +6,8 @@
 //! normalization.
 
 use dotgen_analysis::model::{
-    Awaited, CodelKind, CodelRef, Component, Name, Owner, Port, Service, ServiceKind, Spec, Src,
-    State, TypeId, TypeKind,
+    CodelKind, CodelRef, Component, Name, Owner, Port, Service, ServiceKind, Spec, Src, State,
+    TypeId, TypeKind, UnknownDependencies,
 };
 use dotgen_analysis::release::Change;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -54,8 +54,8 @@ pub struct ExpectedFunction {
     pub returns: FxHashSet<SmolStr>,
     /// Exceptions that it may throw in any use.
     pub throws: FxHashSet<TypeId>,
-    /// The missing declarations of its parameters in any use: see [`Spec::awaited`].
-    pub awaits: Awaited,
+    /// The missing declarations of its parameters in any use: see [`Spec::unknown_dependencies`].
+    pub awaits: UnknownDependencies,
     /// True if in some use it may throw exceptions that are unknown.
     pub throws_more: bool,
 }
@@ -264,7 +264,7 @@ impl<'a> Expected<'a> {
                 CodelKind::Simple | CodelKind::Validate => vec![self.ok().into()],
             };
             let throws = self.throws_of(at.owner);
-            let awaits = self.spec.awaited(self.component, codel);
+            let awaits = self.spec.unknown_dependencies(self.component, codel);
             let throws_more = self.spec.lacks_exceptions(self.component, at.owner);
             let known = self.functions.iter_mut().find(|it| it.name == codel.name);
             let function = match known {
@@ -278,7 +278,7 @@ impl<'a> Expected<'a> {
                         shape: None,
                         returns: FxHashSet::default(),
                         throws: FxHashSet::default(),
-                        awaits: Awaited::default(),
+                        awaits: UnknownDependencies::default(),
                         throws_more: false,
                     });
                     let last = self.functions.len() - 1;

@@ -15,7 +15,7 @@ use dotgen_analysis::model::{
     InitValue, Initializer, Label, Param, ParamDir, PathElement, Service, Spec, TypeId, TypeKind,
     Value as Constant,
 };
-use dotgen_syntax::near::advice;
+use dotgen_syntax::suggestion::advice;
 use serde_json::{Map, Value};
 
 /// Maximum depth of types within types; deeper values are refused.

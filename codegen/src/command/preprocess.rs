@@ -7,7 +7,8 @@ use dotgen_analysis::host::{FileContent, Loader};
 use dotgen_analysis::release::Release;
 use dotgen_syntax::lexer::{RawTokens, lex};
 use dotgen_syntax::preproc::{
-    self, Element, Host, IncludeError, IncludeRequest, MacroEnv, Preprocessed, Required, preprocess,
+    self, Element, Host, IncludeError, IncludeRequest, MacroEnv, Preprocessed, RequiredPackages,
+    preprocess,
 };
 use smol_str::SmolStr;
 
@@ -117,7 +118,11 @@ impl Host for Inside<'_> {
         Err(IncludeError::NotFound { searched })
     }
 
-    fn requires(&mut self, arguments: &[SmolStr], env: &MacroEnv) -> Result<Required, String> {
+    fn requires(
+        &mut self,
+        arguments: &[SmolStr],
+        env: &MacroEnv,
+    ) -> Result<RequiredPackages, String> {
         let arguments: Vec<String> = arguments.iter().map(ToString::to_string).collect();
         let flags = self.outer.loader.packages(&arguments)?;
         let mut env = env.clone();

@@ -1,7 +1,7 @@
 //! Components and ports by the names that clients write.
 
 use dotgen_analysis::model::PortDir;
-use dotgen_syntax::near::advice;
+use dotgen_syntax::suggestion::advice;
 
 use super::Shared;
 

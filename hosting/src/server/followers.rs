@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use dotgen_runtime::progress::{Follow, Progress};
+use dotgen_runtime::progress::{Progress, ProgressReceiver};
 use serde_json::json;
 
 use super::Shared;
@@ -19,8 +19,8 @@ pub struct Lookers {
     pub(super) told: Option<Instant>,
 }
 
-impl Follow for Lookers {
-    fn wants(&mut self) -> bool {
+impl ProgressReceiver for Lookers {
+    fn is_due(&mut self) -> bool {
         let due = self.told.is_none_or(|it| it.elapsed() >= LOOK_EVERY);
         if !due {
             return false;
@@ -29,7 +29,7 @@ impl Follow for Lookers {
         !self.shared.state().lookers.is_empty()
     }
 
-    fn hear(&mut self, progress: Progress) {
+    fn receive(&mut self, progress: Progress) {
         let Ok(mut told) = serde_json::to_value(&progress) else {
             return;
         };

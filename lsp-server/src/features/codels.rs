@@ -20,7 +20,7 @@ use std::sync::Arc;
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::Diagnostic;
 use dotgen_analysis::host::{Cancellable, Cancelled, FileContent, UnitResult};
-use dotgen_analysis::source_map::{Location, Moved};
+use dotgen_analysis::source_map::{Location, TextMove};
 use dotgen_codegen::codels::diagnostics::{Side, diagnostics};
 use dotgen_codegen::codels::drift::{Drift, Repair};
 use dotgen_codegen::codels::expected::Expected;
@@ -240,12 +240,12 @@ fn bring_up(snapshot: &Snapshot, folders: &mut [Folder], earlier: &Good) -> Canc
         }
     }
     let both = |path: &Utf8Path| Some((earlier.texts.get(path)?.clone(), now.get(path)?.clone()));
-    let moved: BTreeMap<&Utf8Path, Moved> = earlier
+    let moved: BTreeMap<&Utf8Path, TextMove> = earlier
         .texts
         .keys()
         .filter_map(|path| {
             let (old, new) = both(path)?;
-            Some((path.as_path(), Moved::between(&old, &new)?))
+            Some((path.as_path(), TextMove::between(&old, &new)?))
         })
         .collect();
     let changed = |it: &Location| {

@@ -1,6 +1,6 @@
 //! Deviations of a log from the model.
 
-use crate::matching::Stray;
+use crate::matching::Mismatch;
 
 /// A deviation.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
@@ -13,8 +13,8 @@ pub struct Deviation {
     pub of: String,
     /// Kind and details.
     #[serde(flatten)]
-    pub what: What,
-    /// Violated rule of the model: see [`What::rule`].
+    pub what: DeviationKind,
+    /// Violated rule of the model: see [`DeviationKind::rule`].
     pub rule: &'static str,
 }
 
@@ -22,14 +22,14 @@ pub struct Deviation {
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 #[allow(missing_docs, reason = "the words of each variant say it")]
-pub enum What {
+pub enum DeviationKind {
     /// The specifications have no such codel.
     Unknown {
         task: String,
         service: String,
         function: String,
         from: String,
-        why: Stray,
+        why: Mismatch,
     },
     /// The codel took a transition that the specification does not declare.
     Transition { from: String, to: String },
@@ -60,39 +60,47 @@ pub enum What {
     Response { response: i64, bound: i64 },
 }
 
-impl What {
+impl DeviationKind {
     /// Returns the name of the kind in counts.
     pub fn kind(&self) -> &'static str {
         match self {
-            What::Unknown { .. } => "unknown",
-            What::Transition { .. } => "transition",
-            What::Elsewhere { .. } => "elsewhere",
-            What::Longer { .. } => "longer",
-            What::Shorter { .. } => "shorter",
-            What::Together { .. } => "together",
-            What::Overtaken { .. } => "overtaken",
-            What::SameTask { .. } => "same-task",
-            What::SameCore { .. } => "same-core",
-            What::Cores { .. } => "cores",
-            What::Early { .. } => "early",
-            What::Late { .. } => "late",
-            What::Response { .. } => "response",
+            DeviationKind::Unknown { .. } => "unknown",
+            DeviationKind::Transition { .. } => "transition",
+            DeviationKind::Elsewhere { .. } => "elsewhere",
+            DeviationKind::Longer { .. } => "longer",
+            DeviationKind::Shorter { .. } => "shorter",
+            DeviationKind::Together { .. } => "together",
+            DeviationKind::Overtaken { .. } => "overtaken",
+            DeviationKind::SameTask { .. } => "same-task",
+            DeviationKind::SameCore { .. } => "same-core",
+            DeviationKind::Cores { .. } => "cores",
+            DeviationKind::Early { .. } => "early",
+            DeviationKind::Late { .. } => "late",
+            DeviationKind::Response { .. } => "response",
         }
     }
 
     /// Returns the violated rule of the model.
     pub fn rule(&self) -> &'static str {
         match self {
-            What::Unknown { .. } => "only codels of the specification are executed",
-            What::Transition { .. } => "a codel leads to one of its yields",
-            What::Elsewhere { .. } => "a state follows the one that led to it",
-            What::Longer { .. } | What::Shorter { .. } => "a codel takes a time that is declared",
-            What::Together { .. } => "codels that share something exclude each other",
-            What::Overtaken { .. } => "locks are given in the order in which they are asked for",
-            What::SameTask { .. } => "a task executes one codel after the other",
-            What::SameCore { .. } | What::Cores { .. } => "a core executes one codel at a time",
-            What::Early { .. } | What::Late { .. } => "ticks are one period apart",
-            What::Response { .. } => "a response time has its proved bound",
+            DeviationKind::Unknown { .. } => "only codels of the specification are executed",
+            DeviationKind::Transition { .. } => "a codel leads to one of its yields",
+            DeviationKind::Elsewhere { .. } => "a state follows the one that led to it",
+            DeviationKind::Longer { .. } | DeviationKind::Shorter { .. } => {
+                "a codel takes a time that is declared"
+            }
+            DeviationKind::Together { .. } => "codels that share something exclude each other",
+            DeviationKind::Overtaken { .. } => {
+                "locks are given in the order in which they are asked for"
+            }
+            DeviationKind::SameTask { .. } => "a task executes one codel after the other",
+            DeviationKind::SameCore { .. } | DeviationKind::Cores { .. } => {
+                "a core executes one codel at a time"
+            }
+            DeviationKind::Early { .. } | DeviationKind::Late { .. } => {
+                "ticks are one period apart"
+            }
+            DeviationKind::Response { .. } => "a response time has its proved bound",
         }
     }
 }

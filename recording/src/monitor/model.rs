@@ -6,9 +6,9 @@ use dotgen_timing::system::{FOREVER, Policy, Ticks, TimedSystem, Yield};
 use num_rational::Ratio;
 use rustc_hash::FxHashMap;
 
-use super::Never;
-use crate::log::Kind;
-use crate::matching::{Stray, event, site};
+use super::UntakenTransition;
+use crate::log::LineKind;
+use crate::matching::{Mismatch, event, site};
 
 /// The verified system. See the [module](self).
 #[derive(Debug)]
@@ -27,9 +27,9 @@ pub(super) struct Model<'s> {
 
 /// The subject of a kind of lines.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Resolved {
-    Stray(Stray),
-    State(At),
+pub(super) enum ResolvedKind {
+    Mismatch(Mismatch),
+    State(StateOutcome),
     Control {
         codel: usize,
         component: usize,
@@ -41,7 +41,7 @@ pub(super) enum Resolved {
 
 /// A state of a machine, and the outcome of its codel.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct At {
+pub(super) struct StateOutcome {
     pub(super) instance: u32,
     pub(super) task: usize,
     pub(super) machine: usize,
@@ -51,14 +51,14 @@ pub(super) struct At {
     pub(super) stop: Option<usize>,
     pub(super) codel: usize,
     pub(super) is_async: bool,
-    pub(super) to: To,
+    pub(super) to: CodelOutcome,
     /// Next state, and whether it belongs to the next turn.
     pub(super) next: Option<(usize, bool)>,
 }
 
 /// The outcome of a codel.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum To {
+pub(super) enum CodelOutcome {
     /// One of its yields.
     Outcome(usize),
     /// An exception that it may throw.
@@ -171,7 +171,7 @@ impl<'s> Model<'s> {
     }
 
     /// If threads with priorities are preempted, returns the core to which a task is bound, and its priority.
-    pub(super) fn tied(&self, task: usize, is_async: bool) -> Option<(u32, u64)> {
+    pub(super) fn core_and_priority(&self, task: usize, is_async: bool) -> Option<(u32, u64)> {
         let own = is_async && self.system.platform.async_free;
         let priorities = self.preempts && self.system.platform.policy == Policy::Priority;
         let core = self.system.tasks.get(task)?.affinity;
@@ -179,13 +179,13 @@ impl<'s> Model<'s> {
         Some((core, self.priorities.get(task).copied()?))
     }
 
-    pub(super) fn resolve(&self, kind: &Kind, instance: u32) -> Resolved {
+    pub(super) fn resolve(&self, kind: &LineKind, instance: u32) -> ResolvedKind {
         let site = match site(self.names, kind) {
             Ok(site) => site,
-            Err(Stray::NoCodel) => return self.attribute(kind, instance),
-            Err(stray) => return Resolved::Stray(stray),
+            Err(Mismatch::NoCodel) => return self.attribute(kind, instance),
+            Err(stray) => return ResolvedKind::Mismatch(stray),
         };
-        let none = Resolved::Stray(Stray::State);
+        let none = ResolvedKind::Mismatch(Mismatch::State);
         let Some(member) = self.names.components.get(site.component) else {
             return none;
         };
@@ -194,7 +194,7 @@ impl<'s> Model<'s> {
             .iter()
             .position(|it| member.component.name == it.name);
         let Some(component) = component else {
-            return Resolved::Stray(Stray::Component);
+            return ResolvedKind::Mismatch(Mismatch::Component);
         };
         let Some(parts) = components.get(component) else {
             return none;
@@ -219,7 +219,7 @@ impl<'s> Model<'s> {
                 };
                 let at = self.at(automaton.task, automaton.machine, state, kind);
                 at.map_or(none, |at| {
-                    Resolved::State(At {
+                    ResolvedKind::State(StateOutcome {
                         instance,
                         permanent,
                         ..at
@@ -241,7 +241,7 @@ impl<'s> Model<'s> {
                 let Some(codel) = all.find(is) else {
                     return none;
                 };
-                Resolved::Control {
+                ResolvedKind::Control {
                     codel,
                     component,
                     instance,
@@ -252,7 +252,7 @@ impl<'s> Model<'s> {
     }
 
     /// Looks up a service without a codel: the model has one in its place.
-    fn attribute(&self, kind: &Kind, instance: u32) -> Resolved {
+    fn attribute(&self, kind: &LineKind, instance: u32) -> ResolvedKind {
         let of = |it: &&dotgen_timing::system::Service| {
             let component = self.system.components.get(it.component);
             let named = component.is_some_and(|of| of.name == kind.instance);
@@ -261,17 +261,17 @@ impl<'s> Model<'s> {
         let service = self.system.services.iter().find(of);
         let codel = service.and_then(|it| Some((it.component, *it.simple.first()?)));
         match codel {
-            Some((component, codel)) => Resolved::Control {
+            Some((component, codel)) => ResolvedKind::Control {
                 codel,
                 component,
                 instance,
                 declared: true,
             },
-            None => Resolved::Stray(Stray::NoCodel),
+            None => ResolvedKind::Mismatch(Mismatch::NoCodel),
         }
     }
 
-    fn at(&self, task: usize, number: usize, state: &str, kind: &Kind) -> Option<At> {
+    fn at(&self, task: usize, number: usize, state: &str, kind: &LineKind) -> Option<StateOutcome> {
         let machine = self.system.machines.get(number)?;
         let place = machine.states.iter().position(|it| it.name == state)?;
         let of = machine.states.get(place)?;
@@ -286,14 +286,14 @@ impl<'s> Model<'s> {
         };
         let outcome = of.yields.iter().position(is);
         let led = match outcome {
-            Some(outcome) => To::Outcome(outcome),
-            None if self.throws(of.codel, &kind.to) => To::Exception,
-            None => To::Undeclared,
+            Some(outcome) => CodelOutcome::Outcome(outcome),
+            None if self.throws(of.codel, &kind.to) => CodelOutcome::Exception,
+            None => CodelOutcome::Undeclared,
         };
         // The next state is expected, declared or not.
         let next = machine.states.iter().position(|it| it.name == to.name);
-        let next = next.filter(|_| !matches!(led, To::Exception));
-        Some(At {
+        let next = next.filter(|_| !matches!(led, CodelOutcome::Exception));
+        Some(StateOutcome {
             instance: 0,
             task,
             machine: number,
@@ -353,7 +353,10 @@ impl<'s> Model<'s> {
     }
 
     /// Returns the transitions that were not taken.
-    pub(super) fn never(&self, taken: &FxHashMap<(usize, usize, usize), u64>) -> Vec<Never> {
+    pub(super) fn untaken_transitions(
+        &self,
+        taken: &FxHashMap<(usize, usize, usize), u64>,
+    ) -> Vec<UntakenTransition> {
         let mut out = Vec::new();
         for automaton in &self.system.automata {
             let number = automaton.machine;
@@ -370,7 +373,7 @@ impl<'s> Model<'s> {
                         Yield::Pause(to) => format!("pause::{}", self.state_name(number, to)),
                         Yield::End => "ether".to_owned(),
                     };
-                    out.push(Never {
+                    out.push(UntakenTransition {
                         machine: machine.name.clone(),
                         from: it.name.clone(),
                         to,

@@ -4,14 +4,14 @@ use std::collections::VecDeque;
 
 use dotgen_timing::system::{LockOrder, TimedSystem};
 
-use super::SLACK;
+use super::CLOCK_TOLERANCE_NANOS;
 
 /// Upper limit on the runs kept for comparison with later runs.
-const KEPT: usize = 4_096;
+const MAX_KEPT_RUNS: usize = 4_096;
 
 /// A run of a codel.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Executing {
+pub(super) struct CodelRun {
     pub(super) asked: i64,
     pub(super) began: i64,
     pub(super) ended: i64,
@@ -26,12 +26,12 @@ pub(super) struct Executing {
     pub(super) core: Option<Option<u32>>,
     /// Core that the thread is bound to, and its priority, if threads are preempted; the lower number goes
     /// first.
-    pub(super) tied: Option<(u32, u64)>,
+    pub(super) core_and_priority: Option<(u32, u64)>,
 }
 
 /// A violation by the first codel, with the other codel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Wrong {
+pub(super) enum OrderViolation {
     Together(usize),
     Overtaken(usize),
     SameThread(usize),
@@ -41,30 +41,32 @@ pub(super) enum Wrong {
 
 /// Runs, in order of their ends.
 #[derive(Debug)]
-pub(super) struct Order {
-    recent: VecDeque<Executing>,
+pub(super) struct RunOrder {
+    recent: VecDeque<CodelRun>,
     /// Number of cores, if a codel keeps its core to its end.
     cores: Option<u32>,
     in_order: bool,
     queue: bool,
 }
 
-impl Executing {
-    fn overlaps(&self, other: &Executing) -> bool {
+impl CodelRun {
+    fn overlaps(&self, other: &CodelRun) -> bool {
         self.began < other.ended && other.began < self.ended
     }
 
     /// Returns true if a run with priority on the same core had begun, and this run continued to its end
     /// nevertheless.
-    fn ignores(&self, other: &Executing) -> bool {
-        let (Some((core, own)), Some((same, first))) = (self.tied, other.tied) else {
+    fn ignores(&self, other: &CodelRun) -> bool {
+        let (Some((core, own)), Some((same, first))) =
+            (self.core_and_priority, other.core_and_priority)
+        else {
             return false;
         };
         core == same
             && first < own
             && self.began < other.began
-            && other.began + SLACK < self.ended
-            && self.ended + SLACK < other.ended
+            && other.began + CLOCK_TOLERANCE_NANOS < self.ended
+            && self.ended + CLOCK_TOLERANCE_NANOS < other.ended
     }
 
     fn executes_at(&self, moment: i64) -> bool {
@@ -72,11 +74,11 @@ impl Executing {
     }
 }
 
-impl Order {
+impl RunOrder {
     pub(super) fn new(system: &TimedSystem) -> Self {
         let platform = &system.platform;
         let preempts = super::model::preempts(system);
-        Order {
+        RunOrder {
             recent: VecDeque::new(),
             cores: platform.cores.filter(|_| !preempts),
             in_order: platform.locks != LockOrder::Free,
@@ -87,8 +89,8 @@ impl Order {
     pub(super) fn add(
         &mut self,
         system: &TimedSystem,
-        run: Executing,
-        out: &mut Vec<(usize, Wrong)>,
+        run: CodelRun,
+        out: &mut Vec<(usize, OrderViolation)>,
     ) {
         let excludes = |one: usize, other: usize| {
             let codel = system.codels.get(one);
@@ -110,23 +112,23 @@ impl Order {
             };
             if overlaps && one_process && excludes(second.codel, first.codel) {
                 together = true;
-                out.push((second.codel, Wrong::Together(first.codel)));
+                out.push((second.codel, OrderViolation::Together(first.codel)));
             }
             if self.in_order && one_process && !together {
                 // The second codel asked first, and still waited when the first one got its locks.
-                let overtaken = second.asked + SLACK < first.asked
+                let overtaken = second.asked + CLOCK_TOLERANCE_NANOS < first.asked
                     && second.asked < first.began
-                    && first.began + SLACK < second.began;
+                    && first.began + CLOCK_TOLERANCE_NANOS < second.began;
                 let counts = excludes(second.codel, first.codel)
                     || self.queue && component(first.codel) == component(second.codel);
                 if overtaken && counts {
-                    out.push((first.codel, Wrong::Overtaken(second.codel)));
+                    out.push((first.codel, OrderViolation::Overtaken(second.codel)));
                 }
             }
             let same =
                 it.instance == run.instance && it.thread.is_some() && it.thread == run.thread;
             if overlaps && same && !together {
-                out.push((second.codel, Wrong::SameThread(first.codel)));
+                out.push((second.codel, OrderViolation::SameThread(first.codel)));
             }
             if overlaps
                 && !same
@@ -134,36 +136,36 @@ impl Order {
                 && let (Some(Some(core)), Some(Some(other))) = (it.core, run.core)
                 && core == other
             {
-                out.push((second.codel, Wrong::SameCore(first.codel, core)));
+                out.push((second.codel, OrderViolation::SameCore(first.codel, core)));
             }
             if one_process
                 && first.ignores(second)
-                && let Some((core, _)) = first.tied
+                && let Some((core, _)) = first.core_and_priority
             {
-                out.push((first.codel, Wrong::SameCore(second.codel, core)));
+                out.push((first.codel, OrderViolation::SameCore(second.codel, core)));
             }
             busy += usize::from(overlaps && it.core.is_some());
         }
         if let (Some(cores), true) = (self.cores, run.core.is_some())
             && busy + 1 > cores as usize
         {
-            let most = self.most(&run);
-            if most > cores as usize {
-                out.push((run.codel, Wrong::Cores(most, cores)));
+            let max_cores_held = self.max_cores_held(&run);
+            if max_cores_held > cores as usize {
+                out.push((run.codel, OrderViolation::Cores(max_cores_held, cores)));
             }
         }
         let place = self.recent.iter().rposition(|it| it.ended <= run.ended);
         self.recent.insert(place.map_or(0, |it| it + 1), run);
-        if self.recent.len() > KEPT {
+        if self.recent.len() > MAX_KEPT_RUNS {
             self.recent.pop_front();
         }
     }
 
     /// Returns the greatest number of codels that hold a core at the same moment of a run.
-    fn most(&self, run: &Executing) -> usize {
+    fn max_cores_held(&self, run: &CodelRun) -> usize {
         let recent = self.recent.iter().rev();
         let recent = recent.take_while(|it| it.ended > run.began);
-        let others: Vec<&Executing> = recent
+        let others: Vec<&CodelRun> = recent
             .filter(|it| it.core.is_some() && it.overlaps(run))
             .collect();
         let starts = others.iter().map(|it| it.began).chain([run.began]);

@@ -4,15 +4,15 @@
 //! response time, or the period. So *a* lies in [*sᵢ* - *iP* - *L*, *sᵢ* - *iP*] for every *i*. If these
 //! intervals have no common moment, the ticks are not *P* apart.
 
-use super::SLACK;
-use super::What;
+use super::CLOCK_TOLERANCE_NANOS;
+use super::DeviationKind;
 
 /// Number of irregular turns allowed at the start: the timer counts while the server starts.
-const START_UP: u64 = 2;
+const MAX_IRREGULAR_TURNS: u64 = 2;
 
 /// The known ticks of a task.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Periodic {
+pub(super) struct TickPhase {
     turns: u64,
     /// Phase of the ticks, counted from turn 0.
     known: Option<Phase>,
@@ -28,11 +28,11 @@ struct Phase {
     latest: i64,
 }
 
-impl Periodic {
+impl TickPhase {
     /// Records the beginning of a turn, with times in nanoseconds. Returns the deviation, if there is one.
-    pub(super) fn begins(&mut self, at: i64, period: i64, latest: i64) -> Option<What> {
+    pub(super) fn begins(&mut self, at: i64, period: i64, latest: i64) -> Option<DeviationKind> {
         self.turns += 1;
-        if self.turns <= START_UP {
+        if self.turns <= MAX_IRREGULAR_TURNS {
             return None;
         }
         let fresh = Phase {
@@ -53,12 +53,12 @@ impl Periodic {
         known.earliest = known.earliest.max(earliest);
         known.latest = known.latest.min(last);
         let off = known.earliest - known.latest;
-        if off <= SLACK {
+        if off <= CLOCK_TOLERANCE_NANOS {
             return None;
         }
         let what = match known.latest == last {
-            true => What::Early { by: off, period },
-            false => What::Late { by: off, period },
+            true => DeviationKind::Early { by: off, period },
+            false => DeviationKind::Late { by: off, period },
         };
         self.known = Some(fresh);
         Some(what)

@@ -3,8 +3,8 @@
 use super::*;
 use crate::replay::Rule;
 
-fn about() -> About {
-    About {
+fn about() -> RunInfo {
+    RunInfo {
         scenario: "sailing".to_owned(),
         unit: "1/1000000".to_owned(),
         clock: "real".to_owned(),

@@ -50,7 +50,7 @@ pub enum Rule {
 
 impl Rule {
     /// Returns the rule in words.
-    pub fn words(self) -> &'static str {
+    pub fn describe(self) -> &'static str {
         match self {
             Rule::Tick => "ticks come each period, from the start of their clock",
             Rule::Release => "a task is released by its tick",
@@ -99,12 +99,12 @@ impl Step {
         let component = |it: usize| system.components[it].name.clone();
         let client = |it: usize| system.clients[it].name.clone();
         let thread = |executor: usize| match stepper.work(executor) {
-            Some(work) => whose(system, &work),
+            Some(work) => subject_name(system, &work),
             None => format!("#{executor}"),
         };
         let what = |executor: usize| {
             let work = stepper.work(executor);
-            work.map_or(String::new(), |it| about(system, &it))
+            work.map_or(String::new(), |it| describe_work(system, &it))
         };
         let none = String::new;
         let (rule, of, what, to) = match action {
@@ -168,7 +168,7 @@ impl Step {
     }
 
     /// Returns the step in words, without its time.
-    pub fn words(&self) -> String {
+    pub fn describe(&self) -> String {
         let Step { of, what, to, .. } = self;
         match self.rule {
             Rule::Tick => format!("a tick of `{of}`"),
@@ -193,7 +193,7 @@ impl Step {
 }
 
 /// Returns the subject that executes some work.
-fn whose(system: &TimedSystem, work: &Work) -> String {
+fn subject_name(system: &TimedSystem, work: &Work) -> String {
     match *work {
         Work::State { task, .. } => system.task_path(task),
         Work::Control { service, .. } => system.components[system.services[service].component]
@@ -204,7 +204,7 @@ fn whose(system: &TimedSystem, work: &Work) -> String {
 }
 
 /// Returns the work in words. The place distinguishes an activity from others of its service.
-fn about(system: &TimedSystem, work: &Work) -> String {
+fn describe_work(system: &TimedSystem, work: &Work) -> String {
     match *work {
         Work::State { codel, slot, .. } => format!("{}#{slot}", system.codels[codel].path),
         Work::Control { codel, number, .. } => format!("{}#{number}", system.codels[codel].path),

@@ -3,17 +3,17 @@
 use dotgen_timing::explore::{Stepper, Work};
 
 use super::{Instance, Live};
-use crate::hosts::{Answer, Call, Message, Unanswered, Wanted};
+use crate::hosts::{Call, Message, OutsideRequest, ReplyError, RequestReply};
 
 /// Marks the numbers of requests by codels.
-const OF_CODELS: u64 = 1 << 63;
+const CODEL_REQUEST_BIT: u64 = 1 << 63;
 
 /// The exception of a request to a component that is lost.
-pub(super) const LOST: &str = "::dotgen::lost";
+pub(super) const COMPONENT_LOST: &str = "::dotgen::lost";
 
 impl Live<'_> {
     /// Begins and ends the requests and activities that the stepper has begun and ended.
-    pub(super) fn look(&mut self, stepper: &Stepper) {
+    pub(super) fn begin_and_end_requests(&mut self, stepper: &Stepper) {
         for place in 0..self.places.len() {
             let service = stepper.activity(place);
             let service = service.and_then(|it| self.system.automata[it].service);
@@ -104,14 +104,14 @@ impl Live<'_> {
         }
         let Some(id) = it.wanted else { return };
         let answer = match (it.failed, outputs) {
-            (_, None) => return self.answer_failed(id, LOST),
-            (_, Some(outputs)) if well => Answer::Done(outputs),
-            (Some((exception, detail)), _) => Answer::Failed { exception, detail },
-            (None, _) if it.refused => Answer::Failed {
+            (_, None) => return self.answer_failed(id, COMPONENT_LOST),
+            (_, Some(outputs)) if well => RequestReply::Done(outputs),
+            (Some((exception, detail)), _) => RequestReply::Failed { exception, detail },
+            (None, _) if it.refused => RequestReply::Failed {
                 exception: "::genom::disallowed".to_owned(),
                 detail: Vec::new(),
             },
-            (None, _) => Answer::Failed {
+            (None, _) => RequestReply::Failed {
                 exception: "::genom::interrupted".to_owned(),
                 detail: Vec::new(),
             },
@@ -130,10 +130,10 @@ impl Live<'_> {
             instance,
             core: None,
         });
-        let until = self.patience();
+        let until = self.work_deadline_nanos();
         while let Some(message) = self.hosts.wait(until) {
             match message {
-                Message::Ran(of, ran) if of == component && ran.ticket == ticket => return,
+                Message::CodelResult(of, ran) if of == component && ran.ticket == ticket => return,
                 Message::Lost { component: of, why } => {
                     self.lost(of, why);
                     if of == component {
@@ -199,7 +199,7 @@ impl Live<'_> {
                 && !told.contains(&it.number)
             {
                 told.push(it.number);
-                self.answer(id, Answer::Accepted);
+                self.answer(id, RequestReply::Accepted);
             }
         }
         told.retain(|number| self.places.iter().flatten().any(|it| it.number == *number));
@@ -207,15 +207,15 @@ impl Live<'_> {
 
     /// Handles the call of a remote service by a codel. On the virtual clock there is no answer, because no
     /// time passes while a codel runs.
-    pub(super) fn asked(&mut self, component: usize, ask: u32, remote: u32, inputs: Vec<u8>) {
+    pub(super) fn call_remote(&mut self, component: usize, ask: u32, remote: u32, inputs: Vec<u8>) {
         let service = self.parts.remote(component, remote);
         let Some(service) = service.filter(|_| !self.waits) else {
-            return self.hosts.reply(component, ask, Err(Unanswered::Nobody));
+            return self.hosts.reply(component, ask, Err(ReplyError::NoService));
         };
         self.next_ask += 1;
-        let id = OF_CODELS | self.next_ask;
+        let id = CODEL_REQUEST_BIT | self.next_ask;
         self.asks.insert(id, (component, ask));
-        self.message(Message::Wanted(Wanted {
+        self.message(Message::OutsideRequest(OutsideRequest {
             id,
             service,
             inputs,
@@ -223,15 +223,17 @@ impl Live<'_> {
     }
 
     /// Sends an answer to its destination: outside, or a codel.
-    fn answer(&mut self, id: u64, answer: Answer) {
-        if id & OF_CODELS == 0 {
+    fn answer(&mut self, id: u64, answer: RequestReply) {
+        if id & CODEL_REQUEST_BIT == 0 {
             return self.hosts.answer(id, answer);
         }
         let outputs = match answer {
-            Answer::Accepted => return,
-            Answer::Done(outputs) => Ok(outputs),
-            Answer::Failed { exception, .. } if exception == LOST => Err(Unanswered::Lost),
-            Answer::Failed { .. } => Err(Unanswered::Failed),
+            RequestReply::Accepted => return,
+            RequestReply::Done(outputs) => Ok(outputs),
+            RequestReply::Failed { exception, .. } if exception == COMPONENT_LOST => {
+                Err(ReplyError::Lost)
+            }
+            RequestReply::Failed { .. } => Err(ReplyError::Failed),
         };
         if let Some((component, ask)) = self.asks.remove(&id) {
             self.hosts.reply(component, ask, outputs);
@@ -239,7 +241,7 @@ impl Live<'_> {
     }
 
     pub(super) fn answer_failed(&mut self, id: u64, exception: &str) {
-        let answer = Answer::Failed {
+        let answer = RequestReply::Failed {
             exception: exception.to_owned(),
             detail: Vec::new(),
         };

@@ -8,9 +8,9 @@ use crate::packages;
 
 /// The directories in which an included file was searched.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct Searched(pub Vec<String>);
+pub struct SearchedDirectories(pub Vec<String>);
 
-impl fmt::Display for Searched {
+impl fmt::Display for SearchedDirectories {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0.join(", "))
     }
@@ -35,9 +35,9 @@ impl fmt::Display for Arguments {
 
 /// The packages to install.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct Install(pub Vec<SmolStr>);
+pub struct PackagesToInstall(pub Vec<SmolStr>);
 
-impl fmt::Display for Install {
+impl fmt::Display for PackagesToInstall {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("install ")?;
         let mut first = true;
@@ -56,7 +56,7 @@ findings! {
     /// Something wrong with the characters or directives of a file.
     pub enum Preprocessing {
         "pp-include-not-found" NotFound { path: SmolStr } => "cannot find the file `{path}`";
-        "pp-include-not-found" NotFoundIn { path: SmolStr, searched: Searched }
+        "pp-include-not-found" NotFoundIn { path: SmolStr, searched: SearchedDirectories }
             => "cannot find the file `{path}`, searched in {searched}",
                "add its directory to the include path";
         "pp-include-not-found" NotIncluded { path: SmolStr, why: SmolStr }
@@ -146,7 +146,7 @@ findings! {
         "pp-requires-many" ManyRequired { word: SmolStr, most: usize, given: usize }
             => "`#pragma {word}` takes at most {most} arguments, {given} given: use several pragmas, and \
                 quotes around a package with its version";
-        "pp-requires-unresolved" Unresolved { why: SmolStr, install: Install } => "{why}", "{install}";
+        "pp-requires-unresolved" Unresolved { why: SmolStr, install: PackagesToInstall } => "{why}", "{install}";
         "pp-requires-own" OwnInterfaces { package: SmolStr }
             => "package `{package}` is not installed: the definitions that come with dotgen are used, whatever \
                 version is required";

@@ -91,8 +91,8 @@ fn is_valued_property(kind: SyntaxKind) -> bool {
 
 /// Cuts a tree into pieces.
 pub(super) fn chunks(root: &SyntaxNode, broken: &[TextRange]) -> Vec<Chunk> {
-    let mut cutter = Cutter {
-        broken: Broken::new(broken),
+    let mut cutter = Chunker {
+        broken: ErrorRanges::new(broken),
         broken_line: None,
         out: Vec::new(),
         pieces: 0,
@@ -168,15 +168,15 @@ struct Level {
 }
 
 /// Ranges of syntax errors, for overlap queries.
-struct Broken {
+struct ErrorRanges {
     /// In order of their starts.
     ranges: Vec<TextRange>,
     /// For each range, the greatest end of the range and all before it.
     ends: Vec<TextSize>,
 }
 
-impl Broken {
-    fn new(ranges: &[TextRange]) -> Broken {
+impl ErrorRanges {
+    fn new(ranges: &[TextRange]) -> ErrorRanges {
         let mut ranges = ranges.to_vec();
         ranges.sort_by_key(|it| it.start());
         let greatest = |end: &mut TextSize, it: &TextRange| {
@@ -184,7 +184,7 @@ impl Broken {
             Some(*end)
         };
         let ends = ranges.iter().scan(TextSize::new(0), greatest).collect();
-        Broken { ranges, ends }
+        ErrorRanges { ranges, ends }
     }
 
     /// Returns true if an error is in a node. An error next to the node is not in it: otherwise white space
@@ -195,8 +195,8 @@ impl Broken {
     }
 }
 
-struct Cutter {
-    broken: Broken,
+struct Chunker {
+    broken: ErrorRanges,
     /// A line break, and the brace of the block after which it is the first one.
     broken_line: Option<(TextSize, TextSize)>,
     out: Vec<Chunk>,
@@ -207,7 +207,7 @@ struct Cutter {
     path: Vec<Level>,
 }
 
-impl Cutter {
+impl Chunker {
     fn enter(&mut self, node: &SyntaxNode) {
         let kind = node.kind();
         let above = self.path.last();

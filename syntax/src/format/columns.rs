@@ -9,18 +9,18 @@ use rustc_hash::FxHashMap;
 
 use super::Align;
 use super::chunks::{Chunk, ChunkKind, gap_span};
-use super::page::{Page, Printed};
+use super::layout::{ChunkLayout, Page};
 use super::rules;
 
 /// The columns of a text.
-pub(super) struct Runs {
+pub(super) struct AlignedColumns {
     /// Pieces of one column, on consecutive lines; by column.
     runs: Vec<Vec<usize>>,
     /// Padded pieces outside of every column whose white space stays as it is.
     loose: Vec<bool>,
 }
 
-impl Runs {
+impl AlignedColumns {
     /// Returns true if the white space before a piece stays although the piece is in no column.
     pub(super) fn is_loose(&self, i: usize) -> bool {
         self.loose[i]
@@ -28,7 +28,12 @@ impl Runs {
 }
 
 /// Finds the columns.
-pub(super) fn runs(text: &str, chunks: &[Chunk], columns: &[usize], align: Align) -> Runs {
+pub(super) fn runs(
+    text: &str,
+    chunks: &[Chunk],
+    columns: &[usize],
+    align: Align,
+) -> AlignedColumns {
     let gap = |i: usize| &text[gap_span(chunks, i)];
     let is_comment = |i: usize| chunks[i].kind == ChunkKind::TrailingComment;
     let aligns = |i: usize| align == Align::Keep || is_comment(i);
@@ -80,7 +85,7 @@ pub(super) fn runs(text: &str, chunks: &[Chunk], columns: &[usize], align: Align
         runs.push(run);
     }
     runs.sort_by_key(|run| columns[run[0]]);
-    Runs { runs, loose }
+    AlignedColumns { runs, loose }
 }
 
 /// The pieces of each line of the text.
@@ -99,10 +104,10 @@ fn lines(chunks: &[Chunk]) -> Vec<Vec<usize>> {
 ///
 /// Lines that formatting has separated are no longer a run and never become one again: a line that is broken
 /// because of its padding would be whole without it, and the printer would not terminate.
-pub(super) fn targets(page: &Page<'_>, runs: &mut Runs) -> Vec<Option<usize>> {
+pub(super) fn targets(page: &Page<'_>, runs: &mut AlignedColumns) -> Vec<Option<usize>> {
     let mut out = vec![None; page.chunks.len()];
     let mut line = 0;
-    let number = |it: &Printed| {
+    let number = |it: &ChunkLayout| {
         line += it.space.matches('\n').count();
         line
     };
@@ -111,7 +116,7 @@ pub(super) fn targets(page: &Page<'_>, runs: &mut Runs) -> Vec<Option<usize>> {
     let parts = runs
         .runs
         .iter()
-        .flat_map(|run| together(&numbers, page, run));
+        .flat_map(|run| consecutive_parts(&numbers, page, run));
     runs.runs = parts.collect();
     for run in &runs.runs {
         let least = run.iter().map(|&i| page.end_before(i) + 1).max();
@@ -132,7 +137,7 @@ pub(super) fn targets(page: &Page<'_>, runs: &mut Runs) -> Vec<Option<usize>> {
 }
 
 /// The parts of a run that are still on consecutive lines, given the number of the line of each piece.
-fn together(numbers: &[usize], page: &Page<'_>, run: &[usize]) -> Vec<Vec<usize>> {
+fn consecutive_parts(numbers: &[usize], page: &Page<'_>, run: &[usize]) -> Vec<Vec<usize>> {
     let in_line = |&i: &usize| !page.printed[i].space.contains('\n');
     let mut out: Vec<Vec<usize>> = Vec::new();
     for i in run.iter().copied().filter(in_line) {

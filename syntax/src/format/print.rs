@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::chunks::{Chunk, ChunkKind, gap_span, starts_line};
-use super::page::{Page, Printed};
+use super::layout::{ChunkLayout, Page};
 use super::rules::{self, Gap};
 use super::unit::{self, Ruler, Unit, advance};
 use super::{Options, TextEdit, columns};
@@ -116,7 +116,7 @@ impl<'a> Printer<'a> {
         self.edits()
     }
 
-    fn pass(&mut self, runs: &columns::Runs) {
+    fn pass(&mut self, runs: &columns::AlignedColumns) {
         self.page.printed.clear();
         self.open.clear();
         (self.column, self.line, self.item) = (0, 0, 0);
@@ -138,7 +138,7 @@ impl<'a> Printer<'a> {
         }
     }
 
-    fn space(&mut self, i: usize, runs: &columns::Runs) -> String {
+    fn space(&mut self, i: usize, runs: &columns::AlignedColumns) -> String {
         let chunk = &self.page.chunks[i];
         let before = i.checked_sub(1).map(|it| &self.page.chunks[it]);
         // Depths only grow from one open list to the next.
@@ -149,7 +149,7 @@ impl<'a> Printer<'a> {
             Gap::Author => " ".repeat(usize::from(chunk.spaced)),
             Gap::Comment | Gap::Space if runs.is_loose(i) => self.page.original(i).to_owned(),
             Gap::Comment | Gap::Space => " ".to_owned(),
-            Gap::Break if self.breaks(i) => self.continued(i),
+            Gap::Break if self.breaks(i) => self.line_break_inside(i),
             Gap::Break if runs.is_loose(i) => self.page.original(i).to_owned(),
             Gap::Break => " ".to_owned(),
             Gap::Line { blank } => {
@@ -162,7 +162,7 @@ impl<'a> Printer<'a> {
                 };
                 self.newlines(i, count, chunk.indent * self.page.unit.columns())
             }
-            Gap::Continue => self.continued(i),
+            Gap::Continue => self.line_break_inside(i),
         }
     }
 
@@ -176,7 +176,7 @@ impl<'a> Printer<'a> {
                 self.item = i;
             }
         }
-        self.page.printed.push(Printed {
+        self.page.printed.push(ChunkLayout {
             space,
             column: self.column,
         });
@@ -212,7 +212,7 @@ impl<'a> Printer<'a> {
 
     /// A line break inside a list or statement: as in the text, if that is one of the known continuations;
     /// otherwise like the line before, or the usual continuation.
-    fn continued(&mut self, i: usize) -> String {
+    fn line_break_inside(&mut self, i: usize) -> String {
         let (anchor, first, usual) = match self.open.last() {
             Some(open) => (
                 open.anchor,

@@ -32,13 +32,16 @@ pub(super) enum Gap {
 /// The white space between two neighbouring pieces.
 pub(super) fn gap(text: &str, before: Option<&Chunk>, chunk: &Chunk) -> Gap {
     let Some(before) = before else {
-        return if keeps(chunk) {
+        return if is_unchanged(chunk) {
             Gap::Keep
         } else {
             Gap::Line { blank: false }
         };
     };
-    if (before.frozen && (chunk.frozen || !chunk.first_of_item)) || keeps(before) || keeps(chunk) {
+    if (before.frozen && (chunk.frozen || !chunk.first_of_item))
+        || is_unchanged(before)
+        || is_unchanged(chunk)
+    {
         return Gap::Keep;
     }
     let line = Gap::Line {
@@ -66,13 +69,13 @@ pub(super) fn gap(text: &str, before: Option<&Chunk>, chunk: &Chunk) -> Gap {
     }
     let wanted = within_line(before, chunk);
     match wanted {
-        Gap::None if glues(text, before, chunk) => Gap::Space,
+        Gap::None if would_merge(text, before, chunk) => Gap::Space,
         other => other,
     }
 }
 
 /// Returns true for pieces around which nothing is changed.
-fn keeps(chunk: &Chunk) -> bool {
+fn is_unchanged(chunk: &Chunk) -> bool {
     chunk.kind == ChunkKind::Opaque
 }
 
@@ -169,7 +172,7 @@ fn is_direction(chunk: &Chunk) -> bool {
 }
 
 /// Returns true if two tokens without white space between them would be read as other tokens.
-fn glues(text: &str, before: &Chunk, chunk: &Chunk) -> bool {
+fn would_merge(text: &str, before: &Chunk, chunk: &Chunk) -> bool {
     let (a, b) = (&text[before.span()], &text[chunk.span()]);
     let joined = format!("{a}{b}");
     let tokens = lex(&joined);

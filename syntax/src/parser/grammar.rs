@@ -205,7 +205,7 @@ fn semicolon_or(p: &mut Parser<'_>, after: &str, others: &'static str) {
     } else {
         let found = p.describe_current().into();
         if p.is_after_long_literal() && !spec::at_item(p) {
-            p.turn_inside_out();
+            p.mark_exchanged();
             // The missing quote is at the start of the string.
             p.error_before(Parsing::NoSemicolonOrQuote {
                 after,

@@ -7,7 +7,7 @@ use crate::{
     TextRange,
     finding::parsing::Parsing,
     kind::SyntaxKind::{self, *},
-    near::nearest,
+    suggestion::nearest,
 };
 
 /// A change of the text that makes it fit the grammar.

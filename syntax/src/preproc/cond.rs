@@ -22,7 +22,7 @@ pub(crate) fn evaluate(
         at: 0,
         depth: 0,
     };
-    let value = parser.comma()?;
+    let value = parser.comma_expression()?;
     if let Some(extra) = parser.peek() {
         return Err(Preprocessing::Unexpected {
             found: extra.describe().into(),
@@ -41,7 +41,7 @@ struct Value {
 }
 
 /// `None` if the value depends on a division by zero.
-type Known = Option<Value>;
+type MaybeValue = Option<Value>;
 
 impl Value {
     fn signed(value: i64) -> Value {
@@ -51,7 +51,7 @@ impl Value {
         }
     }
 
-    fn truth(value: bool) -> Value {
+    fn bool_value(value: bool) -> Value {
         Value::signed(i64::from(value))
     }
 }
@@ -104,7 +104,7 @@ fn lexemes(
                 value = is_defined(&name.text);
                 rest = after;
             }
-            lexemes.push(Lexeme::Number(Value::truth(value)));
+            lexemes.push(Lexeme::Number(Value::bool_value(value)));
             continue;
         }
         match token.kind {
@@ -259,7 +259,7 @@ impl Parser<'_> {
         found
     }
 
-    fn comma(&mut self) -> Result<Known, Preprocessing> {
+    fn comma_expression(&mut self) -> Result<MaybeValue, Preprocessing> {
         let mut value = self.conditional()?;
         while self.eat(",") {
             value = self.conditional()?;
@@ -267,14 +267,14 @@ impl Parser<'_> {
         Ok(value)
     }
 
-    fn conditional(&mut self) -> Result<Known, Preprocessing> {
+    fn conditional(&mut self) -> Result<MaybeValue, Preprocessing> {
         self.depth += 1;
         if self.depth > MAX_DEPTH {
             return Err(Preprocessing::TooNested);
         }
         let mut value = self.binary(1)?;
         if self.eat("?") {
-            let yes = self.comma()?;
+            let yes = self.comma_expression()?;
             if !self.eat(":") {
                 return Err(Preprocessing::NoColon);
             }
@@ -285,7 +285,7 @@ impl Parser<'_> {
         Ok(value)
     }
 
-    fn binary(&mut self, min_power: u8) -> Result<Known, Preprocessing> {
+    fn binary(&mut self, min_power: u8) -> Result<MaybeValue, Preprocessing> {
         let mut lhs = self.unary()?;
         let mut last = 0;
         while let Some(operator) = self.operator()
@@ -305,7 +305,7 @@ impl Parser<'_> {
         Ok(lhs)
     }
 
-    fn unary(&mut self) -> Result<Known, Preprocessing> {
+    fn unary(&mut self) -> Result<MaybeValue, Preprocessing> {
         let mut operators = Vec::new();
         while let Some(operator) = self.operator() {
             match operator {
@@ -322,7 +322,7 @@ impl Parser<'_> {
         let mut value = self.primary()?;
         for operator in operators.into_iter().rev() {
             value = value.map(|it| match operator {
-                "!" => Value::truth(it.bits == 0),
+                "!" => Value::bool_value(it.bits == 0),
                 "~" => Value {
                     bits: !it.bits,
                     ..it
@@ -337,9 +337,9 @@ impl Parser<'_> {
         Ok(value)
     }
 
-    fn primary(&mut self) -> Result<Known, Preprocessing> {
+    fn primary(&mut self) -> Result<MaybeValue, Preprocessing> {
         if self.eat("(") {
-            let value = self.comma()?;
+            let value = self.comma_expression()?;
             if !self.eat(")") {
                 return Err(Preprocessing::NoParenthesis);
             }
@@ -362,20 +362,20 @@ impl Parser<'_> {
     }
 }
 
-fn apply(operator: &str, lhs: Known, rhs: Known) -> Known {
+fn apply(operator: &str, lhs: MaybeValue, rhs: MaybeValue) -> MaybeValue {
     match operator {
         "&&" => {
             return if lhs?.bits == 0 {
-                lhs.map(|_| Value::truth(false))
+                lhs.map(|_| Value::bool_value(false))
             } else {
-                rhs.map(|it| Value::truth(it.bits != 0))
+                rhs.map(|it| Value::bool_value(it.bits != 0))
             };
         }
         "||" => {
             return if lhs?.bits != 0 {
-                Some(Value::truth(true))
+                Some(Value::bool_value(true))
             } else {
-                rhs.map(|it| Value::truth(it.bits != 0))
+                rhs.map(|it| Value::bool_value(it.bits != 0))
             };
         }
         _ => {}
@@ -406,12 +406,12 @@ fn apply(operator: &str, lhs: Known, rhs: Known) -> Known {
         "%" if unsigned => a % b,
         "/" => sa.wrapping_div(sb) as u64,
         "%" => sa.wrapping_rem(sb) as u64,
-        "==" => return Some(Value::truth(a == b)),
-        "!=" => return Some(Value::truth(a != b)),
-        "<" => return Some(Value::truth(less(a, b))),
-        ">" => return Some(Value::truth(less(b, a))),
-        "<=" => return Some(Value::truth(!less(b, a))),
-        _ => return Some(Value::truth(!less(a, b))),
+        "==" => return Some(Value::bool_value(a == b)),
+        "!=" => return Some(Value::bool_value(a != b)),
+        "<" => return Some(Value::bool_value(less(a, b))),
+        ">" => return Some(Value::bool_value(less(b, a))),
+        "<=" => return Some(Value::bool_value(!less(b, a))),
+        _ => return Some(Value::bool_value(!less(a, b))),
     };
     Some(Value { bits, unsigned })
 }

@@ -172,7 +172,7 @@ impl MacroEnv {
     /// The part of the environment that can matter to a text: the macros it mentions and, in turn, those
     /// mentioned in their bodies. If the text or one of these macros pastes tokens, any name can result, and
     /// the whole environment is returned.
-    pub fn restrict(&self, mentioned: &Mentioned) -> MacroEnv {
+    pub fn restrict(&self, mentioned: &MentionedWords) -> MacroEnv {
         if mentioned.pastes || self.is_empty() {
             return self.clone();
         }
@@ -244,7 +244,7 @@ fn fingerprint(definition: &Macro) -> u64 {
 
 /// The words of a text that may be names of macros.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Mentioned {
+pub struct MentionedWords {
     /// The words.
     pub words: FxHashSet<SmolStr>,
     /// True if the text has a `##`, so that one of its macros may form further names.
@@ -252,8 +252,8 @@ pub struct Mentioned {
 }
 
 /// The words of a text that may be names of macros.
-pub fn mentioned(raw: &RawTokens, text: &str) -> Mentioned {
-    let mut mentioned = Mentioned::default();
+pub fn mentioned(raw: &RawTokens, text: &str) -> MentionedWords {
+    let mut mentioned = MentionedWords::default();
     for i in 0..raw.len() {
         let kind = raw.kind(i);
         if kind == SyntaxKind::HASH2 {

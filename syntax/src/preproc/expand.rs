@@ -67,9 +67,9 @@ pub(crate) struct Expander<'a> {
 }
 
 /// The state of one expansion.
-struct Run<'r> {
+struct Expansion<'r> {
     env: &'r MacroEnv,
-    stack: Vec<List>,
+    stack: Vec<PendingTokens>,
     source: Option<&'r mut Source>,
     depth: u32,
     /// The raw token at which the outermost call begins.
@@ -77,7 +77,7 @@ struct Run<'r> {
 }
 
 /// Tokens to read, and the macro they come from.
-struct List {
+struct PendingTokens {
     tokens: std::vec::IntoIter<Token>,
     name: Option<SmolStr>,
 }
@@ -132,7 +132,7 @@ impl<'a> Expander<'a> {
                 return None;
             }
         }
-        let mut run = Run {
+        let mut run = Expansion {
             env,
             stack: Vec::new(),
             source: Some(source),
@@ -149,7 +149,7 @@ impl<'a> Expander<'a> {
 
     /// Expands the operand of a directive.
     pub(crate) fn operand(&mut self, env: &MacroEnv, tokens: Vec<Token>, at: u32) -> Vec<Token> {
-        let mut run = Run {
+        let mut run = Expansion {
             env,
             stack: Vec::new(),
             source: None,
@@ -160,7 +160,7 @@ impl<'a> Expander<'a> {
         self.run(&mut run, &mut Disabled::default())
     }
 
-    fn run(&mut self, run: &mut Run<'_>, disabled: &mut Disabled) -> Vec<Token> {
+    fn run(&mut self, run: &mut Expansion<'_>, disabled: &mut Disabled) -> Vec<Token> {
         let mut out = Vec::new();
         while let Some(mut token) = run.next(disabled) {
             if token.painted || self.exhausted || !is_word(token.kind, &token.text) {
@@ -214,7 +214,7 @@ impl<'a> Expander<'a> {
                     }
                 }
             };
-            if self.spend(expansion.len() + 1, &definition) {
+            if self.take_from_budget(expansion.len() + 1, &definition) {
                 *disabled.entry(definition.name.clone()).or_default() += 1;
                 run.push(expansion, Some(definition.name.clone()));
             } else {
@@ -226,7 +226,7 @@ impl<'a> Expander<'a> {
     }
 
     /// Takes tokens from the budget; reports, once, when it is used up.
-    fn spend(&mut self, tokens: usize, definition: &Macro) -> bool {
+    fn take_from_budget(&mut self, tokens: usize, definition: &Macro) -> bool {
         if let Some(left) = self.budget.checked_sub(tokens) {
             self.budget = left;
             return true;
@@ -267,7 +267,7 @@ impl<'a> Expander<'a> {
     /// Passes `NAME` or `(NAME)` after `defined` through unchanged.
     fn defined_operand(
         &mut self,
-        run: &mut Run<'_>,
+        run: &mut Expansion<'_>,
         disabled: &mut Disabled,
         out: &mut Vec<Token>,
     ) {
@@ -312,7 +312,7 @@ impl<'a> Expander<'a> {
     }
 
     /// Returns true if the next token to read is a parenthesis.
-    fn opens_call(&self, run: &Run<'_>) -> bool {
+    fn opens_call(&self, run: &Expansion<'_>) -> bool {
         for list in run.stack.iter().rev() {
             if let Some(token) = list.tokens.as_slice().first() {
                 return token.kind == L_PAREN;
@@ -332,19 +332,23 @@ impl<'a> Expander<'a> {
     }
 
     /// Reads the next token for the arguments of a call, from the lists or the text.
-    fn next_in_call(&self, run: &mut Run<'_>, disabled: &mut Disabled) -> Result<Token, Stop> {
+    fn next_in_call(
+        &self,
+        run: &mut Expansion<'_>,
+        disabled: &mut Disabled,
+    ) -> Result<Token, ArgumentsEnd> {
         if let Some(token) = run.next(disabled) {
             return Ok(token);
         }
         let Some(source) = run.source.as_deref_mut() else {
-            return Err(Stop::End);
+            return Err(ArgumentsEnd::End);
         };
         let mut line_start = false;
         while source.next < source.end {
             let i = source.next;
             let kind = self.raw.kind(i as usize);
             if kind == HASH && line_start {
-                return Err(Stop::Directive);
+                return Err(ArgumentsEnd::Directive);
             }
             source.next += 1;
             if !is_trivia(kind) {
@@ -352,14 +356,14 @@ impl<'a> Expander<'a> {
             }
             line_start |= kind == NEWLINE;
         }
-        Err(Stop::End)
+        Err(ArgumentsEnd::End)
     }
 
     /// Reads the arguments of a call, parentheses included. On failure, puts the tokens read from the lists
     /// back and leaves the position in the text unchanged.
     fn arguments(
         &mut self,
-        run: &mut Run<'_>,
+        run: &mut Expansion<'_>,
         disabled: &mut Disabled,
         definition: &Macro,
         named: usize,
@@ -375,8 +379,8 @@ impl<'a> Expander<'a> {
                 Err(stop) => break stop,
             };
             if self.budget == 0 {
-                self.spend(1, definition);
-                break Stop::Limit;
+                self.take_from_budget(1, definition);
+                break ArgumentsEnd::Limit;
             }
             self.budget -= 1;
             match token.kind {
@@ -385,7 +389,7 @@ impl<'a> Expander<'a> {
                     continue;
                 }
                 L_PAREN => parens += 1,
-                R_PAREN if parens == 0 => break Stop::Closed,
+                R_PAREN if parens == 0 => break ArgumentsEnd::Closed,
                 R_PAREN => parens -= 1,
                 COMMA if parens == 0 && !(variadic && args.len() > named) => {
                     args.push(Vec::new());
@@ -399,17 +403,17 @@ impl<'a> Expander<'a> {
         };
         let end = run.source.as_deref().map(|it| it.next);
         match stop {
-            Stop::Closed => {}
-            Stop::End | Stop::Directive | Stop::Limit => {
+            ArgumentsEnd::Closed => {}
+            ArgumentsEnd::End | ArgumentsEnd::Directive | ArgumentsEnd::Limit => {
                 if let (Some(source), Some(start)) = (run.source.as_deref_mut(), start) {
                     *source = start;
                 }
                 let name = definition.name.clone();
                 let kind = match stop {
-                    Stop::Directive => Preprocessing::DirectiveInCall { name },
+                    ArgumentsEnd::Directive => Preprocessing::DirectiveInCall { name },
                     _ => Preprocessing::OpenCall { name },
                 };
-                if stop != Stop::Limit && !self.open_call {
+                if stop != ArgumentsEnd::Limit && !self.open_call {
                     self.open_call = true;
                     self.problems.push(CallProblem { kind, end: None });
                 }
@@ -456,7 +460,7 @@ impl<'a> Expander<'a> {
     /// The body of a macro with its parameters replaced.
     fn substitute(
         &mut self,
-        run: &mut Run<'_>,
+        run: &mut Expansion<'_>,
         disabled: &mut Disabled,
         definition: &Macro,
         args: &mut Args,
@@ -495,7 +499,7 @@ impl<'a> Expander<'a> {
             }
             let too_long = operand.iter().any(|it| it.text.len() > MAX_TOKEN_LEN);
             if too_long || operand.len() + out.len() > self.budget {
-                self.spend(usize::MAX, definition);
+                self.take_from_budget(usize::MAX, definition);
                 return Vec::new();
             }
             if !after_paste {
@@ -523,7 +527,7 @@ impl<'a> Expander<'a> {
     /// An argument after its own expansion.
     fn argument(
         &mut self,
-        run: &mut Run<'_>,
+        run: &mut Expansion<'_>,
         disabled: &mut Disabled,
         args: &mut Args,
         param: usize,
@@ -545,7 +549,7 @@ impl<'a> Expander<'a> {
             }
             return spelled.clone();
         }
-        let mut inner = Run {
+        let mut inner = Expansion {
             env: run.env,
             stack: Vec::new(),
             source: None,
@@ -561,7 +565,7 @@ impl<'a> Expander<'a> {
 
 /// The reasons for which reading arguments ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Stop {
+enum ArgumentsEnd {
     Closed,
     End,
     Directive,
@@ -575,9 +579,9 @@ struct Args {
     expanded: Vec<Option<Vec<Token>>>,
 }
 
-impl Run<'_> {
+impl Expansion<'_> {
     fn push(&mut self, tokens: Vec<Token>, name: Option<SmolStr>) {
-        self.stack.push(List {
+        self.stack.push(PendingTokens {
             tokens: tokens.into_iter(),
             name,
         });

@@ -21,22 +21,26 @@ pub trait Host {
     ///
     /// # Errors
     /// Returns a message for the user; the environment is then taken as unchanged.
-    fn requires(&mut self, arguments: &[SmolStr], env: &MacroEnv) -> Result<Required, String>;
+    fn requires(
+        &mut self,
+        arguments: &[SmolStr],
+        env: &MacroEnv,
+    ) -> Result<RequiredPackages, String>;
 }
 
 /// The result of requiring packages.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct Required {
+pub struct RequiredPackages {
     /// The environment with the definitions of the packages.
     pub env: MacroEnv,
     /// Packages that are not installed and are replaced by definitions that come with dotgen.
     pub own: Vec<SmolStr>,
 }
 
-impl From<MacroEnv> for Required {
-    fn from(env: MacroEnv) -> Required {
+impl From<MacroEnv> for RequiredPackages {
+    fn from(env: MacroEnv) -> RequiredPackages {
         let own = Vec::new();
-        Required { env, own }
+        RequiredPackages { env, own }
     }
 }
 
@@ -51,7 +55,7 @@ impl Host for NoIncludes {
         })
     }
 
-    fn requires(&mut self, _: &[SmolStr], env: &MacroEnv) -> Result<Required, String> {
+    fn requires(&mut self, _: &[SmolStr], env: &MacroEnv) -> Result<RequiredPackages, String> {
         Ok(env.clone().into())
     }
 }

@@ -214,7 +214,7 @@ impl Walker<'_> {
             match token.kind {
                 STRAY | HASH | HASH2 if !reported => {
                     reported = true;
-                    self.error(range, stray(&token.text));
+                    self.error(range, report_stray_directive(&token.text));
                 }
                 STRAY | HASH | HASH2 => {}
                 IDENT if token.text == "_Pragma" => {
@@ -382,7 +382,7 @@ impl Walker<'_> {
                         DirectiveKind::Elif(_) | DirectiveKind::Else(_) | DirectiveKind::Endif(_)
                     );
                     if depth == 0 && ends_group {
-                        self.leave_out(first, line);
+                        self.push_inactive(first, line);
                         for i in line..self.at {
                             self.out.elements.push(Element::Trivia(i as u32));
                         }
@@ -408,10 +408,10 @@ impl Walker<'_> {
             }
             self.at += 1;
         }
-        self.leave_out(first, self.at);
+        self.push_inactive(first, self.at);
     }
 
-    fn leave_out(&mut self, first: usize, end: usize) {
+    fn push_inactive(&mut self, first: usize, end: usize) {
         if first < end {
             let (first, end) = (first as u32, end as u32);
             self.out.elements.push(Element::Inactive { first, end });
@@ -478,7 +478,7 @@ impl Walker<'_> {
 
     fn report_stray(&mut self, i: u32) {
         let text = self.raw.text(self.text, i as usize);
-        self.error(self.expander.raw_range(i), stray(text));
+        self.error(self.expander.raw_range(i), report_stray_directive(text));
     }
 
     /// Reports a comment without an end as the last token.
@@ -492,7 +492,7 @@ impl Walker<'_> {
 }
 
 /// The error for characters that do not start a token.
-fn stray(text: &str) -> Preprocessing {
+fn report_stray_directive(text: &str) -> Preprocessing {
     const SHOWN: usize = 20;
     if text.starts_with('\u{feff}') {
         return Preprocessing::ByteOrderMark;

@@ -7,7 +7,7 @@ use crate::{
 };
 
 /// A run of raw tokens that makes a node inside a directive.
-struct Part {
+struct DirectiveNode {
     first: u32,
     end: u32,
     kind: SyntaxKind,
@@ -41,11 +41,11 @@ impl Sink<'_> {
         self.builder.finish_node();
     }
 
-    fn parts(&self, first: u32, end: u32, index: u32) -> Vec<Part> {
+    fn parts(&self, first: u32, end: u32, index: u32) -> Vec<DirectiveNode> {
         let Some(directive) = self.pre.directives.get(index as usize) else {
             return Vec::new();
         };
-        let of_range = |range: TextRange, kind| Part {
+        let of_range = |range: TextRange, kind| DirectiveNode {
             first: self.raw.token_at(range.start().into()) as u32,
             end: self
                 .raw
@@ -56,7 +56,7 @@ impl Sink<'_> {
         let of_name =
             |name: &Option<Name>, kind| name.iter().map(|it| of_range(it.range, kind)).collect();
         let of_tokens = |range: &std::ops::Range<u32>, kind| {
-            vec![Part {
+            vec![DirectiveNode {
                 first: range.start,
                 end: range.end,
                 kind,
@@ -70,14 +70,14 @@ impl Sink<'_> {
                 IncludeForm::Macro(tokens) => of_tokens(tokens, INCLUDE_PATH),
             },
             DirectiveKind::Define(it) => {
-                let mut parts: Vec<Part> = of_name(&it.name, NAME);
+                let mut parts: Vec<DirectiveNode> = of_name(&it.name, NAME);
                 if it.params.is_some()
                     && let Some(name) = parts.last()
                 {
                     let last = (name.end..it.body.start)
                         .rev()
                         .find(|&i| self.raw.kind(i as usize) == R_PAREN);
-                    parts.push(Part {
+                    parts.push(DirectiveNode {
                         first: name.end,
                         end: last.map_or(name.end, |it| it + 1),
                         kind: MACRO_PARAMS,
@@ -87,7 +87,7 @@ impl Sink<'_> {
                 parts
             }
             DirectiveKind::Undef(it) | DirectiveKind::Ifdef(it) | DirectiveKind::Ifndef(it) => {
-                let mut parts: Vec<Part> = of_name(&it.name, NAME_REF);
+                let mut parts: Vec<DirectiveNode> = of_name(&it.name, NAME_REF);
                 parts.extend(of_tokens(&it.rest, DIRECTIVE_TEXT));
                 parts
             }
@@ -96,7 +96,7 @@ impl Sink<'_> {
                 of_tokens(it, DIRECTIVE_TEXT)
             }
             DirectiveKind::Pragma(it) if !it.operator => {
-                let mut parts: Vec<Part> = of_name(&it.name, NAME_REF);
+                let mut parts: Vec<DirectiveNode> = of_name(&it.name, NAME_REF);
                 parts.extend(it.args.iter().map(|it| of_range(it.range, PRAGMA_ARG)));
                 parts
             }

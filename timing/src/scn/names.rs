@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use dotgen_analysis::model::{CodelKind, Component, ComponentKind, Owner, ServiceKind, Spec};
-use dotgen_syntax::near::nearest;
+use dotgen_syntax::suggestion::nearest;
 
 use super::ast::{CheckKind, Item, Path, Pred, Scenario, Spanned, Step, StepKind};
 use crate::diagnostic::Diagnostic;

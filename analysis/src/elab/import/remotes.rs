@@ -3,7 +3,7 @@
 use crate::finding::role::Role;
 use crate::{
     elab::{DefId, context::Elaborator, property::union},
-    finding::{Finding, names::Naming},
+    finding::{Finding, names::NameProblem},
     model::{ParamDir, Remote, Src, TypeId, TypeKind},
     release::Change,
 };
@@ -56,7 +56,7 @@ impl Elaborator<'_> {
             let place = self.spec.components[index as usize].services[service as usize].src;
             self.report(
                 Finding::new(
-                    Naming::RemoteTaken {
+                    NameProblem::RemoteTaken {
                         name: remote.name.clone(),
                     },
                     at,
@@ -64,13 +64,13 @@ impl Elaborator<'_> {
                 .related(place, Role::Service)
                 .related(remote.src, Role::RemoteService),
             );
-            self.lose(index, &remote.name);
+            self.add_refused_name(index, &remote.name);
             return;
         }
         let scope = state.scope;
         if let Some(clash) = self.scopes.clash(scope, &remote.name, false) {
             self.report_clash(scope, &remote.name, at, clash);
-            self.lose(index, &remote.name);
+            self.add_refused_name(index, &remote.name);
             return;
         }
         let number = self.spec.components[index as usize].remotes.len() as u32;

@@ -8,7 +8,7 @@ use crate::{
         property::{join_doc, union},
         types::equal,
     },
-    finding::{Finding, services::Declaring},
+    finding::{Finding, services::DeclarationProblem},
     model::{Param, ParamDir, Service, ServiceKind, Src},
     release::Change,
 };
@@ -122,7 +122,7 @@ impl<'a> Elaborator<'a> {
                 let place = old.src;
                 self.report(
                     Finding::new(
-                        Declaring::OtherLocal {
+                        DeclarationProblem::OtherLocal {
                             name: local.name.clone(),
                             service: known.name.clone(),
                         },
@@ -191,7 +191,7 @@ impl<'a> Elaborator<'a> {
         for (word, place, ours) in conflicts {
             self.report(
                 Finding::new(
-                    Declaring::ServicePropertyImported {
+                    DeclarationProblem::ServicePropertyImported {
                         service: service.name.clone(),
                         word,
                     },

@@ -134,7 +134,7 @@ fn into_clause(cx: &Cx<'_, '_>, pragma: &ast::Directive) -> Option<Assist> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{check, refused};
+    use super::super::tests::{assert_not_offered, check};
 
     fn codel(before: &str, clause: &str) -> String {
         format!(
@@ -158,7 +158,7 @@ mod tests {
     #[test]
     fn a_simple_codel_has_no_bare_form() {
         let text = "component c {\n  function f() {\n    codel g() $0wcet 4 us;\n  };\n};\n";
-        refused("wcet-bare", text);
+        assert_not_offered("wcet-bare", text);
         let pragma =
             "component c {\n  function f() {\n#pragma wcet g 4 us\n    codel g();\n  };\n};\n";
         check("wcet-pragma", text, pragma);
@@ -181,8 +181,8 @@ mod tests {
 
     #[test]
     fn a_pragma_for_nobody_or_for_two_stays() {
-        refused("wcet-clause", "#pragma wcet$0 nobody 4 us\n");
-        refused(
+        assert_not_offered("wcet-clause", "#pragma wcet$0 nobody 4 us\n");
+        assert_not_offered(
             "wcet-clause",
             "component c {\n  task t { codel<start> f() yield ether; };\n  task u { codel<start> f() yield ether; };\n};\n#pragma wcet$0 f 4 us\n",
         );

@@ -68,7 +68,7 @@ fn name_parts(cx: &Cx<'_, '_>, init: &Initializer, edits: &mut Vec<FileEdit>) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{check, refused};
+    use super::super::tests::{assert_not_offered, check};
 
     const TYPES: &str = "struct p { long x, y; };\nstruct s { p a; long b[2]; string c; };\n";
 
@@ -92,11 +92,11 @@ mod tests {
 
     #[test]
     fn nothing_to_name() {
-        refused(
+        assert_not_offered(
             "designate-initializers",
             "component k { function f(in sequence<long> v = { 1$0, 2 }); };\n",
         );
-        refused(
+        assert_not_offered(
             "designate-initializers",
             &format!("{TYPES}component k {{ function f(in p v = {{ .y = 1$0 }}); }};\n"),
         );

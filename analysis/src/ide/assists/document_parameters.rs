@@ -54,7 +54,7 @@ fn path_name(cx: &Cx<'_, '_>, it: &ast::PathParam) -> Option<smol_str::SmolStr> 
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{check, refused};
+    use super::super::tests::{assert_not_offered, check};
 
     #[test]
     fn those_that_lack_it() {
@@ -68,6 +68,6 @@ mod tests {
             "component c { ids { long x; }; attribute f$0(in x, out x::y); };\n",
             "component c { ids { long x; }; attribute f(in x = : \"x\", out x::y = : \"y\"); };\n",
         );
-        refused("document-parameters", "component c { function f$0(); };\n");
+        assert_not_offered("document-parameters", "component c { function f$0(); };\n");
     }
 }

@@ -22,7 +22,7 @@ pub(crate) fn execution_time(
     let (clause, None) = (clauses.next()?, clauses.next()) else {
         return None;
     };
-    replaced(&cx, &clause.quantity()?, time)
+    replace_time(&cx, &clause.quantity()?, time)
 }
 
 /// A time of a task.
@@ -55,7 +55,7 @@ pub(crate) fn task_time(
         TaskTime::Delay => all().find(|it| it.delay_token().is_some()),
     };
     if let Some(it) = stated {
-        return replaced(&cx, &it.quantity()?, time);
+        return replace_time(&cx, &it.quantity()?, time);
     }
     let period = all().find(|it| it.period_token().is_some())?;
     if which == TaskTime::Period || !cx.is_plain(period.syntax()) {
@@ -68,7 +68,7 @@ pub(crate) fn task_time(
 }
 
 /// Replaces the time of a quantity.
-fn replaced(cx: &Cx<'_, '_>, quantity: &ast::Quantity, time: &str) -> Option<FileEdit> {
+fn replace_time(cx: &Cx<'_, '_>, quantity: &ast::Quantity, time: &str) -> Option<FileEdit> {
     if !cx.is_plain(quantity.syntax()) {
         return None;
     }

@@ -81,7 +81,7 @@ pub(super) fn extract_struct(cx: &Cx<'_, '_>) -> Option<Assist> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{check, refused};
+    use super::super::tests::{assert_not_offered, check};
 
     #[test]
     fn uses_follow() {
@@ -115,10 +115,10 @@ mod tests {
 
     #[test]
     fn types_of_the_ids_stay() {
-        refused(
+        assert_not_offered(
             "extract-struct",
             "component c { ids { struct s { long x; } $0v; }; };\n",
         );
-        refused("extract-struct", "struct s { long x$0; };\n");
+        assert_not_offered("extract-struct", "struct s { long x$0; };\n");
     }
 }

@@ -123,7 +123,7 @@ fn mentions_constants(cx: &Cx<'_, '_>, params: &ast::ParamList, component: &str)
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{check, refused};
+    use super::super::tests::{assert_not_offered, check};
 
     #[test]
     fn ports_move_and_services_are_completed() {
@@ -165,8 +165,8 @@ component arm {
 
     #[test]
     fn from_the_head_of_a_component_only() {
-        refused("generate-interface", "component c { function f$0(); };\n");
-        refused("generate-interface", "interface i$0 { function f(); };\n");
-        refused("generate-interface", "component c$0 { };\n");
+        assert_not_offered("generate-interface", "component c { function f$0(); };\n");
+        assert_not_offered("generate-interface", "interface i$0 { function f(); };\n");
+        assert_not_offered("generate-interface", "component c$0 { };\n");
     }
 }

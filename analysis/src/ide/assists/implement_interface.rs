@@ -146,7 +146,7 @@ fn declaration(spec: &Spec, it: &Param) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{check, refused};
+    use super::super::tests::{assert_not_offered, check};
 
     #[test]
     fn what_is_missing() {
@@ -191,11 +191,11 @@ component c {
 
     #[test]
     fn nothing_is_missing() {
-        refused(
+        assert_not_offered(
             "implement-interface",
             "interface i { };\ncomponent c { provides i$0; };\n",
         );
-        refused(
+        assert_not_offered(
             "implement-interface",
             "interface i { function f(); };\ncomponent c { uses i$0; };\n",
         );

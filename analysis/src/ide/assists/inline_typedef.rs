@@ -103,7 +103,7 @@ fn parent(root: &SyntaxNode, range: TextRange) -> Option<SyntaxNode> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{check, refused};
+    use super::super::tests::{assert_not_offered, check};
 
     #[test]
     fn every_use() {
@@ -121,16 +121,16 @@ mod tests {
 
     #[test]
     fn not_where_a_name_is_needed() {
-        refused(
+        assert_not_offered(
             "inline-typedef",
             "typedef long t$0;\ncomponent c { port in t p; };\n",
         );
-        refused(
+        assert_not_offered(
             "inline-typedef",
             "typedef long t$0[2];\nstruct s { t x; };\n",
         );
         // The name would mean `u` of the module.
-        refused(
+        assert_not_offered(
             "inline-typedef",
             "typedef string u;\ntypedef u t$0;\nmodule m { struct u { long x; }; const t x = \"a\"; };\n",
         );

@@ -83,7 +83,7 @@ fn moves(cx: &Cx<'_, '_>) -> Option<Vec<Assist>> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{check, refused};
+    use super::super::tests::{assert_not_offered, check};
 
     #[test]
     fn to_a_state_without_codel() {
@@ -92,7 +92,7 @@ mod tests {
             "component c { task t { codel<start> f() yield go; codel<stop> g$0() yield ether; }; };\n",
             "component c { task t { codel<start> f() yield go; codel<go> g() yield ether; }; };\n",
         );
-        refused(
+        assert_not_offered(
             "move-codel",
             "component c { task t { codel<start> f$0() yield ether; }; };\n",
         );

@@ -47,7 +47,7 @@ pub(super) fn split_codel(cx: &Cx<'_, '_>) -> Option<Assist> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{check, refused};
+    use super::super::tests::{assert_not_offered, check};
 
     #[test]
     fn the_codel_that_was_there_comes_second() {
@@ -76,7 +76,7 @@ mod tests {
 
     #[test]
     fn simple_codels_have_no_state() {
-        refused(
+        assert_not_offered(
             "split-codel",
             "component c { function f() { codel g$0(); }; };\n",
         );

@@ -9,7 +9,7 @@ use crate::{
     base::normalize,
     elab::DefKind,
     ide::{FileView, SymbolKind},
-    unit::{Outcome, serving_visit, walk_unit},
+    unit::{DirectiveEffect, serving_visit, walk_unit},
 };
 
 const WORDS: &[(&str, &str)] = &[
@@ -258,8 +258,8 @@ fn defined(view: &FileView<'_>, at: usize) -> Vec<(String, String)> {
         .filter(|it| usize::from(it.range.start()) < at);
     let passed = includes_before.count();
     let environments = walked.outcomes.iter().filter_map(|it| match it {
-        Outcome::Include(it) => Some(it.as_ref().ok()),
-        Outcome::Requires(_) => None,
+        DirectiveEffect::Include(it) => Some(it.as_ref().ok()),
+        DirectiveEffect::Requires(_) => None,
     });
     let environments: Vec<_> = environments.collect();
     let last = environments.iter().take(passed).rev().find_map(|it| *it);

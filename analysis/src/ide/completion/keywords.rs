@@ -5,7 +5,7 @@
 
 use super::{
     Completions, codel,
-    names::{Names, Wanted},
+    names::{NameCategory, Names},
     pattern,
 };
 use crate::{
@@ -249,7 +249,7 @@ pub(super) fn statements(
             }
             let inserted = match goes_on {
                 true => Some((*word).to_owned()).filter(|_| *word != "task aperiodic"),
-                false => filled(names, context, body, word, insert, &given),
+                false => fill_clause(names, context, body, word, insert, &given),
             };
             let Some(inserted) = inserted else { continue };
             let item = out.snippet(*word, inserted, *rank);
@@ -260,7 +260,7 @@ pub(super) fn statements(
 }
 
 /// A clause with an existing name for each `@word`; `None` if a name is missing.
-fn filled(
+fn fill_clause(
     names: &Names<'_, '_>,
     context: &Context,
     body: BodyKind,
@@ -277,14 +277,19 @@ fn filled(
         out.push_str(before);
         let end = after.find(|it: char| !it.is_ascii_alphanumeric() && !"_-".contains(it));
         let (wanted, tail) = after.split_at(end.unwrap_or(after.len()));
-        out.push_str(&what(names, context, body, wanted)?);
+        out.push_str(&clause_value(names, context, body, wanted)?);
         rest = tail;
     }
     out.push_str(rest);
     Some(out)
 }
 
-fn what(names: &Names<'_, '_>, context: &Context, body: BodyKind, wanted: &str) -> Option<String> {
+fn clause_value(
+    names: &Names<'_, '_>,
+    context: &Context,
+    body: BodyKind,
+    wanted: &str,
+) -> Option<String> {
     let component = names.component();
     let first = |fill: &dyn Fn(&mut Completions)| {
         let mut found = Completions::empty();
@@ -292,8 +297,8 @@ fn what(names: &Names<'_, '_>, context: &Context, body: BodyKind, wanted: &str) 
         found.finish().into_iter().next().map(|it| it.label)
     };
     match wanted {
-        "port-type" => first(&|out| names.scoped(&[], Wanted::PortTypes, 0, out)),
-        "exception" => first(&|out| names.scoped(&[], Wanted::Exceptions, 0, out)),
+        "port-type" => first(&|out| names.scoped(&[], NameCategory::PortTypes, 0, out)),
+        "exception" => first(&|out| names.scoped(&[], NameCategory::Exceptions, 0, out)),
         "interface" => first(&|out| names.interfaces(&[], 0, out)),
         "task" => {
             let mut tasks = Completions::empty();
@@ -332,7 +337,7 @@ fn what(names: &Names<'_, '_>, context: &Context, body: BodyKind, wanted: &str) 
             }
             _ => "10 ms".to_owned(),
         }),
-        base => Some(names.free(base)),
+        base => Some(names.unused_name_like(base)),
     }
 }
 

@@ -37,11 +37,11 @@ pub(in crate::ide) struct Names<'a, 'db> {
 }
 
 /// The rank of items that are not proposed.
-const NEVER: u8 = u8::MAX;
+const NOT_PROPOSED: u8 = u8::MAX;
 
 /// The kind of names to propose.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Wanted {
+pub(super) enum NameCategory {
     Types,
     /// Types allowed for services and ports: without natives.
     PortTypes,
@@ -284,7 +284,13 @@ impl<'a, 'db> Names<'a, 'db> {
     }
 
     /// Names of scopes, after a qualifier in the last words of `before`.
-    pub(super) fn scoped(&self, before: &[Word], wanted: Wanted, rank: u8, out: &mut Completions) {
+    pub(super) fn scoped(
+        &self,
+        before: &[Word],
+        wanted: NameCategory,
+        rank: u8,
+        out: &mut Completions,
+    ) {
         let (absolute, qualifier) = qualifier(before);
         let within = match (absolute, qualifier.is_empty()) {
             (false, true) => None,
@@ -342,10 +348,10 @@ impl<'a, 'db> Names<'a, 'db> {
         }
     }
 
-    fn fits(&self, it: &Definition, wanted: Wanted) -> bool {
+    fn fits(&self, it: &Definition, wanted: NameCategory) -> bool {
         match wanted {
-            Wanted::Types | Wanted::PortTypes => {
-                let carried = |ty| wanted == Wanted::Types || !has_native(self.spec(), ty);
+            NameCategory::Types | NameCategory::PortTypes => {
+                let carried = |ty| wanted == NameCategory::Types || !has_native(self.spec(), ty);
                 matches!(
                     it.kind,
                     DefKind::Typedef
@@ -357,21 +363,27 @@ impl<'a, 'db> Names<'a, 'db> {
                 ) && it.ty.is_none_or(carried)
                     && !(it.kind == DefKind::Ids && self.in_ids)
             }
-            Wanted::ConstTypes | Wanted::SwitchTypes => {
+            NameCategory::ConstTypes | NameCategory::SwitchTypes => {
                 let kind = it
                     .ty
                     .map(|it| &self.spec().ty(self.spec().resolve_alias(it)).kind);
                 matches!(it.kind, DefKind::Typedef | DefKind::Enum)
-                    && kind.is_some_and(|it| has_values(it, wanted == Wanted::SwitchTypes))
+                    && kind.is_some_and(|it| has_values(it, wanted == NameCategory::SwitchTypes))
             }
-            Wanted::Constants => matches!(it.kind, DefKind::Const | DefKind::Enumerator),
-            Wanted::Exceptions => it.kind == DefKind::Exception,
+            NameCategory::Constants => matches!(it.kind, DefKind::Const | DefKind::Enumerator),
+            NameCategory::Exceptions => it.kind == DefKind::Exception,
         }
     }
 
     /// Everything that may begin a type.
-    pub(super) fn types(&self, before: &[Word], wanted: Wanted, rank: u8, out: &mut Completions) {
-        let named_only = wanted == Wanted::PortTypes;
+    pub(super) fn types(
+        &self,
+        before: &[Word],
+        wanted: NameCategory,
+        rank: u8,
+        out: &mut Completions,
+    ) {
+        let named_only = wanted == NameCategory::PortTypes;
         self.scoped(before, wanted, rank + u8::from(!named_only), out);
         if named_only || before.last().is_some_and(|it| it.is("::")) {
             return;
@@ -380,7 +392,7 @@ impl<'a, 'db> Names<'a, 'db> {
     }
 
     /// The base types of the language, the most frequent first.
-    pub(super) fn base_types(&self, wanted: Wanted, rank: u8, out: &mut Completions) {
+    pub(super) fn base_types(&self, wanted: NameCategory, rank: u8, out: &mut Completions) {
         for it in [
             "double",
             "long",
@@ -397,17 +409,17 @@ impl<'a, 'db> Names<'a, 'db> {
             "any",
         ] {
             let fits = match wanted {
-                Wanted::SwitchTypes => {
+                NameCategory::SwitchTypes => {
                     !matches!(it, "double" | "float" | "string" | "octet" | "any")
                 }
-                Wanted::ConstTypes => it != "any",
+                NameCategory::ConstTypes => it != "any",
                 _ => true,
             };
             if fits {
                 out.add(it, CompletionKind::BaseType, rank);
             }
         }
-        if wanted != Wanted::Types {
+        if wanted != NameCategory::Types {
             return;
         }
         out.snippet("sequence<…>", "sequence<${1:long}>", rank + 1);
@@ -417,7 +429,7 @@ impl<'a, 'db> Names<'a, 'db> {
     }
 
     /// An unused name like this one that is not a prefix of another name.
-    pub(super) fn free(&self, base: &str) -> String {
+    pub(super) fn unused_name_like(&self, base: &str) -> String {
         let all = &self.elaborated.definitions;
         let taken = |name: &str| {
             let begun = format!("{name}_");
@@ -443,7 +455,7 @@ impl<'a, 'db> Names<'a, 'db> {
             return;
         }
         let first = out.items.len();
-        self.scoped(before, Wanted::Constants, 3, out);
+        self.scoped(before, NameCategory::Constants, 3, out);
         let spec = self.spec();
         let resolved = expected.map(|it| self.value_type(it));
         for item in &mut out.items[first..] {
@@ -462,13 +474,15 @@ impl<'a, 'db> Names<'a, 'db> {
             });
             let holds = |ty| value.is_none_or(|it| holds(spec, ty, it));
             match (resolved, of) {
-                (Some(wanted), Some(of)) if self.same(wanted, of) && holds(wanted) => item.rank = 0,
+                (Some(wanted), Some(of)) if self.same_type(wanted, of) && holds(wanted) => {
+                    item.rank = 0
+                }
                 // Other values do not convert.
-                (Some(_), Some(_)) => item.rank = NEVER,
+                (Some(_), Some(_)) => item.rank = NOT_PROPOSED,
                 _ => {}
             }
         }
-        out.items.retain(|it| it.rank != NEVER);
+        out.items.retain(|it| it.rank != NOT_PROPOSED);
         if before.last().is_some_and(|it| it.is("::")) {
             return;
         }
@@ -484,7 +498,7 @@ impl<'a, 'db> Names<'a, 'db> {
             return;
         }
         let first = out.items.len();
-        self.scoped(before, Wanted::Constants, 3, out);
+        self.scoped(before, NameCategory::Constants, 3, out);
         let spec = self.spec();
         let fits = |item: &super::CompletionItem| {
             let definition = item
@@ -522,7 +536,7 @@ impl<'a, 'db> Names<'a, 'db> {
         id
     }
 
-    fn same(&self, a: TypeId, b: TypeId) -> bool {
+    fn same_type(&self, a: TypeId, b: TypeId) -> bool {
         let number = |it: TypeId| {
             matches!(
                 self.spec().ty(it).kind,
@@ -586,7 +600,7 @@ impl<'a, 'db> Names<'a, 'db> {
     }
 
     /// Returns true if the component already provides, uses or extends an interface.
-    fn lists(&self, interface: &str) -> bool {
+    fn has_interface(&self, interface: &str) -> bool {
         let all = &self.spec().components;
         let named = |it: &u32| all.get(*it as usize).is_some_and(|it| it.name == interface);
         self.component().is_some_and(|it| {
@@ -599,9 +613,15 @@ impl<'a, 'db> Names<'a, 'db> {
     pub(super) fn interfaces(&self, used: &[Word], rank: u8, out: &mut Completions) {
         for it in &self.elaborated.definitions {
             let own = self.component().is_some_and(|own| own.name == it.name);
-            let named = used.iter().any(|word| word.text == it.name) || self.lists(&it.name);
-            let free = || self.has_room_for(&it.name);
-            if it.kind == DefKind::Interface && !own && !named && self.is_before(it) && free() {
+            let named =
+                used.iter().any(|word| word.text == it.name) || self.has_interface(&it.name);
+            let unused_name_like = || self.has_room_for(&it.name);
+            if it.kind == DefKind::Interface
+                && !own
+                && !named
+                && self.is_before(it)
+                && unused_name_like()
+            {
                 self.push(it, it.name.to_string(), rank, out);
             }
         }

@@ -5,7 +5,7 @@ use smol_str::SmolStr;
 
 use super::{
     CompletionKind, Completions, initializer,
-    names::{Names, Wanted},
+    names::{NameCategory, Names},
     parameter_list::{DIRECTIONS, List, SOURCES, list_kind, parameter_type, service_around, walk},
     sharing::Shared,
     statement::type_or_nothing,
@@ -30,7 +30,7 @@ pub(super) fn in_parentheses(names: &Names<'_, '_>, context: &Context, out: &mut
         Some(List::Service) => service_param(names, context, words, out),
         None if context.head(frame).last().is_some_and(|it| it.is("switch")) => {
             out.items.clear();
-            type_or_nothing(names, context, words, Wanted::SwitchTypes, out);
+            type_or_nothing(names, context, words, NameCategory::SwitchTypes, out);
         }
         None => names.numbers(words, false, out),
     }
@@ -44,7 +44,7 @@ pub(super) fn in_parentheses(names: &Names<'_, '_>, context: &Context, out: &mut
 }
 
 /// Items for a parameter that continues after the cursor: directions, if only they are missing.
-fn goes_on(context: &Context) -> bool {
+fn complete_before_parameter(context: &Context) -> bool {
     let next = context.after.next();
     next.is_some_and(|it| {
         it.kind == dotgen_syntax::SyntaxKind::IDENT && !it.is_any(DIRECTIONS) && !it.is_any(SOURCES)
@@ -179,7 +179,7 @@ fn codel_param(
     all.retain(|it| !used.contains(&it.name) && !shared.forbids(it.source, &it.name));
     let mut whole_ids = whole_ids && !shared.any;
     // A codel that is used elsewhere has the same parameters everywhere.
-    if let Some(other) = elsewhere(names, context) {
+    if let Some(other) = other_use_of_codel(names, context) {
         all.retain_mut(|it| {
             let same = other.params.iter().find(|param| param.name == it.name);
             it.directions = match same.map(|it| it.dir) {
@@ -202,7 +202,7 @@ fn codel_param(
         if !rest.is_empty() {
             return;
         }
-        if goes_on(context) {
+        if complete_before_parameter(context) {
             out.keywords(DIRECTIONS, 0);
             return;
         }
@@ -285,7 +285,7 @@ fn codel_param(
 }
 
 /// The same codel at another place of the component.
-fn elsewhere<'a>(names: &Names<'a, '_>, context: &Context) -> Option<&'a Codel> {
+fn other_use_of_codel<'a>(names: &Names<'a, '_>, context: &Context) -> Option<&'a Codel> {
     let name = context.head(context.top()).last()?;
     let component = names.component()?;
     let mut all = component.all_codels().map(|it| component.codel(it));
@@ -325,7 +325,7 @@ fn attribute_param(
         item.definition = names.definition_of(ty);
     };
     match words {
-        [] if goes_on(context) => out.keywords(DIRECTIONS, 0),
+        [] if complete_before_parameter(context) => out.keywords(DIRECTIONS, 0),
         [dir]
             if dir.is_any(DIRECTIONS)
                 && context
@@ -369,7 +369,7 @@ fn service_param(names: &Names<'_, '_>, context: &Context, words: &[Word], out: 
     }
     match words.split_first() {
         Some((dir, rest)) if dir.is_any(DIRECTIONS) => {
-            type_or_nothing(names, context, rest, Wanted::PortTypes, out);
+            type_or_nothing(names, context, rest, NameCategory::PortTypes, out);
             if rest.last().is_none_or(|it| !it.is("::")) && rest.is_empty() {
                 let follows = &context.after.rest;
                 let typed = matches!(follows.as_slice(), [a, b, ..]
@@ -377,7 +377,7 @@ fn service_param(names: &Names<'_, '_>, context: &Context, words: &[Word], out: 
                         && (b.kind == dotgen_syntax::SyntaxKind::IDENT || b.is_any(&["::", "<"])));
                 let in_path = follows.first().is_some_and(|it| it.is("::"));
                 if !in_path && (!typed || !context.word.is_empty()) {
-                    names.base_types(Wanted::Types, 0, out);
+                    names.base_types(NameCategory::Types, 0, out);
                 }
             }
             // An existing default value fits few other types.

@@ -23,7 +23,8 @@ pub(super) fn codel_name(names: &Names<'_, '_>, context: &Context, state: Option
         (false, None) => "{o}_codel".to_owned(),
     };
     let component = names.component();
-    let pattern = component.and_then(|it| usual(names, it, state.is_some(), context.body().0));
+    let pattern =
+        component.and_then(|it| most_common_pattern(names, it, state.is_some(), context.body().0));
     let pattern = pattern.unwrap_or(fallback);
     let own = component.map_or("", |it| it.name.as_str());
     let state = state.unwrap_or_default();
@@ -33,11 +34,11 @@ pub(super) fn codel_name(names: &Names<'_, '_>, context: &Context, state: Option
         .replace("{s}", state)
         .replace("{O}", &camel(&owner))
         .replace("{S}", &camel(state));
-    names.free(&name)
+    names.unused_name_like(&name)
 }
 
 /// The pattern of most codels of the component.
-fn usual(
+fn most_common_pattern(
     names: &Names<'_, '_>,
     component: &Component,
     machine: bool,
@@ -76,7 +77,7 @@ fn pattern_of(name: &str, component: &str, owner: &str, state: &str) -> Option<P
     parts.sort_by_key(|it| std::cmp::Reverse(it.0.len()));
     let mut out = name.to_owned();
     for (word, place) in parts {
-        if let Some(at) = whole(&out, &word) {
+        if let Some(at) = whole_word_offset(&out, &word) {
             out.replace_range(at..at + word.len(), place);
         }
     }
@@ -87,7 +88,7 @@ fn pattern_of(name: &str, component: &str, owner: &str, state: &str) -> Option<P
 }
 
 /// The offset of a word in a name, bounded by `_`, a change of case, or a part that was already found.
-fn whole(name: &str, word: &str) -> Option<usize> {
+fn whole_word_offset(name: &str, word: &str) -> Option<usize> {
     let bytes = name.as_bytes();
     let mut from = 0;
     while let Some(found) = name.get(from..)?.find(word) {

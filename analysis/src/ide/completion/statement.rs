@@ -5,7 +5,7 @@ use super::{
     codel::{self, after_simple_codel},
     elements::{quantity, sizes, tasks},
     keywords,
-    names::{Names, Wanted},
+    names::{NameCategory, Names},
 };
 use crate::{
     elab::Entity,
@@ -30,7 +30,7 @@ pub(super) fn complete(
         keywords::statements(names, context, body, out);
         match body {
             BodyKind::Members | BodyKind::Ids => {
-                type_or_nothing(names, context, words, Wanted::Types, out);
+                type_or_nothing(names, context, words, NameCategory::Types, out);
             }
             BodyKind::Task | BodyKind::Activity => codel::machine_snippets(names, context, out),
             _ => {}
@@ -49,9 +49,9 @@ pub(super) fn complete(
                 let expected = names.type_before_name(&rest[..eq]);
                 names.constants(&rest[eq + 1..], expected, out);
             }
-            None => type_or_nothing(names, context, rest, Wanted::ConstTypes, out),
+            None => type_or_nothing(names, context, rest, NameCategory::ConstTypes, out),
         },
-        "typedef" => type_or_nothing(names, context, rest, Wanted::Types, out),
+        "typedef" => type_or_nothing(names, context, rest, NameCategory::Types, out),
         "union" if rest.len() == 1 => {
             let clause = match context.after.next() {
                 Some(_) => "switch",
@@ -65,13 +65,13 @@ pub(super) fn complete(
         "case" | "default" => {
             let colon = rest.iter().rposition(|it| it.is(":"));
             let rest = &rest[colon.map_or(0, |it| it + 1)..];
-            type_or_nothing(names, context, rest, Wanted::Types, out);
+            type_or_nothing(names, context, rest, NameCategory::Types, out);
         }
         "port" => port(names, context, rest, out),
         "local" => {
             // As in the list of parameters.
             let last = rest.split(|it| it.is(",")).next_back().unwrap_or_default();
-            type_or_nothing(names, context, last, Wanted::Types, out);
+            type_or_nothing(names, context, last, NameCategory::Types, out);
         }
         "task" if in_service(body) && rest.is_empty() => {
             tasks(names, out);
@@ -81,7 +81,7 @@ pub(super) fn complete(
             in_list(context, out);
         }
         "throws" | "throw" if rest.last().is_none_or(|it| it.is(",") || it.is("::")) => {
-            names.scoped(rest, Wanted::Exceptions, 0, out);
+            names.scoped(rest, NameCategory::Exceptions, 0, out);
             let same = |it: &[Word], label: &str| {
                 it.iter().map(|it| it.text.as_str()).collect::<String>() == label
             };
@@ -116,7 +116,7 @@ pub(super) fn complete(
         "validate" if rest.is_empty() => codel::name(names, context, None, out),
         "validate" => after_simple_codel(names, context, rest, out),
         _ if matches!(body, BodyKind::Members | BodyKind::Ids) => {
-            type_or_nothing(names, context, words, Wanted::Types, out);
+            type_or_nothing(names, context, words, NameCategory::Types, out);
         }
         _ => {}
     }
@@ -168,7 +168,7 @@ pub(super) fn type_or_nothing(
     names: &Names<'_, '_>,
     context: &Context,
     words: &[Word],
-    wanted: Wanted,
+    wanted: NameCategory,
     out: &mut Completions,
 ) {
     let known = out.items.len();
@@ -221,7 +221,7 @@ pub(super) fn type_or_nothing(
     }
 }
 
-fn type_at(names: &Names<'_, '_>, words: &[Word], wanted: Wanted, out: &mut Completions) {
+fn type_at(names: &Names<'_, '_>, words: &[Word], wanted: NameCategory, out: &mut Completions) {
     let Some(last) = words.last() else {
         names.types(words, wanted, 0, out);
         return;
@@ -231,7 +231,7 @@ fn type_at(names: &Names<'_, '_>, words: &[Word], wanted: Wanted, out: &mut Comp
         "::" => names.types(words, wanted, 0, out),
         "<" if before_last.is_some_and(|it| it.is_any(&["sequence", "optional"])) => {
             let known = out.items.len();
-            names.types(&[], Wanted::Types, 0, out);
+            names.types(&[], NameCategory::Types, 0, out);
             // `>>` is one token.
             for item in out.items[known..]
                 .iter_mut()
@@ -265,7 +265,13 @@ fn in_angles(words: &[Word]) -> bool {
 fn port(names: &Names<'_, '_>, context: &Context, rest: &[Word], out: &mut Completions) {
     let dir = rest.iter().position(|it| it.is_any(&["in", "out"]));
     match dir {
-        Some(dir) => type_or_nothing(names, context, &rest[dir + 1..], Wanted::PortTypes, out),
+        Some(dir) => type_or_nothing(
+            names,
+            context,
+            &rest[dir + 1..],
+            NameCategory::PortTypes,
+            out,
+        ),
         None => {
             let next = context.after.next();
             let directed = next.is_some_and(|it| it.is_any(&["in", "out"]));

@@ -5,13 +5,13 @@ use dotgen_syntax::{
     ast::{self, AstNode},
 };
 
-use super::{Lower, Tight};
+use super::{CollectExact, Lowering};
 use crate::item_tree::{
     CodelDecl, Designator, Dir, InitValue, Initializer, ParamDecl, ParamSpec, PathStep,
     ServiceDecl, ServiceKind, Source, StateRef, WcetClause,
 };
 
-impl Lower<'_> {
+impl Lowering<'_> {
     pub(super) fn service(&mut self, it: &ast::Service) -> ServiceDecl {
         ServiceDecl {
             ptr: self.node(it.syntax()),
@@ -46,7 +46,7 @@ impl Lower<'_> {
                         .filter(|it| it.expr().is_some())
                         .map(|it| self.duration(&it)),
                 })
-                .tight(),
+                .collect_exact(),
         }
     }
 
@@ -59,14 +59,14 @@ impl Lower<'_> {
                     name: self.name_ref(it.name_ref())?,
                 })
             })
-            .tight()
+            .collect_exact()
     }
 
     fn params(&mut self, list: Option<ast::ParamList>) -> Vec<ParamDecl> {
         list.into_iter()
             .flat_map(|it| it.params())
             .filter_map(|it| self.param(&it))
-            .tight()
+            .collect_exact()
     }
 
     fn param(&mut self, it: &ast::Param) -> Option<ParamDecl> {
@@ -99,7 +99,7 @@ impl Lower<'_> {
                     .into_iter()
                     .flat_map(|it| it.steps())
                     .filter_map(|it| self.path_step(&it))
-                    .tight();
+                    .collect_exact();
                 let rename = it.rename().and_then(|it| self.name(it.name()));
                 if path.is_empty() && rename.is_none() {
                     return None;
@@ -148,7 +148,9 @@ impl Lower<'_> {
             }),
             value: match (it.initializer_list(), it.expr()) {
                 (Some(list), _) => Some(InitValue::Compound(
-                    list.initializers().map(|it| self.initializer(&it)).tight(),
+                    list.initializers()
+                        .map(|it| self.initializer(&it))
+                        .collect_exact(),
                 )),
                 (None, Some(expr)) => Some(InitValue::Scalar(self.expr(Some(expr), node))),
                 (None, None) => None,

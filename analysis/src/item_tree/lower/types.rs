@@ -6,13 +6,13 @@ use dotgen_syntax::{
 };
 use smol_str::SmolStr;
 
-use super::{Lower, Tight};
+use super::{CollectExact, Lowering};
 use crate::item_tree::{
     BaseType, BinaryOp, Declarator, Duration, Expr, ExprKind, Path, Ptr, TypeDecl, TypeDeclKind,
     TypeRef, TypeRefKind, UnaryOp, Unit,
 };
 
-impl Lower<'_> {
+impl Lowering<'_> {
     /// A type; if it is missing, `owner` is reported.
     pub(super) fn type_ref(&mut self, ty: Option<ast::TypeSpec>, owner: &SyntaxNode) -> TypeRef {
         let Some(ty) = ty else {
@@ -58,7 +58,7 @@ impl Lower<'_> {
                     .into_iter()
                     .flat_map(|it| it.enumerators())
                     .filter_map(|it| self.name(it.name()))
-                    .tight();
+                    .collect_exact();
                 Some(inline(name, TypeDeclKind::Enum { enumerators }, ptr))
             }
         };
@@ -69,7 +69,7 @@ impl Lower<'_> {
     }
 
     pub(super) fn declarators(&mut self, all: AstChildren<ast::Declarator>) -> Vec<Declarator> {
-        all.filter_map(|it| self.declarator(&it)).tight()
+        all.filter_map(|it| self.declarator(&it)).collect_exact()
     }
 
     pub(super) fn declarator(&mut self, it: &ast::Declarator) -> Option<Declarator> {
@@ -78,7 +78,7 @@ impl Lower<'_> {
             dimensions: it
                 .dimensions()
                 .map(|it| self.expr(it.expr(), it.syntax()))
-                .tight(),
+                .collect_exact(),
         })
     }
 
@@ -156,7 +156,7 @@ impl Lower<'_> {
                 tokens
                     .iter()
                     .map(|it| (self.string_text(it), self.token(it)))
-                    .tight(),
+                    .collect_exact(),
             ),
             None => ExprKind::Missing,
         }

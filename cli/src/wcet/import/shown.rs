@@ -8,8 +8,8 @@ use clap::builder::styling::{AnsiColor, Style};
 use dotgen_analysis::model::Seconds;
 use dotgen_analysis::terminal;
 use dotgen_recording::edits::Refusal;
-use dotgen_recording::matching::Stray;
-use dotgen_recording::propose::{Decision, written};
+use dotgen_recording::matching::Mismatch;
+use dotgen_recording::proposal::{Decision, written};
 use dotgen_syntax::line_index::{LineIndex, PositionEncoding};
 use num_rational::Ratio;
 use serde_json::{Value, json};
@@ -144,14 +144,14 @@ fn in_words(row: &Row) -> &'static str {
     }
 }
 
-fn why(stray: Stray) -> &'static str {
+fn why(stray: Mismatch) -> &'static str {
     match stray {
-        Stray::Component => "no component of that name is given",
-        Stray::Task => "the component has no such task",
-        Stray::State => "there is no such state or codel",
-        Stray::Function => "the specification has another function there",
-        Stray::WrongTask => "the activity belongs to another task",
-        Stray::NoCodel => "the attribute is handled without a codel",
+        Mismatch::Component => "no component of that name is given",
+        Mismatch::Task => "the component has no such task",
+        Mismatch::State => "there is no such state or codel",
+        Mismatch::Function => "the specification has another function there",
+        Mismatch::WrongTask => "the activity belongs to another task",
+        Mismatch::NoCodel => "the attribute is handled without a codel",
     }
 }
 

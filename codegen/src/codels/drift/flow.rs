@@ -2,7 +2,7 @@
 
 use dotgen_analysis::model::fsm::Machine;
 use dotgen_analysis::model::{CodelKind, CodelRef, TypeId, TypeKind};
-use dotgen_syntax::near::nearest;
+use dotgen_syntax::suggestion::nearest;
 use rustc_hash::FxHashSet;
 use smol_str::SmolStr;
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use camino::Utf8PathBuf;
 use dotgen_analysis::model::{ParamSource, Src, TypeId, TypeKind};
-use dotgen_syntax::near::nearest;
+use dotgen_syntax::suggestion::nearest;
 use rustc_hash::{FxHashMap, FxHashSet};
 use smol_str::SmolStr;
 use tree_sitter::Node;

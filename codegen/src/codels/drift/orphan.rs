@@ -1,7 +1,7 @@
 //! Functions that look like codels and that no specification names.
 
 use dotgen_analysis::model::{CodelKind, CodelRef, Owner};
-use dotgen_syntax::near::nearest;
+use dotgen_syntax::suggestion::nearest;
 use rustc_hash::FxHashSet;
 
 use super::finding::Differing;

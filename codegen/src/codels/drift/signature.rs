@@ -1,6 +1,6 @@
 //! Comparison of prototypes after normalization.
 
-use dotgen_analysis::model::Awaited;
+use dotgen_analysis::model::UnknownDependencies;
 
 use super::finding::{Clauses, Differing};
 use super::{Check, Drift, FunctionIn, Repair};
@@ -62,7 +62,7 @@ fn report(check: &Check<'_>, found: FunctionIn<'_>, differences: &[String]) -> D
     let text = found.file.text.get(found.function.signature_span.clone());
     drift.found = text.map(str::to_owned);
     // The types of the other parameters are unknown. A guess must not replace the written types.
-    if check.function.awaits == Awaited::default() {
+    if check.function.awaits == UnknownDependencies::default() {
         drift.repairs.push(Repair::UpdateSignature {
             name: name.clone(),
             path: found.file.path.clone(),

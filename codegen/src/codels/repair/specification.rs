@@ -7,7 +7,7 @@ use std::{ops::Range, sync::Arc};
 
 use camino::Utf8PathBuf;
 use dotgen_analysis::model::{CodelRef, Owner, Src, State, TypeId};
-use dotgen_analysis::{lists::appended, spelling::Spelling};
+use dotgen_analysis::{lists::append_to_list, spelling::Spelling};
 
 use super::Repairs;
 use crate::codels::{edit::Edit, expected::state_text};
@@ -57,7 +57,7 @@ impl Repairs<'_> {
             .collect();
         let items = items.unwrap_or_else(|| vec![last.range.clone()]);
         let mut edit = Edit::default();
-        for (range, text) in appended(&last.text, &items, state) {
+        for (range, text) in append_to_list(&last.text, &items, state) {
             edit.replace(&last.path, range, text);
         }
         Some(edit)
@@ -100,7 +100,7 @@ impl Repairs<'_> {
         if items.is_empty() {
             self.add_property(&at, body, &format!("throw {name};"), &mut edit);
         }
-        for (range, text) in appended(&at.text, &items, &name) {
+        for (range, text) in append_to_list(&at.text, &items, &name) {
             edit.replace(&at.path, range, text);
         }
         Some(edit)

@@ -97,7 +97,7 @@ impl State {
     pub(super) fn rest(&mut self) {
         let idle = Arc::strong_count(&self.readers) == 1;
         if idle && std::mem::take(&mut self.worked) {
-            self.host.shrink();
+            self.host.evict_cache();
         }
         self.worked = true;
     }

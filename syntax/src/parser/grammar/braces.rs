@@ -60,7 +60,7 @@ pub(super) fn open<'a>(p: &mut Parser<'_>, fragment: Fragment, owner: &'a str) -
             &format!("`{{` to open the body of {owner}"),
             "add `{` before it",
         );
-        p.lacks("{");
+        p.add_missing_brace("{");
     }
     p.open += 1;
     Body {
@@ -95,7 +95,7 @@ pub(super) fn close(p: &mut Parser<'_>, body: Body<'_>) {
             _ => ("};", Parsing::BodyNotClosed { owner, found }),
         };
         p.error_here(kind);
-        p.lacks(missing);
+        p.add_missing_brace(missing);
         if let Some(brace) = body.brace {
             p.explain(brace, "this `{` is not closed");
         }
@@ -254,17 +254,17 @@ fn may_follow(p: &Parser<'_>, fragment: Fragment) -> bool {
 pub(super) fn is_stray(p: &Parser<'_>, fragment: Fragment) -> bool {
     fragment == Fragment::Component
         && p.has_spare_brace()
-        && holds(p, p.position() + 1) == Some(true)
+        && holds_component_items(p, p.position() + 1) == Some(true)
 }
 
 /// Returns true if a `}` follows that ends a body without a first line, before another component begins.
 pub(super) fn lacks_head(p: &Parser<'_>) -> bool {
-    p.has_spare_brace() && holds(p, p.position()).is_some()
+    p.has_spare_brace() && holds_component_items(p, p.position()).is_some()
 }
 
 /// Returns true if items that only components hold are between a token and the next `}` that closes nothing
 /// opened here; `None` if a component begins before that `}`.
-fn holds(p: &Parser<'_>, start: usize) -> Option<bool> {
+fn holds_component_items(p: &Parser<'_>, start: usize) -> Option<bool> {
     const HELD: TokenSet = TokenSet::new(&[
         IDS_KW,
         PORT_KW,
@@ -283,7 +283,7 @@ fn holds(p: &Parser<'_>, start: usize) -> Option<bool> {
 }
 
 /// A `}` without a partner, with the `;` after it.
-pub(super) fn extra(p: &mut Parser<'_>) {
+pub(super) fn spare_brace(p: &mut Parser<'_>) {
     let m = p.start();
     if p.unclosed > 0 {
         p.unclosed -= 1;

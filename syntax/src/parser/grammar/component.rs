@@ -68,7 +68,7 @@ fn port(p: &mut Parser<'_>) {
     p.eat(MULTIPLE_KW);
     if !p.eat(IN_KW) && !p.eat(OUT_KW) {
         p.expected("the direction of the port, `in` or `out`");
-    } else if types::type_spec(p, types::Allow::Constructed) {
+    } else if types::type_spec(p, types::AllowedTypes::Constructed) {
         types::declared_name(p);
     }
     property::properties(p, "this port");

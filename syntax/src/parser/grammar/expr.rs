@@ -54,7 +54,7 @@ pub(super) fn in_angles(p: &mut Parser<'_>) {
 }
 
 /// The binding power of the current token as a binary operator; 0 if it is not one.
-fn strength(p: &Parser<'_>) -> u8 {
+fn binding_power(p: &Parser<'_>) -> u8 {
     match p.current() {
         PIPE => 1,
         CARET => 2,
@@ -70,18 +70,18 @@ fn strength(p: &Parser<'_>) -> u8 {
 fn binary(p: &mut Parser<'_>, weakest: u8, what: &str) -> Option<Operand> {
     let (mut lhs, mut height) = unary(p, what)?;
     loop {
-        let strength = strength(p);
-        if strength < weakest || strength == 0 {
+        let binding_power = binding_power(p);
+        if binding_power < weakest || binding_power == 0 {
             return Some((lhs, height));
         }
         if height >= MAX_HEIGHT {
             p.error_here(Parsing::LongExpression);
-            p.swallow();
+            p.skip_construct();
             return Some((lhs, height));
         }
         let m = lhs.precede(p);
         p.bump_any();
-        let rhs = binary(p, strength + 1, "a value after the operator");
+        let rhs = binary(p, binding_power + 1, "a value after the operator");
         height = height.max(rhs.map_or(0, |it| it.1)) + 1;
         lhs = m.complete(p, BINARY_EXPR);
         if rhs.is_none() {

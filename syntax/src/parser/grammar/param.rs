@@ -102,7 +102,7 @@ fn typed_param(p: &mut Parser<'_>) {
             p.insert_before("in ", false);
         }
         let m = p.start();
-        if types::type_spec(p, types::Allow::Constructed) && types::declarator(p) {
+        if types::type_spec(p, types::AllowedTypes::Constructed) && types::declarator(p) {
             default_value(p);
         }
         m.complete(p, ERROR);
@@ -114,7 +114,7 @@ fn typed_param(p: &mut Parser<'_>) {
     }
     let m = p.start();
     p.bump_contextual();
-    if types::type_spec(p, types::Allow::Constructed) && types::declarator(p) {
+    if types::type_spec(p, types::AllowedTypes::Constructed) && types::declarator(p) {
         default_value(p);
     }
     m.complete(p, TYPED_PARAM);

@@ -180,7 +180,7 @@ pub(super) fn property(p: &mut Parser<'_>) -> bool {
             VALIDATE_PROPERTY
         }
         LOCAL_KW => {
-            if types::type_spec(p, types::Allow::Constructed) {
+            if types::type_spec(p, types::AllowedTypes::Constructed) {
                 comma_list(p, types::declarator);
             }
             LOCAL_PROPERTY

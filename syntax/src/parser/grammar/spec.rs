@@ -15,7 +15,7 @@ pub(super) fn items(p: &mut Parser<'_>, fragment: Fragment, body: Option<braces:
             (EOF, _) => break,
             (_, Some(body)) if leaves_body(p, fragment) || braces::is_left(p, body) => break,
             (R_CURLY, Some(_)) if !braces::is_stray(p, fragment) => break,
-            (R_CURLY, _) => braces::extra(p),
+            (R_CURLY, _) => braces::spare_brace(p),
             _ => item(p, fragment),
         }
         debug_assert!(p.position() > before, "no progress");
@@ -284,7 +284,7 @@ fn skip_tokens(p: &mut Parser<'_>) {
         const AFTER_TEXT: TokenSet =
             TokenSet::new(&[SEMICOLON, COMMA, COLON, R_PAREN, R_CURLY, STRING, EOF]);
         if !first && p.is_after_long_literal() && !p.at_ts(AFTER_TEXT) {
-            p.turn_inside_out();
+            p.mark_exchanged();
         }
         if !first && (open == 0 && at_item(p) || leaves_body(p, Fragment::Module)) {
             return;

@@ -21,7 +21,7 @@ pub(super) fn const_decl(p: &mut Parser<'_>) {
     if p.at_ts(UNFIT) {
         unfit_type(p, Parsing::UnfitConstant);
     } else {
-        type_spec(p, Allow::Simple);
+        type_spec(p, AllowedTypes::Simple);
     }
     if name(p) {
         if p.eat(EQ) {
@@ -40,7 +40,7 @@ pub(super) fn const_decl(p: &mut Parser<'_>) {
 pub(super) fn typedef_decl(p: &mut Parser<'_>) {
     let m = p.start();
     p.bump(TYPEDEF_KW);
-    if type_spec(p, Allow::Constructed) {
+    if type_spec(p, AllowedTypes::Constructed) {
         comma_list(p, declarator);
     }
     semicolon(p, "this typedef");
@@ -99,7 +99,7 @@ pub(super) fn type_decl(p: &mut Parser<'_>) {
         UNION_KW => "this union",
         _ => "this enum",
     };
-    type_spec(p, Allow::Constructed);
+    type_spec(p, AllowedTypes::Constructed);
     semicolon(p, what);
     m.complete(p, TYPE_DECL);
 }
@@ -112,7 +112,7 @@ pub(super) fn member(p: &mut Parser<'_>) -> bool {
         return false;
     }
     let m = p.start();
-    if type_spec(p, Allow::Constructed) {
+    if type_spec(p, AllowedTypes::Constructed) {
         comma_list(p, declarator);
     }
     semicolon(p, "this member");
@@ -141,7 +141,7 @@ pub(super) fn case(p: &mut Parser<'_>) -> bool {
         }
         label.complete(p, CASE_LABEL);
     }
-    if !p.is_reported() && type_spec(p, Allow::Constructed) {
+    if !p.is_reported() && type_spec(p, AllowedTypes::Constructed) {
         declarator(p);
     }
     semicolon(p, "this case");
@@ -208,7 +208,7 @@ pub(super) fn begins_param(p: &Parser<'_>) -> bool {
 
 /// The types that a place allows.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Allow {
+pub(super) enum AllowedTypes {
     /// All but declarations of structs, unions and enums.
     Simple,
     /// All.
@@ -247,13 +247,13 @@ pub(super) const TYPE_FIRST: TokenSet = TokenSet::new(&[
 // typedef unsigned short j; typedef unsigned long k; typedef unsigned long long l;
 // typedef string m; typedef string<N> n; typedef fixed<5, 2> o; typedef fixed p;
 // typedef sequence<long> q; typedef sequence<optional<a::b>, 2 * 3> r; typedef ::a s;
-pub(super) fn type_spec(p: &mut Parser<'_>, allow: Allow) -> bool {
+pub(super) fn type_spec(p: &mut Parser<'_>, allow: AllowedTypes) -> bool {
     const TEMPLATES: TokenSet = TokenSet::new(&[SEQUENCE_KW, OPTIONAL_KW, STRING_KW]);
     const BLOCKS: TokenSet = TokenSet::new(&[STRUCT_KW, ENUM_KW]);
     if p.at(IDENT) && p.nth(1) == L_ANGLE {
         p.respell(TEMPLATES, |_| true);
     } else if p.at(IDENT) && p.nth(1) == IDENT && p.nth(2) == L_CURLY {
-        p.respell(BLOCKS, |_| allow == Allow::Constructed);
+        p.respell(BLOCKS, |_| allow == AllowedTypes::Constructed);
     }
     match p.current() {
         UNSIGNED_KW | SHORT_KW | LONG_KW | FLOAT_KW | DOUBLE_KW | CHAR_KW | BOOLEAN_KW
@@ -271,7 +271,9 @@ pub(super) fn type_spec(p: &mut Parser<'_>, allow: Allow) -> bool {
             path_with(p, true);
             m.complete(p, NAMED_TYPE);
         }
-        STRUCT_KW | UNION_KW | ENUM_KW if allow == Allow::Constructed => return constructed(p),
+        STRUCT_KW | UNION_KW | ENUM_KW if allow == AllowedTypes::Constructed => {
+            return constructed_type(p);
+        }
         STRUCT_KW | UNION_KW | ENUM_KW => {
             unfit_type(p, Parsing::DeclaredHere);
         }
@@ -294,7 +296,7 @@ pub(super) fn type_spec(p: &mut Parser<'_>, allow: Allow) -> bool {
 fn unfit_type(p: &mut Parser<'_>, kind: Parsing) {
     let m = p.start();
     p.error_here(kind);
-    type_spec(p, Allow::Constructed);
+    type_spec(p, AllowedTypes::Constructed);
     m.complete(p, ERROR);
 }
 
@@ -383,7 +385,7 @@ fn template_type(p: &mut Parser<'_>) -> bool {
         OPTIONAL_TYPE
     };
     p.bump_any();
-    if p.expect(L_ANGLE) && type_spec(p, Allow::Simple) {
+    if p.expect(L_ANGLE) && type_spec(p, AllowedTypes::Simple) {
         if kind == SEQUENCE_TYPE && p.eat(COMMA) {
             expr::in_angles(p);
         }
@@ -414,7 +416,7 @@ fn close_angle(p: &mut Parser<'_>) {
     p.expect_before(R_ANGLE, FOLLOWERS);
 }
 
-fn constructed(p: &mut Parser<'_>) -> bool {
+fn constructed_type(p: &mut Parser<'_>) -> bool {
     if !p.enter() {
         return false;
     }
@@ -451,7 +453,7 @@ fn union_type(p: &mut Parser<'_>) {
     if type_name(p) {
         if !p.eat(SWITCH_KW) {
             p.expected_because("`switch`", "write `union NAME switch (TYPE) { … }`");
-            p.swallow();
+            p.skip_construct();
             m.complete(p, UNION);
             return;
         }
@@ -480,7 +482,7 @@ fn switch_type(p: &mut Parser<'_>) {
         COLON2,
     ]);
     if p.at_ts(FIT) || !p.at_ts(TYPE_FIRST) {
-        type_spec(p, Allow::Constructed);
+        type_spec(p, AllowedTypes::Constructed);
     } else {
         unfit_type(p, Parsing::UnfitSwitch);
     }
@@ -547,7 +549,7 @@ fn enumerators(p: &mut Parser<'_>) {
 fn type_name(p: &mut Parser<'_>) -> bool {
     if p.at(L_CURLY) {
         p.expected_because("a name", "structs, unions and enums cannot be anonymous");
-        p.swallow();
+        p.skip_construct();
         return false;
     }
     name(p)

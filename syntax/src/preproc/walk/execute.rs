@@ -11,7 +11,7 @@ use crate::{
         Define, Directive, DirectiveKind, IncludeForm, IncludeOperand, Name, Operand, Pragma,
         unquote,
     },
-    finding::preprocessing::{Install, Preprocessing, Searched},
+    finding::preprocessing::{PackagesToInstall, Preprocessing, SearchedDirectories},
     kind::SyntaxKind::*,
     lexer::{is_trivia, is_word},
     preproc::{
@@ -387,7 +387,7 @@ impl Walker<'_> {
                     }
                     Err(why) => {
                         let why = why.trim_end_matches('.').into();
-                        let install = Install(arguments);
+                        let install = PackagesToInstall(arguments);
                         self.error(range, Preprocessing::Unresolved { why, install });
                     }
                 }
@@ -411,7 +411,7 @@ impl Walker<'_> {
             }
             IncludeError::NotFound { searched } => Preprocessing::NotFoundIn {
                 path,
-                searched: Searched(searched),
+                searched: SearchedDirectories(searched),
             },
             IncludeError::Unreadable(why) => Preprocessing::NotIncluded {
                 path,

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::{
     lexer::lex,
-    preproc::{IncludeError, IncludeRequest, MacroSite, NoIncludes, Required},
+    preproc::{IncludeError, IncludeRequest, MacroSite, NoIncludes, RequiredPackages},
 };
 
 /// Files in memory. A fixture has parts that begin with `//- name`; the first is the main file.
@@ -87,7 +87,11 @@ impl Host for Files {
         }
     }
 
-    fn requires(&mut self, arguments: &[SmolStr], env: &MacroEnv) -> Result<Required, String> {
+    fn requires(
+        &mut self,
+        arguments: &[SmolStr],
+        env: &MacroEnv,
+    ) -> Result<RequiredPackages, String> {
         let mut env = env.clone();
         for argument in arguments {
             let package = argument

@@ -10,7 +10,7 @@ use crate::tally::{Tally, Times};
 /// The counts of a task.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub struct OfTask {
+pub struct TaskCounts {
     /// `component.task`
     pub task: String,
     /// Jobs that have ended.
@@ -38,7 +38,7 @@ pub struct OfTask {
 /// The counts of a state machine.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub struct OfMachine {
+pub struct MachineCounts {
     /// `component.owner`
     pub machine: String,
     /// Transitions.
@@ -68,10 +68,10 @@ pub fn has_times(system: &TimedSystem, task: usize) -> bool {
 }
 
 /// Returns the paths of codels without an execution time, without repetition.
-pub fn untimed(system: &TimedSystem) -> Vec<String> {
+pub fn codels_without_time(system: &TimedSystem) -> Vec<String> {
     let codels = system.codels.iter();
-    let untimed = codels.filter(|it| it.site.is_some() && it.upper == 0);
-    let mut out: Vec<String> = untimed.map(|it| it.path.clone()).collect();
+    let codels_without_time = codels.filter(|it| it.site.is_some() && it.upper == 0);
+    let mut out: Vec<String> = codels_without_time.map(|it| it.path.clone()).collect();
     out.sort();
     out.dedup();
     out
@@ -83,7 +83,7 @@ pub(crate) fn tasks(
     tally: &Tally,
     bounds: &[Option<Ticks>],
     time: u64,
-) -> Vec<OfTask> {
+) -> Vec<TaskCounts> {
     let system = &prepared.built.system;
     let value = |ticks: Ticks| Value::Time(prepared.time(u64::from(ticks)));
     let mean = |times: &Times| {
@@ -91,7 +91,7 @@ pub(crate) fn tasks(
         (times.count > 0).then(|| Value::Time(all / times.count as f64))
     };
     let tasks = system.tasks.iter().zip(&tally.tasks).enumerate();
-    let tasks = tasks.map(|(task, (it, counted))| OfTask {
+    let tasks = tasks.map(|(task, (it, counted))| TaskCounts {
         task: system.task_path(task),
         jobs: counted.jobs.count,
         greatest: counted.greatest.map(value),
@@ -105,7 +105,7 @@ pub(crate) fn tasks(
 }
 
 /// Returns the counts of state machines, with their transitions.
-pub(crate) fn machines(prepared: &Prepared, tally: &Tally) -> Vec<OfMachine> {
+pub(crate) fn machines(prepared: &Prepared, tally: &Tally) -> Vec<MachineCounts> {
     let machines = prepared.built.system.machines.iter();
     let machines = machines.zip(&tally.transitions);
     let machines = machines.map(|(machine, counts)| {
@@ -132,7 +132,7 @@ pub(crate) fn machines(prepared: &Prepared, tally: &Tally) -> Vec<OfMachine> {
                 });
             }
         }
-        OfMachine {
+        MachineCounts {
             machine: machine.name.clone(),
             transitions,
         }

@@ -37,7 +37,7 @@ pub enum Way {
 
 /// The best known path from a position to a goal.
 #[derive(Debug, Clone, PartialEq, Eq)]
-enum Best {
+enum BestPath {
     /// In progress.
     Open,
     /// The goal is not reached from there.
@@ -48,7 +48,7 @@ enum Best {
 }
 
 /// States after the first, each with whether there is a pause before it.
-type Leg = Vec<(String, bool)>;
+type PathTail = Vec<(String, bool)>;
 
 impl Machine<'_> {
     /// The path with the longest execution time from the first of these states through the others to the
@@ -93,7 +93,7 @@ impl Machine<'_> {
 
     /// The transition from one state to another, or the longest path if there is none; see
     /// [`Machine::longest_between`].
-    fn leg(&self, from: &str, to: &str) -> Result<Option<Leg>, Vec<String>> {
+    fn leg(&self, from: &str, to: &str) -> Result<Option<PathTail>, Vec<String>> {
         let yields = self.codel(from).map(|it| it.1.yields.iter());
         let direct = yields.into_iter().flatten().filter(|it| it.name == to);
         match direct.min_by_key(|it| it.paused) {
@@ -107,13 +107,13 @@ impl Machine<'_> {
     ///
     /// # Errors
     /// Returns a cycle if paths of any length exist.
-    fn longest_between(&self, from: &str, to: &str) -> Result<Option<Leg>, Vec<String>> {
-        let mut best: FxHashMap<String, Best> = FxHashMap::default();
+    fn longest_between(&self, from: &str, to: &str) -> Result<Option<PathTail>, Vec<String>> {
+        let mut best: FxHashMap<String, BestPath> = FxHashMap::default();
         // Paths never contain `from` or `to` as inner states: the next choice of the reader is at the end of
         // the leg.
         let inner = |state: &str| state != from && state != to && self.position(state).is_some();
         // The states that lead to the goal: only cycles through those matter.
-        let leads = self.leading_to(from, to);
+        let leads = self.states_leading_to(from, to);
         // Depth-first with an explicit stack: a machine may be as long as its file.
         let mut stack: Vec<(String, bool)> = vec![(from.to_owned(), false)];
         while let Some((state, done)) = stack.pop() {
@@ -123,20 +123,20 @@ impl Machine<'_> {
             if done {
                 let zero = Ratio::from_integer(0);
                 let own = codel.wcet.as_ref().map_or(zero, |it| it.value);
-                let mut found = Best::Never;
+                let mut found = BestPath::Never;
                 for next in &codel.yields {
                     let beyond = match best.get(next.name.as_str()) {
                         _ if next.name == to => zero,
-                        Some(Best::Time(time, _)) => *time,
+                        Some(BestPath::Time(time, _)) => *time,
                         _ => continue,
                     };
                     let longer = match &found {
-                        Best::Time(known, _) => own + beyond > *known,
+                        BestPath::Time(known, _) => own + beyond > *known,
                         _ => true,
                     };
                     if longer {
                         let step = (next.name.to_string(), next.paused);
-                        found = Best::Time(own + beyond, step);
+                        found = BestPath::Time(own + beyond, step);
                     }
                 }
                 best.insert(state, found);
@@ -145,7 +145,7 @@ impl Machine<'_> {
             if best.contains_key(&state) {
                 continue;
             }
-            best.insert(state.clone(), Best::Open);
+            best.insert(state.clone(), BestPath::Open);
             stack.push((state.clone(), true));
             for next in &codel.yields {
                 let name = next.name.as_str();
@@ -154,20 +154,20 @@ impl Machine<'_> {
                 }
                 match best.get(name) {
                     // An open state is on the current path.
-                    Some(Best::Open) => {
+                    Some(BestPath::Open) => {
                         let open = stack.iter().filter(|it| it.1).map(|it| it.0.clone());
                         let mut cycle: Vec<String> = open.skip_while(|it| it != name).collect();
                         cycle.push(name.to_owned());
                         return Err(cycle);
                     }
-                    Some(Best::Time(..) | Best::Never) => {}
+                    Some(BestPath::Time(..) | BestPath::Never) => {}
                     None => stack.push((name.to_owned(), false)),
                 }
             }
         }
         let mut leg = Vec::new();
         let mut at = from.to_owned();
-        while let Some(Best::Time(_, next)) = best.get(&at) {
+        while let Some(BestPath::Time(_, next)) = best.get(&at) {
             leg.push(next.clone());
             if next.0 == to {
                 return Ok(Some(leg));
@@ -178,7 +178,7 @@ impl Machine<'_> {
     }
 
     /// The states from which a path leads to a goal without passing its start.
-    fn leading_to(&self, from: &str, to: &str) -> FxHashSet<String> {
+    fn states_leading_to(&self, from: &str, to: &str) -> FxHashSet<String> {
         let mut before: FxHashMap<&str, Vec<&str>> = FxHashMap::default();
         for (_, codel) in &self.codels {
             for next in &codel.yields {

@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 use dotgen_timing::scn::names::Names;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use crate::log::{Kind, Kinds, Left, Origin, origin};
-use crate::matching::{Site, Stray, path, site, sites};
+use crate::log::{LineKind, LineKinds, Origin, SkippedLines, origin};
+use crate::matching::{Mismatch, Site, path, site, sites};
 
 /// Statistics of execution times, in nanoseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Measure {
+pub struct ExecutionTimes {
     /// Number of runs.
     pub runs: u64,
     /// Least time.
@@ -23,7 +23,7 @@ pub struct Measure {
     pub at: (usize, u64),
 }
 
-impl Measure {
+impl ExecutionTimes {
     /// Returns the mean, in nanoseconds.
     pub fn mean(&self) -> i64 {
         let mean = self.total / i128::from(self.runs.max(1));
@@ -42,7 +42,7 @@ impl Measure {
         self.total += i128::from(time);
     }
 
-    fn join(&mut self, other: &Measure) {
+    fn join(&mut self, other: &ExecutionTimes) {
         if self.runs == 0 {
             *self = *other;
             return;
@@ -58,10 +58,10 @@ impl Measure {
 
 /// The measurements of logs.
 #[derive(Debug, Default)]
-pub struct Measured {
+pub struct LogMeasurements {
     /// Lines that were not used.
-    pub left: Left,
-    kinds: Kinds,
+    pub left: SkippedLines,
+    kinds: LineKinds,
     /// Sections of logs. Each has a single source of times.
     sections: Vec<Section>,
     /// File of the last section.
@@ -76,21 +76,21 @@ struct Section {
     /// Paths of simulated codels. The times of all other codels are measured.
     codels: FxHashSet<String>,
     /// Measurements, by kind.
-    of: Vec<Measure>,
+    of: Vec<ExecutionTimes>,
 }
 
 /// The measurements of logs for specifications.
 #[derive(Debug, Default)]
 pub struct Measurements {
     /// Measurements of each codel in each of its states. A codel that was never seen has no runs.
-    pub sites: Vec<(Site, Measure)>,
+    pub sites: Vec<(Site, ExecutionTimes)>,
     /// Kinds of lines that belong to no codel of the specifications, with the number of lines.
-    pub strays: Vec<(Kind, Stray, u64)>,
+    pub strays: Vec<(LineKind, Mismatch, u64)>,
     /// Paths of simulated codels, with their number of runs. Their times are not measured.
     pub simulated: BTreeMap<String, u64>,
 }
 
-impl Measured {
+impl LogMeasurements {
     /// Reads a line of a file. `ended`: the line has its line break.
     pub fn line(&mut self, file: usize, number: u64, text: &[u8], ended: bool) {
         if self.file != Some(file) {
@@ -109,7 +109,7 @@ impl Measured {
             }),
             Some(Origin::End) | None => {}
         }
-        let Some((line, kind)) = self.left.sift(&mut self.kinds, text, ended) else {
+        let Some((line, kind)) = self.left.classify(&mut self.kinds, text, ended) else {
             return;
         };
         let Some(section) = self.sections.last_mut() else {
@@ -117,7 +117,7 @@ impl Measured {
         };
         let kind = kind as usize;
         if section.of.len() <= kind {
-            section.of.resize(kind + 1, Measure::default());
+            section.of.resize(kind + 1, ExecutionTimes::default());
         }
         if let Some(measure) = section.of.get_mut(kind) {
             measure.add(line.ended - line.began, (file, number));
@@ -134,7 +134,7 @@ impl Measured {
         let mut found = Measurements {
             sites: sites
                 .into_iter()
-                .map(|it| (it, Measure::default()))
+                .map(|it| (it, ExecutionTimes::default()))
                 .collect(),
             strays: Vec::new(),
             simulated: BTreeMap::new(),

@@ -11,7 +11,7 @@ use std::collections::HashSet;
 
 /// A component that a host runs.
 #[derive(Debug, Clone)]
-pub struct Part<'s> {
+pub struct HostedComponent<'s> {
     /// Component and its specification.
     pub member: Member<'s>,
     /// Functions of codels that the component lacks.
@@ -20,7 +20,7 @@ pub struct Part<'s> {
 
 /// A data flow from an output port to an input port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Feed {
+pub struct DataFlow {
     /// Component of the system, and output port.
     pub from: (usize, u32),
     /// Component of the system, and input port.
@@ -31,8 +31,8 @@ pub struct Feed {
 
 /// All parts, and their connections. Indices are components, codels or services of the system.
 #[derive(Debug)]
-pub struct Parts<'s> {
-    components: Vec<Option<Part<'s>>>,
+pub struct HostedComponents<'s> {
+    components: Vec<Option<HostedComponent<'s>>>,
     codels: Vec<Option<u32>>,
     functions: Vec<String>,
     /// Full names of the declared events, by codel.
@@ -46,7 +46,7 @@ pub struct Parts<'s> {
     /// Inputs of requests by clients of the scenario, by service.
     pub(super) inputs: Vec<Vec<u8>>,
     /// Flows from outputs to inputs.
-    pub feeds: Vec<Feed>,
+    pub feeds: Vec<DataFlow>,
     /// Inputs that are not fed because their types differ.
     pub unlike: Vec<String>,
     /// Services of the system that remotes stand for, by component and remote.
@@ -55,19 +55,19 @@ pub struct Parts<'s> {
     first_outside: Option<usize>,
 }
 
-impl<'s> Parts<'s> {
+impl<'s> HostedComponents<'s> {
     /// Looks up the parts. `parts` are the components with hosts, by number in [`Names::components`].
     /// `inputs` are the inputs of a service, by `component.service`.
     pub fn new(
         prepared: &Prepared,
         names: &Names<'s>,
         settings: &Settings,
-        mut parts: Vec<Option<Part<'s>>>,
+        mut parts: Vec<Option<HostedComponent<'s>>>,
         inputs: &dyn Fn(&str) -> Option<Vec<u8>>,
     ) -> Self {
         let built = &prepared.built;
         let system = &built.system;
-        let mut out = Parts {
+        let mut out = HostedComponents {
             components: (0..system.components.len()).map(|_| None).collect(),
             codels: vec![None; system.codels.len()],
             functions: vec![String::new(); system.codels.len()],
@@ -152,7 +152,7 @@ impl<'s> Parts<'s> {
                         ));
                         continue;
                     }
-                    self.feeds.push(Feed {
+                    self.feeds.push(DataFlow {
                         from: (writer, source),
                         to: (reader, index),
                         multiple: port.multiple,
@@ -185,7 +185,7 @@ impl<'s> Parts<'s> {
     }
 
     /// Returns the component, if it has a host.
-    pub fn of(&self, component: usize) -> Option<&Part<'s>> {
+    pub fn of(&self, component: usize) -> Option<&HostedComponent<'s>> {
         self.components.get(component)?.as_ref()
     }
 

@@ -5,7 +5,7 @@ use super::unit::{Unit, advance};
 
 /// The white space chosen before a piece.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Printed {
+pub(super) struct ChunkLayout {
     pub(super) space: String,
     /// Column of the first character of the piece.
     pub(super) column: usize,
@@ -22,7 +22,7 @@ pub(super) struct Page<'a> {
     /// Column of each piece in the text.
     pub(super) old_columns: Vec<usize>,
     /// The pieces that are laid out.
-    pub(super) printed: Vec<Printed>,
+    pub(super) printed: Vec<ChunkLayout>,
 }
 
 impl<'a> Page<'a> {

@@ -11,7 +11,7 @@ const MOST: usize = 4_000;
 
 /// The text after the cursor; see the module.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(crate) struct After {
+pub(crate) struct TextAfter {
     /// The rest of the statement, brackets included, up to its `;`, to the end of the innermost body, or to a
     /// `{`.
     pub(crate) rest: Vec<Word>,
@@ -23,10 +23,10 @@ pub(crate) struct After {
     pub(crate) ends: bool,
 }
 
-impl After {
-    pub(super) fn new(view: &FileView<'_>, at: usize) -> After {
+impl TextAfter {
+    pub(super) fn new(view: &FileView<'_>, at: usize) -> TextAfter {
         let (raw, text) = (view.raw(), view.text());
-        let mut out = After::default();
+        let mut out = TextAfter::default();
         if raw.is_empty() || at >= text.len() {
             return out;
         }

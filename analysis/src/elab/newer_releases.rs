@@ -1,10 +1,10 @@
 //! Features that only newer releases of GenoM3 accept: reported if the specifications claim to work with
 //! older ones.
 
-use super::{context::Elaborator, state::Newer};
+use super::{context::Elaborator, state::NewerReleases};
 use crate::finding::role::Role;
 use crate::{
-    finding::{Finding, Near, services::Declaring},
+    finding::{Finding, Near, services::DeclarationProblem},
     item_tree::Expr,
     model::Src,
     release::{Change, Release},
@@ -51,7 +51,7 @@ impl<'a> Elaborator<'a> {
 
     /// Reports features that not all releases claimed by the specifications accept.
     pub(super) fn report_newer(&mut self) {
-        let Newer { uses, requirements } = std::mem::take(&mut self.newer);
+        let NewerReleases { uses, requirements } = std::mem::take(&mut self.newer);
         let all = self.spec.components.iter().flat_map(|it| &it.requires);
         let all = all.chain(&self.spec.pragma_requires);
         let bound = all.filter_map(|it| Release::lower_bound(it)).max();
@@ -62,8 +62,8 @@ impl<'a> Elaborator<'a> {
                 continue;
             }
             let kind = match bound {
-                Some(bound) => Declaring::NewerThanRequired { what, since, bound },
-                None => Declaring::NewerThanAny { what, since },
+                Some(bound) => DeclarationProblem::NewerThanRequired { what, since, bound },
+                None => DeclarationProblem::NewerThanAny { what, since },
             };
             let mut finding = Finding::new(kind, at);
             if let Some((_, place)) = greatest {

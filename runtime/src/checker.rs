@@ -5,7 +5,7 @@ use dotgen_timing::system::Ticks;
 use dotgen_timing::verify::{Prepared, Question};
 
 use crate::engine::End;
-use crate::watch::Broken;
+use crate::watch::CodelViolation;
 
 /// The result of a run for a check. A run never proves that a check holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
@@ -33,7 +33,7 @@ pub struct Moment {
 
 /// The answer to a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Answer {
+pub struct CheckResult {
     /// Verdict.
     pub verdict: Verdict,
     /// First moment at which the verdict was known.
@@ -59,13 +59,13 @@ pub enum Violation {
         /// Bound.
         bound: Ticks,
     },
-    /// The codel misbehaved: index in [`Judge::broken`].
-    Broken(usize),
+    /// The codel misbehaved: index in [`RunChecker::broken`].
+    CodelViolation(usize),
 }
 
 /// Compares runs with checks and bounds.
 #[derive(Debug)]
-pub struct Judge<'p> {
+pub struct RunChecker<'p> {
     prepared: &'p Prepared,
     /// Index of each check in the watch list.
     places: Vec<Option<usize>>,
@@ -74,11 +74,11 @@ pub struct Judge<'p> {
     /// Longest response time so far and its moment, by task.
     longest: Vec<Option<(Ticks, Moment)>>,
     /// Answers, by check.
-    pub answers: Vec<Answer>,
+    pub answers: Vec<CheckResult>,
     /// The first violation of each kind, with its moment.
     pub violations: Vec<(Moment, Violation)>,
     /// Misbehaviour of codels, without repetition; for overruns, the greatest one.
-    pub broken: Vec<Broken>,
+    pub broken: Vec<CodelViolation>,
     /// Number of all violations.
     pub count: u64,
     /// Tasks of lost components: the model continues, but these tasks execute nothing.
@@ -92,21 +92,21 @@ pub struct Judge<'p> {
     reached: Vec<bool>,
 }
 
-impl<'p> Judge<'p> {
+impl<'p> RunChecker<'p> {
     /// Creates a judge for a system whose tasks have these bounds on their response times.
     pub fn new(
         prepared: &'p Prepared,
         places: Vec<Option<usize>>,
         bounds: Vec<Option<Ticks>>,
     ) -> Self {
-        let answers = prepared.checks.iter().map(|it| Answer {
+        let answers = prepared.checks.iter().map(|it| CheckResult {
             verdict: match it.question {
                 Question::Reachable(_) | Question::Eventually(_) => Verdict::NotSeen,
                 _ => Verdict::Kept,
             },
-            ..Answer::default()
+            ..CheckResult::default()
         });
-        Judge {
+        RunChecker {
             answers: answers.collect(),
             exceeded: vec![false; prepared.checks.len()],
             beyond: vec![false; bounds.len()],
@@ -124,7 +124,7 @@ impl<'p> Judge<'p> {
     }
 
     /// Records an event.
-    pub fn see(&mut self, stepper: &Stepper, seen: &Seen) {
+    pub fn on_event(&mut self, stepper: &Stepper, seen: &Seen) {
         let now = Moment {
             run: self.run,
             time: stepper.now(),
@@ -187,12 +187,12 @@ impl<'p> Judge<'p> {
     }
 
     /// Records a violation by a codel.
-    pub fn broke(&mut self, stepper: &Stepper, it: Broken) {
+    pub fn on_violation(&mut self, stepper: &Stepper, it: CodelViolation) {
         let now = Moment {
             run: self.run,
             time: stepper.now(),
         };
-        if let Broken::Lost { component, .. } = &it {
+        if let CodelViolation::Lost { component, .. } = &it {
             let system = &self.prepared.built.system;
             for (task, gone) in self.gone.iter_mut().enumerate() {
                 *gone |= system.components[system.tasks[task].component].name == *component;
@@ -200,8 +200,8 @@ impl<'p> Judge<'p> {
         }
         let known = self.broken.iter_mut().position(|known| match (known, &it) {
             (
-                Broken::Overrun { codel: a, took, .. },
-                Broken::Overrun {
+                CodelViolation::Overrun { codel: a, took, .. },
+                CodelViolation::Overrun {
                     codel: b,
                     took: new,
                     ..
@@ -219,7 +219,7 @@ impl<'p> Judge<'p> {
             self.broken.push(it);
             self.broken.len() - 1
         });
-        self.note(now, Violation::Broken(place));
+        self.note(now, Violation::CodelViolation(place));
     }
 
     /// Updates times that are still running, after time has passed.

@@ -91,7 +91,7 @@ pub fn decide(declared: Option<Seconds>, proposed: Option<u64>, replace: bool) -
 
 impl Decision {
     /// Returns true if a time must be written.
-    pub fn writes(self) -> bool {
+    pub fn must_write(self) -> bool {
         matches!(self, Decision::New | Decision::Raised | Decision::Lowered)
     }
 }

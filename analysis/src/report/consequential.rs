@@ -8,12 +8,12 @@ use crate::{
     base::Db,
     finding::Finding,
     source_map::bytes,
-    unit::{FileKey, Outcome, include_fragments, parsed, text_facts},
+    unit::{DirectiveEffect, FileKey, include_fragments, parsed, text_facts},
 };
 
 /// The parts of a unit that could not be read, so that names may be missing.
 #[derive(Default)]
-pub(super) struct Missing {
+pub(super) struct UnreadParts {
     /// Declarations of any kind: see [`is_incomplete`].
     incomplete: bool,
     /// Packages, or files that are included where components are declared: see [`lacks_files`].
@@ -24,7 +24,7 @@ pub(super) struct Missing {
     unparsed: FxHashSet<SmolStr>,
 }
 
-impl Missing {
+impl UnreadParts {
     /// Adds the missing parts of a file.
     pub(super) fn add(&mut self, db: &dyn Db, key: FileKey<'_>) {
         self.incomplete |= is_incomplete(db, key);
@@ -72,8 +72,8 @@ fn is_incomplete(db: &dyn Db, key: FileKey<'_>) -> bool {
         return true;
     }
     let includes = key.outcomes(db).iter().filter_map(|it| match it {
-        Outcome::Include(result) => Some(result.is_err()),
-        Outcome::Requires(_) => None,
+        DirectiveEffect::Include(result) => Some(result.is_err()),
+        DirectiveEffect::Requires(_) => None,
     });
     let fragments = include_fragments(db, key);
     let in_body = |ordinal: usize| fragments.get(ordinal) != Some(&Some(Fragment::Specification));
@@ -86,8 +86,8 @@ fn is_incomplete(db: &dyn Db, key: FileKey<'_>) -> bool {
 /// missing interfaces as gaps.
 fn lacks_files(db: &dyn Db, key: FileKey<'_>) -> bool {
     key.outcomes(db).iter().any(|it| match it {
-        Outcome::Include(result) => result.is_err(),
-        Outcome::Requires(result) => result.is_err(),
+        DirectiveEffect::Include(result) => result.is_err(),
+        DirectiveEffect::Requires(result) => result.is_err(),
     })
 }
 

@@ -11,20 +11,20 @@ use crate::{
 };
 
 /// A rename, for checks of one unit after the other.
-pub(super) struct Fresh<'a> {
+pub(super) struct RenameCheck<'a> {
     /// The edited ranges, by file.
     edited: FxHashMap<SourceFile, Vec<Range<usize>>>,
     old: &'a str,
     new_name: &'a str,
 }
 
-impl<'a> Fresh<'a> {
+impl<'a> RenameCheck<'a> {
     pub(super) fn new(
         db: &dyn Db,
         edits: &[FileEdit],
         old: &'a str,
         new_name: &'a str,
-    ) -> Fresh<'a> {
+    ) -> RenameCheck<'a> {
         let mut edited: FxHashMap<SourceFile, Vec<Range<usize>>> = FxHashMap::default();
         for it in edits {
             let ranges = edited.entry(db.file(&it.path)).or_default();
@@ -33,7 +33,7 @@ impl<'a> Fresh<'a> {
         edited
             .values_mut()
             .for_each(|it| it.sort_by_key(|it| it.start));
-        Fresh {
+        RenameCheck {
             edited,
             old,
             new_name,
@@ -65,13 +65,13 @@ impl<'a> Fresh<'a> {
             let word = raw.clean_text(text, i);
             match word.as_ref() == self.old {
                 true => edited(raw.range(i)),
-                false => !self.may_meet(&word),
+                false => !self.may_clash(&word),
             }
         })
     }
 
     /// Returns true if a word may be confused with the new name, or form it or a longer name with it.
-    fn may_meet(&self, word: &str) -> bool {
+    fn may_clash(&self, word: &str) -> bool {
         let (short, long) = match word.len() <= self.new_name.len() {
             true => (word, self.new_name),
             false => (self.new_name, word),
@@ -92,7 +92,7 @@ mod tests {
 
     #[test]
     fn names_meet_that_are_equal_or_parts_of_each_other() {
-        let fresh = Fresh {
+        let fresh = RenameCheck {
             edited: FxHashMap::default(),
             old: "pose",
             new_name: "place",
@@ -110,14 +110,14 @@ mod tests {
             ("_", false),
             ("pläce", false),
         ] {
-            assert_eq!(fresh.may_meet(word), meets, "{word}");
+            assert_eq!(fresh.may_clash(word), meets, "{word}");
         }
-        let fresh = Fresh {
+        let fresh = RenameCheck {
             new_name: "arm_state",
             ..fresh
         };
         for (word, meets) in [("arm", true), ("state", true), ("rm", false), ("te", false)] {
-            assert_eq!(fresh.may_meet(word), meets, "{word}");
+            assert_eq!(fresh.may_clash(word), meets, "{word}");
         }
     }
 }

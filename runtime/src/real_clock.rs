@@ -7,9 +7,9 @@
 use dotgen_timing::explore::{Action, Possible, Seen, Stepper, Work};
 
 use crate::decide::Decide;
-use crate::engine::{self, CROWDED, End};
+use crate::engine::{self, End, MAX_ACTIONS_AT_ONE_MOMENT};
 use crate::live::Live;
-use crate::watch::Watch;
+use crate::watch::RunObserver;
 
 /// The conversion of the clock to base units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,14 +19,14 @@ pub struct Pace {
 }
 
 /// Longest wait for an event, in nanoseconds. An interruption is noticed within this time.
-const PATIENCE: u64 = 50_000_000;
+const MAX_WAIT_NANOS: u64 = 50_000_000;
 
 /// Runs a system from time 0 until a time, in base units.
 pub fn run(
     stepper: &mut Stepper,
     decide: &mut dyn Decide,
     until: u64,
-    watch: &mut dyn Watch,
+    watch: &mut dyn RunObserver,
     live: &mut Live<'_>,
     pace: Pace,
     interrupted: &dyn Fn() -> bool,
@@ -57,14 +57,14 @@ pub fn run(
                     stepper.decide(executor, decide.time(&work, least, greatest));
                 }
             }
-            watch.see(stepper, it);
+            watch.on_event(stepper, it);
         }
         seen.clear();
         live.accept(stepper, &mut told);
         live.abort(stepper, &mut |stepper, place| {
             watch.interrupt(stepper, place)
         });
-        engine::tell_broken(stepper, live, watch);
+        engine::forward_violations(stepper, live, watch);
         if watch.is_over() {
             return End::Stopped;
         }
@@ -72,14 +72,14 @@ pub fn run(
         allowed.clear();
         let actions = possible.actions().iter().copied();
         allowed.extend(actions.filter(|it| may_happen(it, &works, live)));
-        let drawn = possible.may_wait() && only_drawn(&allowed);
+        let drawn = possible.may_wait() && only_preemptions(&allowed);
         if !(allowed.is_empty() || drawn && decide.waits()) {
             at_once += 1;
-            if at_once > CROWDED {
+            if at_once > MAX_ACTIONS_AT_ONE_MOMENT {
                 return End::Standstill;
             }
             let action = engine::choose(&allowed, &works, decide, Some(live), &mut outcomes);
-            watch.act(stepper, action);
+            watch.on_action(stepper, action);
             stepper.perform(action, &mut seen);
             continue;
         }
@@ -105,8 +105,8 @@ pub fn run(
             None if !late => {
                 let deadline = stepper.now().saturating_add(due);
                 let deadline = start.saturating_add(deadline.saturating_mul(pace.nanos));
-                let patience = live.hosts().now().saturating_add(PATIENCE);
-                live.hosts().wait(deadline.min(patience))
+                let until = live.hosts().now().saturating_add(MAX_WAIT_NANOS);
+                live.hosts().wait(deadline.min(until))
             }
             other => other,
         };
@@ -124,7 +124,7 @@ pub fn run(
 }
 
 /// Returns true under `fair` if all possible actions take a core from a thread.
-fn only_drawn(actions: &[Action]) -> bool {
+fn only_preemptions(actions: &[Action]) -> bool {
     actions
         .iter()
         .all(|it| matches!(it, Action::Preempt { .. }))
