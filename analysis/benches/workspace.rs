@@ -7,7 +7,7 @@ use camino::Utf8PathBuf;
 use divan::Bencher;
 use dotgen_analysis::diagnostic::Severity;
 use dotgen_analysis::host::{Analysis, AnalysisHost, Change};
-use dotgen_loaders::{Disk, Nothing};
+use dotgen_loaders::{Disk, EmptyLoader};
 
 mod components;
 
@@ -30,7 +30,7 @@ fn path(i: usize) -> Utf8PathBuf {
 }
 
 fn workspace() -> AnalysisHost {
-    let mut host = AnalysisHost::new(Arc::new(Nothing));
+    let mut host = AnalysisHost::new(Arc::new(EmptyLoader));
     let mut files = vec![(Utf8PathBuf::from("/w/types.idl"), Some(TYPES.to_owned()))];
     files.extend((0..COMPONENTS).map(|i| (path(i), Some(component(i)))));
     host.apply(Change {
@@ -54,7 +54,7 @@ fn check_all(analysis: &Analysis) {
 fn cold_component(bencher: Bencher<'_, '_>) {
     bencher
         .with_inputs(|| {
-            let mut host = AnalysisHost::new(Arc::new(Nothing));
+            let mut host = AnalysisHost::new(Arc::new(EmptyLoader));
             let types = ("/w/types.idl".into(), Some(TYPES.to_owned()));
             host.apply(Change {
                 files: vec![types, (path(0), Some(component(0)))],

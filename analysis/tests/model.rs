@@ -8,7 +8,7 @@ use dotgen_analysis::{
     model::TypeId,
     model_json,
 };
-use dotgen_loaders::Nothing;
+use dotgen_loaders::EmptyLoader;
 use serde_json::Value as Json;
 
 fn folder() -> &'static Path {
@@ -18,7 +18,7 @@ fn folder() -> &'static Path {
 /// The document of a specification that must be accepted.
 fn model(path: &Path) -> Json {
     let text = fs::read_to_string(path).unwrap();
-    let host = AnalysisHost::new(Arc::new(Nothing));
+    let host = AnalysisHost::new(Arc::new(EmptyLoader));
     let name = Utf8Path::new("/model").join(path.file_name().unwrap().to_str().unwrap());
     let input = BatchInput {
         inputs: vec![Input::Text {
@@ -50,7 +50,7 @@ fn documents_follow_the_schema() {
 
 /// Every type object in order of creation, `KIND NAME`.
 fn types(text: &str) -> String {
-    let host = AnalysisHost::new(Arc::new(Nothing));
+    let host = AnalysisHost::new(Arc::new(EmptyLoader));
     let input = BatchInput {
         inputs: vec![Input::Text {
             name: "/types.gen".into(),

@@ -8,11 +8,11 @@ use dotgen_analysis::{
     host::{AnalysisHost, BatchInput, Change, Config, Input},
     release::{Release, ReleaseChoice, ReleaseOrigin},
 };
-use dotgen_loaders::Nothing;
+use dotgen_loaders::EmptyLoader;
 
 /// Codes and messages of the diagnostics of this severity.
 fn found(text: &str, severity: Severity) -> Vec<(&'static str, String)> {
-    let mut host = AnalysisHost::new(Arc::new(Nothing));
+    let mut host = AnalysisHost::new(Arc::new(EmptyLoader));
     host.apply(Change {
         config: Some(Config {
             release: Some(ReleaseChoice {

@@ -9,9 +9,9 @@ use dotgen_analysis::{
 };
 use proptest::prelude::*;
 
-struct Nothing;
+struct EmptyLoader;
 
-impl Loader for Nothing {
+impl Loader for EmptyLoader {
     fn read(&self, _: &Utf8Path) -> FileContent {
         FileContent::Missing
     }
@@ -47,7 +47,7 @@ fn texts() -> Vec<Vec<String>> {
 }
 
 fn check(text: &str) {
-    let host = AnalysisHost::new(Arc::new(Nothing));
+    let host = AnalysisHost::new(Arc::new(EmptyLoader));
     let input = BatchInput {
         inputs: vec![Input::Text {
             name: "/text.gen".into(),

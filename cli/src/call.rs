@@ -8,7 +8,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::Outcome;
-use dotgen_hosting::places;
+use dotgen_hosting::sockets;
 
 /// Request a service of a component that runs (`dotgen run --clock real`)
 ///
@@ -64,17 +64,17 @@ pub(super) struct Watch {
 }
 
 /// A conversation with a run.
-pub(super) struct Talk {
+pub(super) struct RunConnection {
     stream: std::os::unix::net::UnixStream,
     lines: std::io::Lines<BufReader<std::os::unix::net::UnixStream>>,
 }
 
-impl Talk {
-    pub(super) fn begin(socket: Option<&Utf8PathBuf>) -> anyhow::Result<Talk> {
+impl RunConnection {
+    pub(super) fn begin(socket: Option<&Utf8PathBuf>) -> anyhow::Result<RunConnection> {
         let path = socket.map(|it| it.as_std_path());
-        let stream = places::connect(path).map_err(anyhow::Error::msg)?;
+        let stream = sockets::connect(path).map_err(anyhow::Error::msg)?;
         let lines = BufReader::new(stream.try_clone()?).lines();
-        Ok(Talk { stream, lines })
+        Ok(RunConnection { stream, lines })
     }
 
     pub(super) fn say(&mut self, it: &Value) -> anyhow::Result<()> {
@@ -124,7 +124,7 @@ impl Talk {
 pub(super) fn call(arguments: &Call) -> anyhow::Result<Outcome> {
     let input: Value = serde_json::from_str(&arguments.input)
         .context("the inputs are no JSON: give an object, for example '{\"height\": 2}'")?;
-    let mut talk = Talk::begin(arguments.socket.as_ref())?;
+    let mut talk = RunConnection::begin(arguments.socket.as_ref())?;
     let path = format!("{}.{}", arguments.component, arguments.service);
     talk.say(&json!({"id": 1, "call": path, "input": input}))?;
     while let Some(it) = talk.hear()? {
@@ -138,8 +138,8 @@ pub(super) fn call(arguments: &Call) -> anyhow::Result<Outcome> {
             Some("failed") => {
                 let exception = it["exception"].as_str().unwrap_or("an exception");
                 match &it["detail"] {
-                    Value::Null => told(exception),
-                    detail => told(&format!("{exception} {detail}")),
+                    Value::Null => explain_failure(exception),
+                    detail => explain_failure(&format!("{exception} {detail}")),
                 }
                 return Ok(Outcome::Errors);
             }
@@ -150,7 +150,7 @@ pub(super) fn call(arguments: &Call) -> anyhow::Result<Outcome> {
 }
 
 pub(super) fn watch(arguments: &Watch) -> anyhow::Result<Outcome> {
-    let mut talk = Talk::begin(arguments.socket.as_ref())?;
+    let mut talk = RunConnection::begin(arguments.socket.as_ref())?;
     talk.say(&json!({"id": 1, "watch": arguments.port, "newest": !arguments.only_new}))?;
     let mut left = arguments.count;
     while left != Some(0) {
@@ -158,7 +158,7 @@ pub(super) fn watch(arguments: &Watch) -> anyhow::Result<Outcome> {
         match it["event"].as_str() {
             Some("data") => {}
             Some("lost") => {
-                told(it["message"].as_str().unwrap_or("the component is gone"));
+                explain_failure(it["message"].as_str().unwrap_or("the component is gone"));
                 return Ok(Outcome::Errors);
             }
             _ => continue,
@@ -174,7 +174,7 @@ pub(super) fn watch(arguments: &Watch) -> anyhow::Result<Outcome> {
 }
 
 /// Says why a service has failed.
-fn told(why: &str) {
+fn explain_failure(why: &str) {
     // There is nowhere left to complain if this fails.
     let _ = writeln!(std::io::stderr(), "{why}");
 }

@@ -11,8 +11,8 @@ use dotgen_timing::scn::names::Names;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::report::{self, FileReports, Format, OpenNames};
-use super::session::{self, ConfigProblems, Session, SourceFile, Texts, Trouble};
-use super::{Outcome, Reading};
+use super::session::{self, ConfigProblems, ErrorReporter, Session, SourceFile, Texts};
+use super::{Outcome, SpecificationOptions};
 use dotgen_lsp_server::protocol::convert::{Encoding, Lines};
 use dotgen_platform::files::vfs;
 use dotgen_views::verification::Problem;
@@ -48,7 +48,7 @@ pub(super) struct Arguments {
     deny: Vec<Deny>,
 
     #[command(flatten)]
-    reading: Reading,
+    reading: SpecificationOptions,
 }
 
 /// Warnings that can be errors.
@@ -68,27 +68,27 @@ impl Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
-    let (files, mut trouble) = session::usable(&arguments.paths, &["gen"]);
+    let (files, mut trouble) = session::usable_files(&arguments.paths, &["gen"]);
     if files.is_empty() {
         return Ok(trouble.outcome(Outcome::Fine));
     }
     let mut report = FileReports::default();
-    let mut changed = fix::Changed::new();
-    let mut made = fix::Made::new();
-    let reading = Reading {
+    let mut changed = fix::ChangedTexts::new();
+    let mut made = fix::AppliedFixes::new();
+    let reading = SpecificationOptions {
         only_installed: arguments.denies_missing(),
         ..arguments.reading.clone()
     };
     for mut session in session::open(files, &reading)? {
         if arguments.verbose {
-            say_release(&session)?;
+            print_release(&session)?;
         }
         if arguments.fix || arguments.diff {
-            trouble.or_tell(fix::mend(&mut session, &mut changed, &mut made));
+            trouble.ok_or_report(fix::apply_fixes(&mut session, &mut changed, &mut made));
         }
         let before = std::mem::take(&mut report.diagnostics);
         check(&mut session, &mut report, &mut trouble);
-        fix::retain_founded(&mut session, &mut report.diagnostics);
+        fix::retain_unrefuted(&mut session, &mut report.diagnostics);
         fix::judge(&mut session, &changed, &mut report.diagnostics);
         report.diagnostics.splice(0..0, before);
     }
@@ -110,14 +110,14 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
 }
 
 /// Adds what is wrong with the files of a session. A file that cannot be read is told, and the others go on.
-fn check(session: &mut Session, report: &mut FileReports, trouble: &mut Trouble) {
+fn check(session: &mut Session, report: &mut FileReports, trouble: &mut ErrorReporter) {
     if let Some(config) = &session.config {
         add_config_problems(config, &mut report.diagnostics, &mut report.texts);
     }
-    trouble.or_tell(check_specifications(session, report));
+    trouble.ok_or_report(check_specifications(session, report));
     for file in session.files.iter().filter(|it| it.is_scenario()) {
-        if let Some(found) = trouble.or_tell(scenario(session, file)) {
-            trouble.or_tell(session.add_texts(&found, &mut report.texts));
+        if let Some(found) = trouble.ok_or_report(scenario(session, file)) {
+            trouble.ok_or_report(session.add_texts(&found, &mut report.texts));
             report.diagnostics.extend(found);
             report.checked += 1;
         }
@@ -162,7 +162,7 @@ fn check_specifications(session: &mut Session, report: &mut FileReports) -> anyh
 }
 
 /// Names the release of GenoM3 on the error output: once for all files that are read as the same one.
-fn say_release(session: &Session) -> anyhow::Result<()> {
+fn print_release(session: &Session) -> anyhow::Result<()> {
     let mut said = Vec::new();
     for file in session.files.iter().filter(|it| !it.is_scenario()) {
         let choice = session.ask(&file.path, |it| it.release(&file.path))?;

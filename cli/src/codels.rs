@@ -15,7 +15,7 @@ use dotgen_codegen::codels::{
     command::{self, FileChange, Project, StubTarget, SyncOptions},
     diagnostics::{Side, diagnostics},
     folder::Folder,
-    repair::ByHand,
+    repair::ManualChange,
     stub::StubOptions,
 };
 use dotgen_syntax::encoding;
@@ -23,7 +23,7 @@ use std::io::Write as _;
 
 use super::report::{self, Compared, FileReports, Format};
 use super::session::{self, Session};
-use super::{Outcome, Reading};
+use super::{Outcome, SpecificationOptions};
 use dotgen_lsp_server::features::codels::Disk;
 use dotgen_lsp_server::features::codels::headers::{FOLDER, IGNORED};
 use dotgen_lsp_server::protocol::convert::{Encoding, Lines};
@@ -60,7 +60,7 @@ struct Check {
     format: Format,
 
     #[command(flatten)]
-    reading: Reading,
+    reading: SpecificationOptions,
 }
 
 /// Write stubs for codels without a function
@@ -84,7 +84,7 @@ struct Stub {
     dry_run: bool,
 
     #[command(flatten)]
-    reading: Reading,
+    reading: SpecificationOptions,
 }
 
 /// Apply every unambiguous fix: stubs, prototypes, comments, missing yields and throws
@@ -103,7 +103,7 @@ struct Sync {
     remove_yield: Vec<(String, String)>,
 
     #[command(flatten)]
-    reading: Reading,
+    reading: SpecificationOptions,
 }
 
 /// Write the headers that codels include, so that clangd works without a build
@@ -119,7 +119,7 @@ struct Headers {
     output: Option<Utf8PathBuf>,
 
     #[command(flatten)]
-    reading: Reading,
+    reading: SpecificationOptions,
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
@@ -149,7 +149,7 @@ pub(super) fn project(session: &mut Session) -> Project<'_> {
 }
 
 /// What is written goes beside the specification, so this has to be a file.
-fn has_place(paths: &[Utf8PathBuf]) -> anyhow::Result<()> {
+fn check_is_file(paths: &[Utf8PathBuf]) -> anyhow::Result<()> {
     if let Some(path) = paths.iter().find(|it| session::is_standard_input(it)) {
         bail!("`{path}` is no file beside which codels could be written; name the specification");
     }
@@ -176,13 +176,13 @@ fn check(arguments: &Check) -> anyhow::Result<Outcome> {
         });
         let compared: Vec<_> = folders.collect();
         for (folder, _) in compared.iter().filter(|it| it.0.sources.exists) {
-            report.compared.extend(compared_of(folder));
+            report.compared.extend(coverage_of(folder));
         }
         let mut found = project.unused_allowances(&compared);
         report.checked += compared.len();
         for (folder, differs) in compared {
             if folder.sources.sources.is_empty() {
-                nothing_there(&folder);
+                warn_nothing_compared(&folder);
             } else if !folder.unit.accepted() {
                 has_errors(&folder);
             }
@@ -243,7 +243,7 @@ fn has_errors(folder: &Folder) {
 }
 
 /// How much of the codels of a folder was compared, by component.
-fn compared_of(folder: &Folder) -> Vec<Compared> {
+fn coverage_of(folder: &Folder) -> Vec<Compared> {
     let all = folder.expected();
     let one = |it: &Expected<'_>| {
         let mut coverage = Coverage::default();
@@ -258,7 +258,7 @@ fn compared_of(folder: &Folder) -> Vec<Compared> {
 }
 
 /// Says that a specification was compared with nothing: that is not the same as in step.
-fn nothing_there(folder: &Folder) {
+fn warn_nothing_compared(folder: &Folder) {
     let path = session::display(&folder.specification);
     let sources = session::display(&folder.sources.folder);
     report::note(&format!(
@@ -268,7 +268,7 @@ fn nothing_there(folder: &Folder) {
 }
 
 fn stub(arguments: &Stub) -> anyhow::Result<Outcome> {
-    has_place(std::slice::from_ref(&arguments.file))?;
+    check_is_file(std::slice::from_ref(&arguments.file))?;
     let mut session = session::single(&arguments.file, &arguments.reading)?;
     let root = roots(&session).pop().context("there is nothing to read")?;
     let target = match (&arguments.codel, &arguments.service) {
@@ -295,7 +295,7 @@ fn yield_of_codel(text: &str) -> Result<(String, String), String> {
 
 fn sync(arguments: &Sync) -> anyhow::Result<Outcome> {
     let (files, mut trouble) = session::specifications(&arguments.paths);
-    has_place(&arguments.paths)?;
+    check_is_file(&arguments.paths)?;
     let options = SyncOptions {
         remove_yields: arguments.remove_yield.clone(),
         ..SyncOptions::default()
@@ -305,7 +305,7 @@ fn sync(arguments: &Sync) -> anyhow::Result<Outcome> {
         let roots = roots(&session);
         let done = command::sync(&mut project(&mut session), &roots, &options);
         if trouble
-            .or_tell(write(&done.changes, arguments.dry_run))
+            .ok_or_report(write(&done.changes, arguments.dry_run))
             .is_none()
         {
             continue;
@@ -319,7 +319,7 @@ fn sync(arguments: &Sync) -> anyhow::Result<Outcome> {
         }
         for it in &done.notes {
             let path = session::display(&it.path).into();
-            report::note(&ByHand { path, ..it.clone() }.to_string());
+            report::note(&ManualChange { path, ..it.clone() }.to_string());
         }
         let left = done.left.findings.iter();
         let left: Vec<_> = left.filter(|it| it.severity != Severity::Hint).collect();
@@ -342,7 +342,7 @@ fn sync(arguments: &Sync) -> anyhow::Result<Outcome> {
 }
 
 fn headers(arguments: &Headers) -> anyhow::Result<Outcome> {
-    has_place(std::slice::from_ref(&arguments.file))?;
+    check_is_file(std::slice::from_ref(&arguments.file))?;
     let mut session = session::single(&arguments.file, &arguments.reading)?;
     let root = roots(&session).pop().context("there is nothing to read")?;
     let beside = root.parent().unwrap_or(Utf8Path::new("."));

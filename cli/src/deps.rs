@@ -11,7 +11,7 @@ use dotgen_syntax::packages;
 use serde::Serialize;
 use serde_json::json;
 
-use super::{Outcome, Reading, report, session};
+use super::{Outcome, SpecificationOptions, report, session};
 use dotgen_lsp_server::features::codels::standins;
 use dotgen_platform::files::vfs;
 
@@ -35,7 +35,7 @@ pub(super) struct Arguments {
     format: Format,
 
     #[command(flatten)]
-    reading: Reading,
+    reading: SpecificationOptions,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -46,7 +46,7 @@ enum Format {
 
 /// What one specification needs.
 #[derive(Debug, Serialize)]
-struct Needs {
+struct FileDependencies {
     file: String,
     complete: bool,
     #[serde(flatten)]
@@ -70,13 +70,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
                 let changes = standins::changes(path, &found);
                 let content = |it: &FileChange| report::new_content(&it.path, &it.after);
                 let contents: Vec<_> = changes.iter().map(content).collect();
-                trouble.or_tell(report::write_files(&contents));
+                trouble.ok_or_report(report::write_files(&contents));
                 written = changes
                     .iter()
                     .map(|it| session::display(&it.path))
                     .collect();
             }
-            all.push(Needs {
+            all.push(FileDependencies {
                 file: session::display(path),
                 complete: needs.is_complete(),
                 needs,
@@ -124,7 +124,7 @@ impl Relative for Dependencies {
     }
 }
 
-fn print(it: &Needs, out: &mut impl Write) -> std::io::Result<()> {
+fn print(it: &FileDependencies, out: &mut impl Write) -> std::io::Result<()> {
     let needs = &it.needs;
     writeln!(out, "{}", terminal::name(&it.file))?;
     if needs.packages.is_empty() && needs.includes.is_empty() && needs.interfaces.is_empty() {

@@ -11,8 +11,8 @@ use dotgen_diagram::theme::Theme;
 use dotgen_syntax::encoding;
 use serde_json::json;
 
-use super::{Outcome, Reading, report, session};
-use dotgen_views::pictures::{self, Around, Form, Kind, Picture, Wish};
+use super::{Outcome, SpecificationOptions, report, session};
+use dotgen_views::pictures::{self, Form, Kind, Picture, PictureRequest, SystemContext};
 
 /// Draw state machines, components and locks
 ///
@@ -81,7 +81,7 @@ pub(super) struct Arguments {
     output: Option<Utf8PathBuf>,
 
     #[command(flatten)]
-    reading: Reading,
+    reading: SpecificationOptions,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -115,7 +115,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     for session in session::open(files, &arguments.reading)? {
         for file in &session.files {
             let unit = session.ask(&file.path, |it| it.root_unit(&file.path));
-            let Some(unit) = trouble.or_tell(unit) else {
+            let Some(unit) = trouble.ok_or_report(unit) else {
                 continue;
             };
             if !unit.accepted() {
@@ -129,7 +129,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         connections.extend_from_slice(session.connections());
     }
     let opened = arguments.open.iter().map(|it| (it.clone(), true));
-    let wish = Wish {
+    let wish = PictureRequest {
         kind: arguments.kind,
         component: arguments.component.clone(),
         owner: arguments.service.clone().or(arguments.task.clone()),
@@ -141,11 +141,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         load: !arguments.no_wcet,
         way: arguments.way.clone(),
         opened: opened.collect(),
-        ..Wish::default()
+        ..PictureRequest::default()
     };
-    let around = Around {
+    let around = SystemContext {
         connections,
-        ..Around::default()
+        ..SystemContext::default()
     };
     let drawn = pictures::draw(&units, &around, &wish);
     if drawn.is_empty() {
@@ -233,7 +233,7 @@ fn extension(format: Format) -> &'static str {
     }
 }
 
-fn nothing(wish: &Wish) -> String {
+fn nothing(wish: &PictureRequest) -> String {
     let what = match (wish.kind, &wish.owner) {
         (Kind::Fsm, Some(owner)) => format!("no task or activity `{owner}` with a state machine"),
         (Kind::Fsm, None) => "no task or activity with a state machine".to_owned(),

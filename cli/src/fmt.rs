@@ -14,7 +14,7 @@ use similar::TextDiff;
 
 use super::report;
 use super::session::{self, Session, SourceFile};
-use super::{Outcome, Reading};
+use super::{Outcome, SpecificationOptions};
 use dotgen_lsp_server::config::style;
 use dotgen_platform::files::vfs;
 
@@ -40,7 +40,7 @@ pub(super) struct Arguments {
     check: bool,
 
     #[command(flatten)]
-    reading: Reading,
+    reading: SpecificationOptions,
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
@@ -60,11 +60,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         paths => paths,
     };
     // Of directories, also the files that are only included.
-    let (files, mut trouble) = session::usable(paths, &["gen", "idl", "scn"]);
+    let (files, mut trouble) = session::usable_files(paths, &["gen", "idl", "scn"]);
     let mut changed = Vec::new();
     for session in session::open(files, &arguments.reading)? {
         for file in &session.files {
-            let result = trouble.or_tell(formatted(&session, file));
+            let result = trouble.ok_or_report(formatted(&session, file));
             if let Some((old, new)) = result.filter(|it| it.0 != it.1) {
                 if arguments.check {
                     print_diff(&session::display(&file.path), &old, &new)?;
@@ -74,7 +74,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         }
     }
     if !arguments.check {
-        trouble.or_tell(report::write_files(&changed));
+        trouble.ok_or_report(report::write_files(&changed));
     }
     Ok(
         trouble.outcome(match arguments.check && !changed.is_empty() {

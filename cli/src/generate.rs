@@ -38,11 +38,11 @@ pub(super) fn intercept() -> Option<ExitCode> {
         .into_owned();
     let arguments: Vec<String> = arguments.collect();
     if program == "genom3" {
-        return Some(stand_in(&arguments));
+        return Some(run_as_genom3(&arguments));
     }
     match arguments.split_first() {
         Some((command, arguments)) if command == "generate" => Some(in_project(arguments)),
-        Some((command, arguments)) if command == "genom3" => Some(stand_in(arguments)),
+        Some((command, arguments)) if command == "genom3" => Some(run_as_genom3(arguments)),
         _ => None,
     }
 }
@@ -53,7 +53,7 @@ pub(super) fn run_parsed(arguments: &Arguments) -> ExitCode {
 }
 
 /// As `genom3`, which knows what it is told and nothing else.
-fn stand_in(arguments: &[String]) -> ExitCode {
+fn run_as_genom3(arguments: &[String]) -> ExitCode {
     let packages = PackageConfig {
         may_run: true,
         ..PackageConfig::default()
@@ -94,7 +94,9 @@ fn configuration(words: &[String]) -> Config {
         return Config::default();
     };
     let text = std::fs::read_to_string(directory.join(config::FILE_NAME)).unwrap_or_default();
-    let settings = config::from_toml(&text).settings.anchored(&directory);
+    let settings = config::from_toml(&text)
+        .settings
+        .resolved_against(&directory);
     Config::new(&settings, &directory, true)
 }
 

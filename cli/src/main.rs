@@ -115,7 +115,7 @@ impl Colour {
 
 /// How specifications are read.
 #[derive(Debug, Clone, Default, Args)]
-struct Reading {
+struct SpecificationOptions {
     /// Search DIR for included files, before the directories of dotgen.toml
     #[arg(short = 'I', value_name = "DIR", action = clap::ArgAction::Append)]
     include_paths: Vec<String>,
@@ -166,7 +166,7 @@ fn main() -> ExitCode {
     if let Some(status) = generate::intercept() {
         return status;
     }
-    let cli = Cli::try_parse().unwrap_or_else(|error| suggestion::improved(error).exit());
+    let cli = Cli::try_parse().unwrap_or_else(|error| suggestion::add_suggestion(error).exit());
     cli.color.set();
     if let Err(message) = dotgen_lsp_server::config::release_of_environment() {
         failure(&anyhow::Error::msg(message));

@@ -5,7 +5,7 @@ use std::io::Write;
 use camino::Utf8PathBuf;
 use clap::Args;
 
-use super::{Outcome, Reading, report, session};
+use super::{Outcome, SpecificationOptions, report, session};
 
 /// Print the component model of a specification as JSON
 ///
@@ -19,7 +19,7 @@ pub(super) struct Arguments {
     file: Utf8PathBuf,
 
     #[command(flatten)]
-    reading: Reading,
+    reading: SpecificationOptions,
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {

@@ -20,14 +20,14 @@ use dotgen_timing::verify::{Interrupt, Options, SystemInput, prepare};
 use super::outputs::{self, Output, PERFETTO};
 use super::run::bounds;
 use super::session::{display, is_standard_input};
-use super::verify::told::Told;
+use super::verify::diagnostics::ScenarioDiagnostics;
 use super::verify::{Cores, PolicyName, SemanticsName, cores, interrupt, one_problem};
-use super::wcet::{PIECE, given, open, read_log};
-use super::{Outcome, Reading, report};
+use super::wcet::{CHUNK_BYTES, given, open, read_log};
+use super::{Outcome, SpecificationOptions, report};
 use dotgen_platform::files::disk::Stream;
 
 /// How long to wait for more of a log that is followed.
-const PAUSE: Duration = Duration::from_millis(50);
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Check recorded runs against the verified model
 ///
@@ -75,7 +75,7 @@ pub(super) struct Arguments {
     format: Format,
 
     #[command(flatten)]
-    reading: Reading,
+    reading: SpecificationOptions,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -130,7 +130,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let prepared = prepare(&input, &problem.scenario, &options);
     if prepared.report.has_errors() {
         let told = together(&prepared.report.diagnostics);
-        Told::by_verifier(&session, &problem, &told, &[])?.print()?;
+        ScenarioDiagnostics::by_verifier(&session, &problem, &told, &[])?.print()?;
         return Ok(Outcome::Unusable);
     }
     let bounds = bounds::of_tasks(arguments.bounds, &problem, &options, &prepared, &interrupt);
@@ -189,9 +189,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
 
 /// Deviations that were told as they came.
 #[derive(Debug, Default)]
-struct Fresh(usize);
+struct NewDeviations(usize);
 
-impl Fresh {
+impl NewDeviations {
     /// Tells what was found since, to people.
     fn print(&mut self, monitor: &Monitor<'_>, format: Format) -> anyhow::Result<()> {
         let fresh = monitor.found(self.0);
@@ -217,9 +217,9 @@ fn follow(
     };
     let is_file = file.as_ref().and_then(|it| it.metadata().ok());
     let is_file = is_file.is_some_and(|it| it.is_file());
-    let mut piece = vec![0; PIECE];
+    let mut piece = vec![0; CHUNK_BYTES];
     let mut lines = Lines::default();
-    let mut told = Fresh::default();
+    let mut told = NewDeviations::default();
     let mut place = 0u64;
     loop {
         let length = match &mut file {
@@ -249,7 +249,7 @@ fn follow(
             file.seek(SeekFrom::Start(0)).with_context(wrong)?;
             (place, lines) = (0, Lines::default());
         }
-        std::thread::sleep(PAUSE);
+        std::thread::sleep(POLL_INTERVAL);
     }
     Ok(())
 }

@@ -12,9 +12,9 @@ use dotgen_recording::record::{self, PortRecording};
 use dotgen_syntax::suggestion::advice;
 use serde_json::Value;
 
-use super::call::Talk;
+use super::call::RunConnection;
 use super::wcet::unreadable;
-use super::write::{Input, Pace};
+use super::write::{Input, Pacer};
 use super::{Outcome, report};
 
 /// Write the port data of a recording to input ports of a run, at the recorded times
@@ -95,7 +95,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     if data.messages.is_empty() {
         bail!("`{path}` has no data of ports: a recording with codels has it");
     }
-    let mut talk = Talk::begin(arguments.socket.as_ref())?;
+    let mut talk = RunConnection::begin(arguments.socket.as_ref())?;
     let ports = inputs(&talk.components()?);
     let mut topics = targets(&data, &ports, &arguments.topics)?;
     let whole = play(&data, &ports, &mut topics, arguments.speed, &mut talk)?;
@@ -225,14 +225,14 @@ fn play(
     ports: &[Port],
     topics: &mut BTreeMap<u16, Topic>,
     speed: f64,
-    talk: &mut Talk,
+    talk: &mut RunConnection,
 ) -> anyhow::Result<bool> {
     let has_target = |it: &u16| topics.get(it).is_some_and(|it| !it.targets.is_empty());
     let played = data.messages.iter().filter(|it| has_target(&it.channel));
     let mut played: Vec<_> = played.collect();
     played.sort_by_key(|it| it.at);
     let first = played.first().map_or(0, |it| it.at);
-    let mut pace = Pace::begin();
+    let mut pace = Pacer::begin();
     for message in played {
         let Some(topic) = topics.get_mut(&message.channel) else {
             continue;
@@ -247,7 +247,7 @@ fn play(
                 continue;
             };
             let value = match &value {
-                Ok(it) => unwrapped(it, &port.schema),
+                Ok(it) => unwrap_member(it, &port.schema),
                 Err(error) => {
                     target.refused = Some(format!("the recording has no JSON there: {error}"));
                     continue;
@@ -274,7 +274,7 @@ fn play(
 }
 
 /// The value of a message: if it is not an object, the message has it as a member.
-fn unwrapped<'v>(value: &'v Value, schema: &Value) -> &'v Value {
+fn unwrap_member<'v>(value: &'v Value, schema: &Value) -> &'v Value {
     match value {
         Value::Object(all) if all.len() == 1 && schema["type"] != "object" => {
             all.get("value").unwrap_or(value)

@@ -11,7 +11,7 @@ use serde::Serialize;
 use serde_json::json;
 
 use super::session;
-use super::{Outcome, Reading};
+use super::{Outcome, SpecificationOptions};
 
 /// Compare releases of GenoM3
 #[derive(Debug, Args)]
@@ -48,7 +48,7 @@ struct Diff {
     format: Format,
 
     #[command(flatten)]
-    reading: Reading,
+    reading: SpecificationOptions,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -86,7 +86,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let mut reports = Vec::new();
     let (files, mut trouble) = session::specifications(&diff.paths);
     for file in files {
-        reports.extend(trouble.or_tell(compare(diff, &file.path)));
+        reports.extend(trouble.ok_or_report(compare(diff, &file.path)));
     }
     let mut out = anstream::stdout().lock();
     match diff.format {
@@ -112,7 +112,7 @@ fn compare(diff: &Diff, path: &Utf8PathBuf) -> anyhow::Result<FileDiff> {
         }
     };
     let read = |release: Release| -> anyhow::Result<_> {
-        let reading = Reading {
+        let reading = SpecificationOptions {
             release: Some(release),
             ..diff.reading.clone()
         };

@@ -16,10 +16,10 @@ use dotgen_timing::verify::{Options, Prepared, SystemInput, prepare};
 
 use super::outputs::MCAP;
 use super::session::display;
-use super::verify::told::Told;
+use super::verify::diagnostics::ScenarioDiagnostics;
 use super::verify::{Cores, PolicyName, SemanticsName, cores, one_problem};
 use super::wcet::unreadable;
-use super::{Outcome, Reading, report};
+use super::{Outcome, SpecificationOptions, report};
 
 /// Compare a recorded run step by step with the verified model
 ///
@@ -51,7 +51,7 @@ pub(super) struct Arguments {
     format: Format,
 
     #[command(flatten)]
-    reading: Reading,
+    reading: SpecificationOptions,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -95,11 +95,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let mut prepared = prepare(&input, &problem.scenario, &options);
     if prepared.report.has_errors() {
         let told = together(&prepared.report.diagnostics);
-        Told::by_verifier(&session, &problem, &told, &[])?.print()?;
+        ScenarioDiagnostics::by_verifier(&session, &problem, &told, &[])?.print()?;
         return Ok(Outcome::Unusable);
     }
     let default = problem.path.extension() == Some("gen");
-    let outside = surrounded(&mut prepared, &recorded.about, default);
+    let outside = with_environment(&mut prepared, &recorded.about, default);
     let verified = &prepared.built.system;
     if verified.unit.to_string() != recorded.about.unit {
         bail!(
@@ -140,7 +140,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
 
 /// Gives a model what was around the recorded run: units of the real clock, and whoever sent requests from
 /// outside. The first of the clients that stand for him.
-fn surrounded(
+fn with_environment(
     prepared: &mut Prepared,
     about: &record::RunInfo,
     without_clients: bool,

@@ -26,9 +26,9 @@ use dotgen_timing::verify::{Options, Prepared, SystemInput, prepare};
 use num_rational::Ratio;
 
 use super::outputs::{self, MCAP, Output, PERFETTO, VIEWER};
-use super::verify::told::Told;
+use super::verify::diagnostics::ScenarioDiagnostics;
 use super::verify::{Cores, PolicyName, SemanticsName, body, cores, interrupt, parsed, problems};
-use super::{Outcome, Reading, report, trace};
+use super::{Outcome, SpecificationOptions, report, trace};
 use dotgen_views::verification::Problem;
 use dotgen_views::verification::timeline::Ending;
 use recorder::Files;
@@ -158,7 +158,7 @@ pub(super) struct Arguments {
     format: Format,
 
     #[command(flatten)]
-    reading: Reading,
+    reading: SpecificationOptions,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -215,7 +215,7 @@ enum Format {
 }
 
 /// A file, and how many of what are in it.
-type Written = (Utf8PathBuf, u64, Contents);
+type WrittenFile = (Utf8PathBuf, u64, Contents);
 
 /// What stands in a file.
 #[derive(Debug, Clone, Copy)]
@@ -236,7 +236,7 @@ struct Answer {
     /// How many codels were executed, of how many.
     executed: (usize, usize),
     /// Files that were written.
-    written: Vec<Written>,
+    written: Vec<WrittenFile>,
 }
 
 /// A time with its unit.
@@ -322,7 +322,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let mut answers = Vec::new();
     for (session, problem) in all {
         if !problem.errors.is_empty() {
-            Told::about(&session, &problem, problem.errors.clone())?.print()?;
+            ScenarioDiagnostics::about(&session, &problem, problem.errors.clone())?.print()?;
             trouble.told();
             continue;
         }
@@ -338,7 +338,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         };
         let prepared = prepare(&input, &problem.scenario, &options);
         let told = |all: &[dotgen_timing::diagnostic::Diagnostic]| {
-            Told::by_verifier(&session, &problem, all, &checks)
+            ScenarioDiagnostics::by_verifier(&session, &problem, all, &checks)
         };
         if matches!(arguments.format, Format::Text) || prepared.report.has_errors() {
             told(&together(&prepared.report.diagnostics))?.print()?;
@@ -390,7 +390,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         } = run;
         report.notes.extend(untimed);
         let mut written = Vec::new();
-        if let (Some(path), Some(it)) = (&arguments.record, trouble.or_tell(messages).flatten()) {
+        if let (Some(path), Some(it)) =
+            (&arguments.record, trouble.ok_or_report(messages).flatten())
+        {
             match it.whole {
                 true => written.push((path.clone(), it.data, Contents::Messages(it.steps))),
                 false => trouble.told(),
@@ -401,7 +403,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             let whole = files.runs.map(|it| it.finish()).transpose()?;
             Ok((lines, whole))
         });
-        if let Some((lines, Some(whole))) = trouble.or_tell(recorded.map_err(Into::into)) {
+        if let Some((lines, Some(whole))) = trouble.ok_or_report(recorded.map_err(Into::into)) {
             let files = [
                 (log, whole.log, Contents::Lines),
                 (perfetto, whole.trace, Contents::Codels),
@@ -415,7 +417,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             }
         }
         if let (Some(path), Some(run)) = (trace, told) {
-            let recorded = trace::Recorded {
+            let recorded = trace::RecordedRun {
                 title: format!("a run of {}, seed {}", report.scenario, arguments.seed),
                 unit: &report.unit,
                 events: &run.events,
@@ -426,7 +428,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
                     false => Vec::new(),
                 },
             };
-            let steps = trouble.or_tell(trace::write(path, recorded, &problem, &options));
+            let steps = trouble.ok_or_report(trace::write(path, recorded, &problem, &options));
             let steps = steps.and_then(|it| u64::try_from(it).ok());
             written.extend(steps.map(|it| (path.clone(), it, Contents::Steps)));
         }

@@ -13,7 +13,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::{Outcome, Reading};
+use super::{Outcome, SpecificationOptions};
 use dotgen_lsp_server::config::{self, Config, Level, Problem, Settings};
 use dotgen_lsp_server::protocol::convert::{Encoding, Lines};
 use dotgen_platform::files::vfs::{self, PackageConfig, Vfs};
@@ -21,7 +21,7 @@ use dotgen_platform::panic;
 use dotgen_views::verification::problem::EXTENSION;
 
 /// Files that are read before what is known of them is forgotten again.
-const BATCH: usize = 64;
+const MAX_CACHED_FILES: usize = 64;
 
 /// Files that share a configuration.
 pub(super) struct Session {
@@ -73,8 +73,11 @@ pub(super) fn files(arguments: &[Utf8PathBuf]) -> anyhow::Result<Vec<SourceFile>
 }
 
 /// As [`files`], for commands that go on without what cannot be used.
-pub(super) fn usable(arguments: &[Utf8PathBuf], extensions: &[&str]) -> (Vec<SourceFile>, Trouble) {
-    let (mut found, mut trouble) = (NamedFiles::default(), Trouble::default());
+pub(super) fn usable_files(
+    arguments: &[Utf8PathBuf],
+    extensions: &[&str],
+) -> (Vec<SourceFile>, ErrorReporter) {
+    let (mut found, mut trouble) = (NamedFiles::default(), ErrorReporter::default());
     for argument in arguments {
         match found.add(argument, extensions) {
             Ok(skipped) => skipped.iter().for_each(|it| trouble.tell(it)),
@@ -84,10 +87,10 @@ pub(super) fn usable(arguments: &[Utf8PathBuf], extensions: &[&str]) -> (Vec<Sou
     (found.files, trouble)
 }
 
-/// As [`usable`], for commands that have nothing to do with scenarios.
-pub(super) fn specifications(arguments: &[Utf8PathBuf]) -> (Vec<SourceFile>, Trouble) {
-    let (mut files, mut trouble) = usable(arguments, &["gen"]);
-    files.retain(|it| match no_scenario(it) {
+/// As [`usable_files`], for commands that have nothing to do with scenarios.
+pub(super) fn specifications(arguments: &[Utf8PathBuf]) -> (Vec<SourceFile>, ErrorReporter) {
+    let (mut files, mut trouble) = usable_files(arguments, &["gen"]);
+    files.retain(|it| match refuse_scenario(it) {
         Ok(()) => true,
         Err(error) => {
             trouble.tell(&error);
@@ -97,7 +100,7 @@ pub(super) fn specifications(arguments: &[Utf8PathBuf]) -> (Vec<SourceFile>, Tro
     (files, trouble)
 }
 
-fn no_scenario(file: &SourceFile) -> anyhow::Result<()> {
+fn refuse_scenario(file: &SourceFile) -> anyhow::Result<()> {
     if file.is_scenario() {
         let path = display(&file.path);
         bail!("`{path}` is a scenario, not a specification: `dotgen verify {path}` verifies it");
@@ -106,7 +109,7 @@ fn no_scenario(file: &SourceFile) -> anyhow::Result<()> {
 }
 
 /// Refuses a source of codels, which the preprocessor of specifications would read.
-fn no_codels(argument: &Utf8Path) -> anyhow::Result<()> {
+fn refuse_codels(argument: &Utf8Path) -> anyhow::Result<()> {
     if Grammar::of_path(argument.as_str()).is_some() {
         bail!(
             "`{argument}` is a source of codels, not a specification; `dotgen codels check` checks the codels \
@@ -160,7 +163,7 @@ impl NamedFiles {
                 found.into_iter().for_each(|it| self.push(it, false, None));
             }
             FileContent::Text(_) | FileContent::NotUtf8(_) => {
-                no_codels(argument)?;
+                refuse_codels(argument)?;
                 self.push(path, true, None);
             }
             FileContent::Missing => bail!("cannot read `{argument}`: no such file or directory"),
@@ -215,15 +218,15 @@ pub(super) fn standard_input() -> anyhow::Result<String> {
 /// Remembers that something could not be used, while the rest is done.
 #[derive(Debug, Default)]
 #[must_use]
-pub(super) struct Trouble {
+pub(super) struct ErrorReporter {
     any: bool,
     silent: bool,
 }
 
-impl Trouble {
+impl ErrorReporter {
     /// For a first look, when a second one tells what is wrong.
-    pub(super) fn silent() -> Trouble {
-        Trouble {
+    pub(super) fn silent() -> ErrorReporter {
+        ErrorReporter {
             any: false,
             silent: true,
         }
@@ -248,7 +251,7 @@ impl Trouble {
     }
 
     /// The value; `None` when there is none, and that is told.
-    pub(super) fn or_tell<T>(&mut self, result: anyhow::Result<T>) -> Option<T> {
+    pub(super) fn ok_or_report<T>(&mut self, result: anyhow::Result<T>) -> Option<T> {
         result.inspect_err(|error| self.tell(error)).ok()
     }
 
@@ -262,9 +265,12 @@ impl Trouble {
 }
 
 /// The one specification that a command is about: a file, or the only one below a directory.
-pub(super) fn single(argument: &Utf8Path, reading: &Reading) -> anyhow::Result<Session> {
+pub(super) fn single(
+    argument: &Utf8Path,
+    reading: &SpecificationOptions,
+) -> anyhow::Result<Session> {
     let files = files(&[argument.to_owned()])?;
-    files.iter().try_for_each(no_scenario)?;
+    files.iter().try_for_each(refuse_scenario)?;
     if files.len() > 1 {
         let names: Vec<_> = files.iter().map(|it| display(&it.path)).collect();
         bail!(
@@ -278,7 +284,10 @@ pub(super) fn single(argument: &Utf8Path, reading: &Reading) -> anyhow::Result<S
 }
 
 /// Groups files by the nearest `dotgen.toml` around them.
-pub(super) fn open(files: Vec<SourceFile>, reading: &Reading) -> anyhow::Result<Vec<Session>> {
+pub(super) fn open(
+    files: Vec<SourceFile>,
+    reading: &SpecificationOptions,
+) -> anyhow::Result<Vec<Session>> {
     let mut groups: Vec<(Option<Utf8PathBuf>, Vec<SourceFile>)> = Vec::new();
     let mut nearest: FxHashMap<Utf8PathBuf, Option<Utf8PathBuf>> = FxHashMap::default();
     for file in files {
@@ -300,7 +309,11 @@ pub(super) fn open(files: Vec<SourceFile>, reading: &Reading) -> anyhow::Result<
 }
 
 /// Files under the configuration that counts for `path`.
-pub(super) fn around(path: &Utf8Path, files: Vec<SourceFile>, reading: &Reading) -> Session {
+pub(super) fn around(
+    path: &Utf8Path,
+    files: Vec<SourceFile>,
+    reading: &SpecificationOptions,
+) -> Session {
     let here = absolute(Utf8Path::new(".")).unwrap_or_default();
     Session::new(
         config::nearest_directory(path).as_deref(),
@@ -321,7 +334,7 @@ impl Session {
         directory: Option<&Utf8Path>,
         here: &Utf8Path,
         files: Vec<SourceFile>,
-        reading: &Reading,
+        reading: &SpecificationOptions,
     ) -> Session {
         let mut arguments = Settings {
             include_paths: reading.include_paths.clone(),
@@ -332,7 +345,7 @@ impl Session {
         for define in &reading.defines {
             arguments.define(define);
         }
-        let mut settings = arguments.anchored(here);
+        let mut settings = arguments.resolved_against(here);
         let mut config = None;
         if let Some(directory) = directory {
             let path = directory.join(config::FILE_NAME);
@@ -341,7 +354,7 @@ impl Session {
                 _ => "".into(),
             };
             let read = config::from_toml(&text);
-            let own = read.settings.anchored(directory);
+            let own = read.settings.resolved_against(directory);
             settings = settings.over(own.chosen_by(ReleaseOrigin::ConfigurationFile(path.clone())));
             config = Some(ConfigProblems {
                 path,
@@ -413,7 +426,7 @@ impl Session {
         mut answered: impl FnMut(&Session, &Utf8Path, R) -> anyhow::Result<()>,
     ) -> anyhow::Result<()> {
         self.host.keep_little();
-        for batch in files.chunks(BATCH) {
+        for batch in files.chunks(MAX_CACHED_FILES) {
             let analysis = self.host.analysis();
             let one = |analysis: &Analysis, path: &Utf8PathBuf| {
                 panic::isolate(|| question(analysis, path))

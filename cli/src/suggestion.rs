@@ -8,7 +8,7 @@ use super::Cli;
 
 /// Adds the option that was probably meant to the error of the command line. Clap's own measure finds no
 /// transposed letters in short words.
-pub(super) fn improved(mut error: Error) -> Error {
+pub(super) fn add_suggestion(mut error: Error) -> Error {
     if error.kind() != ErrorKind::UnknownArgument || error.get(ContextKind::SuggestedArg).is_some()
     {
         return error;

@@ -9,7 +9,7 @@ const TIME: &str = "time";
 const WHOLE: &str = "value";
 
 /// Largest index of a list in a header.
-const LONGEST: usize = 100_000;
+const MAX_INDEX: usize = 100_000;
 
 /// A row.
 #[derive(Debug, Clone, PartialEq)]
@@ -146,7 +146,7 @@ fn path(title: &str, schema: &Value) -> Result<Vec<Step>, String> {
         for index in indices.split_inclusive(']') {
             let index = index.strip_prefix('[').and_then(|it| it.strip_suffix(']'));
             let index = index.and_then(|it| it.parse().ok());
-            let index = index.filter(|&it| it <= LONGEST);
+            let index = index.filter(|&it| it <= MAX_INDEX);
             out.push(Step::Index(index.ok_or("has a wrong index")?));
         }
     }

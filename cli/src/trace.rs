@@ -13,11 +13,11 @@ use dotgen_lsp_server::protocol::convert::{Encoding, Lines, uri};
 use dotgen_lsp_server::protocol::types::Location;
 use dotgen_platform::files::disk::Stream;
 use dotgen_platform::files::vfs;
-use dotgen_views::verification::trace::{Told, Trace, of_run};
+use dotgen_views::verification::trace::{Trace, TraceInput, of_run};
 use dotgen_views::verification::{Problem, blocking, timeline::Ending};
 
 /// A run that is over, as it was told.
-pub(super) struct Recorded<'r> {
+pub(super) struct RecordedRun<'r> {
     /// What is shown.
     pub(super) title: String,
     /// Of the times of the events.
@@ -39,11 +39,11 @@ pub(super) struct Recorded<'r> {
 /// The file cannot be written.
 pub(super) fn write(
     path: &Utf8Path,
-    recorded: Recorded,
+    recorded: RecordedRun,
     problem: &Problem,
     options: &Options,
 ) -> anyhow::Result<usize> {
-    let mut trace = of_run(&Told {
+    let mut trace = of_run(&TraceInput {
         title: recorded.title,
         unit: recorded.unit,
         events: recorded.events,

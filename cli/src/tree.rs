@@ -5,7 +5,7 @@ use std::io::Write;
 use camino::Utf8PathBuf;
 use clap::Args;
 
-use super::{Outcome, Reading, session};
+use super::{Outcome, SpecificationOptions, session};
 
 /// Print the syntax tree of a file
 #[derive(Debug, Args)]
@@ -15,7 +15,7 @@ pub(super) struct Arguments {
     file: Utf8PathBuf,
 
     #[command(flatten)]
-    reading: Reading,
+    reading: SpecificationOptions,
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {

@@ -1,12 +1,12 @@
 //! `dotgen verify`
 
+pub(super) mod diagnostics;
 mod explain;
 pub(super) mod interrupt;
 mod json;
 mod limits;
 mod progress;
 mod text;
-pub(super) mod told;
 
 use std::time::Duration;
 
@@ -24,18 +24,18 @@ use dotgen_timing::scn::parse_check;
 use dotgen_timing::scn::semantics::Preset;
 use dotgen_timing::verify::{Cancel, Options, settings};
 
-use self::progress::Doing;
-use self::told::Told;
+use self::diagnostics::ScenarioDiagnostics;
+use self::progress::Activity;
 use super::outputs::{self, Output, VIEWER};
-use super::session::{self, Session, SourceFile, Trouble};
-use super::{Outcome, Reading, report, trace};
+use super::session::{self, ErrorReporter, Session, SourceFile};
+use super::{Outcome, SpecificationOptions, report, trace};
 use dotgen_platform::files::vfs;
 use dotgen_views::verification::Problem;
 use dotgen_views::verification::changes::Repairs;
 use dotgen_views::verification::first::{self, FirstAnswer};
 use dotgen_views::verification::runs;
 use dotgen_views::verification::view::View;
-use dotgen_views::verification::why::{self, Why};
+use dotgen_views::verification::why::{self, FailureCause};
 
 /// Verify real-time properties: deadlines, response times, bounded responses
 ///
@@ -111,7 +111,7 @@ pub(super) struct Arguments {
     format: Format,
 
     #[command(flatten)]
-    reading: Reading,
+    reading: SpecificationOptions,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -180,7 +180,7 @@ enum DurationsName {
 
 /// Maximum number of states for a specification without a scenario: with a client that may send anything,
 /// a longer search seldom finds more.
-const UNASKED_STATES: usize = 100_000;
+const MAX_DEFAULT_STATES: usize = 100_000;
 
 /// What `--sensitivity` finds.
 struct Slacks {
@@ -197,7 +197,7 @@ struct Answer {
     options: Options,
     report: Report,
     /// By check: why it fails, and what would help.
-    why: Vec<Option<Why>>,
+    why: Vec<Option<FailureCause>>,
     /// What holds with fewer requests, where no scenario is written.
     first: Vec<FirstAnswer>,
     /// What was said beside it, for programs.
@@ -249,7 +249,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     outputs::check(&written, all.iter().flat_map(|it| it.1.files()))?;
     for (session, problem) in all {
         if !problem.errors.is_empty() {
-            Told::about(&session, &problem, problem.errors.clone())?.print()?;
+            ScenarioDiagnostics::about(&session, &problem, problem.errors.clone())?.print()?;
             trouble.told();
             continue;
         }
@@ -265,14 +265,14 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         };
         let report = progress::during(&cancel, &doing, |tell| {
             problem.verify(&options, &cancel, &|it| {
-                tell(Doing {
+                tell(Activity {
                     what: doing.clone(),
                     how_far: it.how_far(),
                 })
             })
         });
         let told = |all: &[dotgen_timing::diagnostic::Diagnostic]| {
-            Told::by_verifier(&session, &problem, all, &checks)
+            ScenarioDiagnostics::by_verifier(&session, &problem, all, &checks)
         };
         // Programs are told everything, in their document if there is one.
         if matches!(arguments.format, Format::Text) || report.has_errors() {
@@ -333,7 +333,7 @@ fn write_trace(path: &Utf8Path, answers: &[Answer]) -> anyhow::Result<()> {
         bail!("`--trace`: no check has a run to be written");
     };
     let check = &answer.report.checks[number];
-    let recorded = trace::Recorded {
+    let recorded = trace::RecordedRun {
         title: runs::title(check),
         unit: &answer.report.unit,
         events: check.run(),
@@ -348,9 +348,9 @@ fn write_trace(path: &Utf8Path, answers: &[Answer]) -> anyhow::Result<()> {
 /// there.
 pub(super) fn problems(
     arguments: &[Utf8PathBuf],
-    reading: &Reading,
-) -> (Vec<(Session, Problem)>, Trouble) {
-    let (files, mut trouble) = session::usable(arguments, &["gen"]);
+    reading: &SpecificationOptions,
+) -> (Vec<(Session, Problem)>, ErrorReporter) {
+    let (files, mut trouble) = session::usable_files(arguments, &["gen"]);
     report::note_unused_scenarios(arguments, &files);
     // Without one of its parts it would be another system.
     let mut whole = !trouble.any();
@@ -358,7 +358,7 @@ pub(super) fn problems(
     let mut specifications = Vec::new();
     for file in files {
         match file.path.extension() {
-            Some("scn") => out.extend(trouble.or_tell(of_scenario(&file, reading))),
+            Some("scn") => out.extend(trouble.ok_or_report(of_scenario(&file, reading))),
             Some("gen") => specifications.push(file),
             _ => {
                 let path = session::display(&file.path);
@@ -369,7 +369,7 @@ pub(super) fn problems(
         }
     }
     if whole {
-        let together = trouble.or_tell(of_specifications(specifications, reading));
+        let together = trouble.ok_or_report(of_specifications(specifications, reading));
         out.extend(together.flatten());
     }
     (out, trouble)
@@ -378,7 +378,7 @@ pub(super) fn problems(
 /// As [`problems`], when there may be only one. `None` if it cannot be used, which was told.
 pub(super) fn one_problem(
     files: &[Utf8PathBuf],
-    reading: &Reading,
+    reading: &SpecificationOptions,
 ) -> anyhow::Result<Option<(Session, Problem)>> {
     let (mut all, trouble) = problems(files, reading);
     if trouble.any() {
@@ -388,13 +388,16 @@ pub(super) fn one_problem(
         bail!("name one scenario, or specifications");
     };
     if !problem.errors.is_empty() {
-        Told::about(&session, &problem, problem.errors.clone())?.print()?;
+        ScenarioDiagnostics::about(&session, &problem, problem.errors.clone())?.print()?;
         return Ok(None);
     }
     Ok(Some((session, problem)))
 }
 
-fn of_scenario(file: &SourceFile, reading: &Reading) -> anyhow::Result<(Session, Problem)> {
+fn of_scenario(
+    file: &SourceFile,
+    reading: &SpecificationOptions,
+) -> anyhow::Result<(Session, Problem)> {
     let text = match vfs::read(&file.path) {
         FileContent::Text(text) | FileContent::NotUtf8(text) => text,
         _ => bail!("cannot read `{}`", session::display(&file.path)),
@@ -409,7 +412,7 @@ fn of_scenario(file: &SourceFile, reading: &Reading) -> anyhow::Result<(Session,
 /// All of them as one system, though each may have a configuration of its own.
 fn of_specifications(
     files: Vec<SourceFile>,
-    reading: &Reading,
+    reading: &SpecificationOptions,
 ) -> anyhow::Result<Option<(Session, Problem)>> {
     let Some(first) = files.first().map(|it| it.path.clone()) else {
         return Ok(None);
@@ -423,7 +426,7 @@ fn of_specifications(
             names.push(session::display(&file.path));
         }
     }
-    let problem = Problem::by_default(&first, &names, units);
+    let problem = Problem::default_scenario(&first, &names, units);
     Ok(sessions.into_iter().next().map(|it| (it, problem)))
 }
 
@@ -432,7 +435,7 @@ impl Arguments {
         let written = problem.path.extension() == Some("scn");
         let most = match written {
             true => Limits::default().states,
-            false => UNASKED_STATES,
+            false => MAX_DEFAULT_STATES,
         };
         let limits = Limits {
             states: self.max_states.unwrap_or(most),

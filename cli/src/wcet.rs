@@ -15,7 +15,7 @@ use super::report;
 use super::session::is_standard_input;
 
 /// Bytes that are read at once.
-pub(super) const PIECE: usize = 1 << 18;
+pub(super) const CHUNK_BYTES: usize = 1 << 18;
 
 /// Import and summarise measured execution times
 ///
@@ -49,7 +49,7 @@ pub(super) fn read_log(
         true => Box::new(std::io::stdin().lock()),
         false => Box::new(open(path)?),
     };
-    let mut piece = vec![0; PIECE];
+    let mut piece = vec![0; CHUNK_BYTES];
     let mut lines = Lines::default();
     let mut breaks = TruncationCheck::default();
     let mut each = |number, line: &[u8], ended| {
@@ -96,7 +96,7 @@ pub(super) fn unreadable(path: &Utf8Path, error: &std::io::Error) -> anyhow::Err
 }
 
 /// Logs and other files, told apart by their extensions.
-pub(super) struct Given {
+pub(super) struct InputFiles {
     pub(super) logs: Vec<Utf8PathBuf>,
     /// Scenarios and specifications.
     pub(super) texts: Vec<Utf8PathBuf>,
@@ -106,7 +106,7 @@ pub(super) struct Given {
 ///
 /// # Errors
 /// No log was named.
-pub(super) fn given(files: &[Utf8PathBuf]) -> anyhow::Result<Given> {
+pub(super) fn given(files: &[Utf8PathBuf]) -> anyhow::Result<InputFiles> {
     let is_text = |it: &&Utf8PathBuf| matches!(it.extension(), Some("gen" | "scn"));
     let texts: Vec<_> = files.iter().filter(is_text).cloned().collect();
     let logs: Vec<_> = files.iter().filter(|it| !is_text(it)).cloned().collect();
@@ -114,5 +114,5 @@ pub(super) fn given(files: &[Utf8PathBuf]) -> anyhow::Result<Given> {
         !logs.is_empty(),
         "no log is named; give a file that a server or `dotgen run --profile` has written"
     );
-    Ok(Given { logs, texts })
+    Ok(InputFiles { logs, texts })
 }

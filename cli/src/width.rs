@@ -3,13 +3,13 @@
 use terminal_size::{Width, terminal_size_of};
 
 /// Columns where there is no terminal, and most columns where there is one.
-const MOST: usize = 100;
+const MAX_COLUMNS: usize = 100;
 
 /// Columns that lines may have.
 fn columns() -> usize {
     let terminal =
         terminal_size_of(std::io::stdout()).map(|(Width(columns), _)| usize::from(columns));
-    terminal.map_or(MOST, |it| it.clamp(40, MOST))
+    terminal.map_or(MAX_COLUMNS, |it| it.clamp(40, MAX_COLUMNS))
 }
 
 /// Breaks a text between words, where the first line has `first` columns before the text. All other lines

@@ -8,7 +8,7 @@ use camino::Utf8PathBuf;
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::call::Talk;
+use super::call::RunConnection;
 use super::{Outcome, failure, report, table};
 
 /// Write a value to an input port of a component that runs (`dotgen run --clock real`)
@@ -58,17 +58,17 @@ fn rate(text: &str) -> Result<f64, String> {
 
 /// Waits for the moments at which values are due.
 #[derive(Debug)]
-pub(super) struct Pace {
+pub(super) struct Pacer {
     begin: Instant,
     latest: Duration,
 }
 
 /// Delays that are reported.
-const LATE: Duration = Duration::from_millis(100);
+const REPORTED_DELAY: Duration = Duration::from_millis(100);
 
-impl Pace {
-    pub(super) fn begin() -> Pace {
-        Pace {
+impl Pacer {
+    pub(super) fn begin() -> Pacer {
+        Pacer {
             begin: Instant::now(),
             latest: Duration::ZERO,
         }
@@ -85,7 +85,7 @@ impl Pace {
 
     /// Reports values that were written late.
     pub(super) fn end(&self) {
-        if self.latest > LATE {
+        if self.latest > REPORTED_DELAY {
             let millis = self.latest.as_millis();
             report::note(&format!("values were written up to {millis} ms late"));
         }
@@ -94,7 +94,7 @@ impl Pace {
 
 /// An input port of a run.
 pub(super) struct Input<'t> {
-    pub(super) talk: &'t mut Talk,
+    pub(super) talk: &'t mut RunConnection,
     pub(super) port: String,
     pub(super) instance: Option<String>,
 }
@@ -131,7 +131,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         None | Some("-") => None,
         Some(text) => Some(parse(text)?),
     };
-    let mut talk = Talk::begin(arguments.socket.as_ref())?;
+    let mut talk = RunConnection::begin(arguments.socket.as_ref())?;
     if let Some(path) = &arguments.csv {
         let bytes = std::fs::read(path).with_context(|| format!("cannot read `{path}`"))?;
         let schema = talk.schema(&arguments.port)?;
@@ -145,7 +145,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
 }
 
-fn input<'t>(arguments: &Arguments, talk: &'t mut Talk) -> Input<'t> {
+fn input<'t>(arguments: &Arguments, talk: &'t mut RunConnection) -> Input<'t> {
     Input {
         talk,
         port: arguments.port.clone(),
@@ -182,7 +182,7 @@ fn write_value(
 fn write_lines(arguments: &Arguments, input: &mut Input<'_>) -> anyhow::Result<Outcome> {
     let period = arguments.rate.map(|it| 1.0 / it);
     let mut outcome = Outcome::Fine;
-    let mut pace = Pace::begin();
+    let mut pace = Pacer::begin();
     let mut count = 0.0;
     for (number, line) in (1u64..).zip(std::io::stdin().lock().lines()) {
         let line = line.context("cannot read standard input")?;
@@ -216,7 +216,7 @@ fn write_rows(
         bail!("`{path}` has a column `time`: leave --rate out, or the column");
     }
     let first = rows.first().and_then(|it| it.time).unwrap_or(0.0);
-    let mut pace = Pace::begin();
+    let mut pace = Pacer::begin();
     for (number, row) in rows.iter().enumerate() {
         let seconds = match (row.time, arguments.rate) {
             (Some(time), _) => time - first,

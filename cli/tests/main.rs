@@ -3,6 +3,7 @@
 mod build;
 mod cli;
 mod conformance;
+mod conventions;
 mod debug;
 #[path = "support/directory.rs"]
 mod directory;
@@ -14,7 +15,6 @@ mod hostile;
 mod inputs;
 mod interfaces;
 mod listening;
-mod manners;
 mod measure;
 mod monitor;
 mod network;

@@ -3,15 +3,15 @@
 //! Some are included in dotgen. Any folder with a `template.toml` on the search path is one too. See
 //! docs/templates.md for the format.
 
+mod arguments;
 mod expand;
+mod genom3_templates;
 mod json_schema;
-mod known;
 mod manifest;
 mod mappings;
 mod python;
 mod render;
 mod skeleton;
-mod words;
 
 use std::path::{Component, Path, PathBuf};
 
@@ -21,10 +21,10 @@ use crate::compiler::Compiler;
 use crate::disk::Disk;
 use crate::environment::Environment;
 use crate::options::Options;
-use crate::template::reach;
+use crate::template::readable_files;
 
 pub use expand::serve as serve_renderer;
-pub use manifest::{Each, FileRule, Manifest};
+pub use manifest::{FileRule, Manifest, RunScope};
 
 /// A template included in dotgen.
 struct Embedded {
@@ -94,7 +94,7 @@ impl Texts {
                 let plain = Path::new(name)
                     .components()
                     .all(|it| matches!(it, Component::Normal(_)));
-                if !plain || !reach::is_below(disk, &path, std::slice::from_ref(dir)) {
+                if !plain || !readable_files::is_below(disk, &path, std::slice::from_ref(dir)) {
                     return Err(format!("{name} is not in the folder of the template"));
                 }
                 disk.read(&path)
@@ -163,7 +163,7 @@ pub(crate) fn run_known(
     mut compiler: Compiler,
     env: &mut Environment<'_>,
 ) -> Option<i32> {
-    let (name, of_release) = known::template(&*env.disk, dir)?;
+    let (name, of_release) = genom3_templates::template(&*env.disk, dir)?;
     if of_release != release {
         return None;
     }
@@ -202,9 +202,9 @@ fn finish(name: &str, result: Result<i32, String>, env: &mut Environment<'_>) ->
 }
 
 /// The confinement of templates included in dotgen: their hidden and executable results are allowed.
-fn of_dotgen(confined: crate::template::Confined) -> crate::template::Confined {
-    crate::template::Confined {
-        confirmed: crate::template::Confirmed::All,
+fn of_dotgen(confined: crate::template::Confinement) -> crate::template::Confinement {
+    crate::template::Confinement {
+        confirmed: crate::template::Confirmation::All,
         ..confined
     }
 }

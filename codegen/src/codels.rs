@@ -8,7 +8,7 @@
 //! implements the commands of the command line. Everything except `command` is a pure function of texts and
 //! models.
 
-mod allow;
+mod allowances;
 pub mod build;
 pub mod cdr;
 pub mod codes;
@@ -22,14 +22,14 @@ pub mod files;
 pub mod folder;
 pub mod glue;
 pub mod headers;
-pub mod hosted;
 pub mod links;
 mod mapping;
 pub mod origin;
+pub mod reliability;
 pub mod rename;
 pub mod repair;
 pub mod schema;
+pub mod shared_object;
 pub mod source;
 pub mod stub;
-pub mod trust;
 pub mod value;

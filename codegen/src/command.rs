@@ -16,7 +16,7 @@ use crate::disk::NewContent;
 use crate::frontend::Frontend;
 use crate::options::{self, Mode, OptionError, Options};
 use crate::template::discover::FindError;
-use crate::template::{Confined, Confirmed, Limits, OutputSink, Run, reach};
+use crate::template::{Confinement, Confirmation, Limits, OutputSink, Run, readable_files};
 pub use project::Project;
 
 /// Runs the generator with command line arguments (without the program's name). Returns the exit status: 0
@@ -96,10 +96,10 @@ fn confined(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>
         &env.base
     };
     let allowed = options.allowed.iter();
-    let allowed = allowed.map(|path| reach::plain(&*env.disk, &here.join(path)));
-    env.confined = Some(Confined {
+    let allowed = allowed.map(|path| readable_files::plain(&*env.disk, &here.join(path)));
+    env.confined = Some(Confinement {
         results: vec![env.disk.absolute(here)],
-        confirmed: Confirmed::Only(allowed.collect()),
+        confirmed: Confirmation::Only(allowed.collect()),
     });
     env.limits = Limits {
         cancel: env.limits.cancel.take(),

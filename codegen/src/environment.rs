@@ -14,7 +14,7 @@ use crate::options::Options;
 use crate::process::Processes;
 use crate::template::console::Console;
 use crate::template::discover::{SearchPath, release_of};
-use crate::template::{Confined, Limits, OutputSink, TemplatePlace};
+use crate::template::{Confinement, Limits, OutputSink, TemplatePlace};
 
 /// Environment variable that sets the release of GenoM3 to emulate.
 const RELEASE_VARIABLE: &str = "DOTGEN_GENOM_RELEASE";
@@ -46,7 +46,7 @@ pub struct Environment<'a> {
     /// Starts interpreters and tools.
     pub processes: Arc<dyn Processes>,
     /// The confinement of templates. `None` gives them the rights of the user.
-    pub confined: Option<Confined>,
+    pub confined: Option<Confinement>,
     /// The place at which the template failed, if it failed and the place is known.
     pub failed_at: Option<TemplatePlace>,
 }

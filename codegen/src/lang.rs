@@ -136,22 +136,22 @@ impl Places for NoPlaces {
 
 /// The way a value is passed to a function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Passing {
+pub enum PassingMode {
     /// For inputs.
     Value,
     /// For outputs.
     Reference,
 }
 
-impl Passing {
+impl PassingMode {
     /// Reads `value` or `reference`.
     ///
     /// # Errors
     /// Fails for any other word.
-    pub fn from_name(name: &str) -> Result<Passing, LangError> {
+    pub fn from_name(name: &str) -> Result<PassingMode, LangError> {
         match name {
-            "value" => Ok(Passing::Value),
-            "reference" => Ok(Passing::Reference),
+            "value" => Ok(PassingMode::Value),
+            "reference" => Ok(PassingMode::Reference),
             _ => Err(LangError::fatal(format!(
                 "unknown argument kind \"{name}\": must be value or reference"
             ))),
@@ -331,7 +331,7 @@ impl<'a> Mapper<'a> {
     ///
     /// # Errors
     /// Fails for types that the language cannot declare or pass, and in Tcl.
-    pub fn argument(&self, ty: TypeId, passing: Passing, var: &str) -> LangResult {
+    pub fn argument(&self, ty: TypeId, passing: PassingMode, var: &str) -> LangResult {
         match self.language {
             Language::C => c::argument(self, ty, passing, var),
             Language::Cxx => cxx::argument(self, ty, passing, var),
@@ -343,7 +343,7 @@ impl<'a> Mapper<'a> {
     ///
     /// # Errors
     /// Fails for types that the language cannot pass, and in Tcl.
-    pub fn pass(&self, ty: TypeId, passing: Passing, var: &str) -> LangResult {
+    pub fn pass(&self, ty: TypeId, passing: PassingMode, var: &str) -> LangResult {
         match self.language {
             Language::C => c::pass(self, ty, passing, var),
             Language::Cxx => Ok(var.to_owned()),
@@ -355,7 +355,7 @@ impl<'a> Mapper<'a> {
     ///
     /// # Errors
     /// Fails in Tcl.
-    pub fn dereference(&self, ty: TypeId, passing: Passing, var: &str) -> LangResult {
+    pub fn dereference(&self, ty: TypeId, passing: PassingMode, var: &str) -> LangResult {
         match self.language {
             Language::C => Ok(c::dereference(self, ty, passing, var)),
             Language::Cxx => Ok(var.to_owned()),
@@ -368,7 +368,7 @@ impl<'a> Mapper<'a> {
     /// # Errors
     /// Fails for an unknown name, and like [`Mapper::return_value`].
     pub fn return_value_by_name(&self, ty: TypeId, passing: &str, var: &str) -> LangResult {
-        let parsed = Passing::from_name(passing);
+        let parsed = PassingMode::from_name(passing);
         let pointer = matches!(
             self.final_kind(ty),
             TypeKind::Array { .. } | TypeKind::String { bound: Some(_) }
@@ -388,7 +388,7 @@ impl<'a> Mapper<'a> {
     ///
     /// # Errors
     /// Fails for types that the language cannot declare or return, and in Tcl.
-    pub fn return_value(&self, ty: TypeId, passing: Passing, var: &str) -> LangResult {
+    pub fn return_value(&self, ty: TypeId, passing: PassingMode, var: &str) -> LangResult {
         match self.language {
             Language::C => c::return_value(self, ty, passing, var),
             Language::Cxx => cxx::argument(self, ty, passing, var),

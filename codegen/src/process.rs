@@ -12,7 +12,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 /// Maximum delay until a stop is noticed.
-const LOOK: Duration = Duration::from_millis(20);
+const STOP_POLL_INTERVAL: Duration = Duration::from_millis(20);
 
 /// A program and the way it runs.
 #[derive(Debug, Clone)]
@@ -173,7 +173,7 @@ impl Process {
         let errors = self.child.stderr.take();
         let errors = errors.map(|it| read_all(it, ended));
         // Ends when both outputs are closed.
-        while let Err(RecvTimeoutError::Timeout) = both.recv_timeout(LOOK) {
+        while let Err(RecvTimeoutError::Timeout) = both.recv_timeout(STOP_POLL_INTERVAL) {
             if stop() {
                 self.kill();
                 break;

@@ -152,7 +152,7 @@ fn prototypes(
 }
 
 /// The codels of a component without a stub in its skeleton, with the interface of each.
-fn left_out(spec: &Spec, index: u32) -> Vec<(String, String)> {
+fn codels_without_stub(spec: &Spec, index: u32) -> Vec<(String, String)> {
     if !spec.release.has(Change::PerComponentSkeletons) {
         return Vec::new();
     }
@@ -171,7 +171,7 @@ fn stubs(from: &Spec, old: u32, to: &Spec, new: u32, out: &mut Vec<StubChange>) 
     if from.components[old as usize].kind == ComponentKind::Interface {
         return;
     }
-    let (before, after) = (left_out(from, old), left_out(to, new));
+    let (before, after) = (codels_without_stub(from, old), codels_without_stub(to, new));
     let component = from.components[old as usize].name.to_string();
     let mut add = |list: &[(String, String)], other: &[(String, String)], only_in: Release| {
         for it in list.iter().filter(|it| !other.contains(it)) {

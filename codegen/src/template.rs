@@ -7,11 +7,11 @@
 //! Rules: "Templates" chapter of the GenoM3 manual.
 
 pub(crate) mod api;
-mod blame;
 pub mod check;
 mod closure;
 pub mod console;
 pub mod discover;
+mod error_location;
 pub mod files;
 pub(crate) mod host;
 pub(crate) mod marker;
@@ -21,7 +21,7 @@ mod mutex;
 mod notice;
 pub(crate) mod object;
 pub(crate) mod output;
-pub(crate) mod reach;
+pub(crate) mod readable_files;
 mod script;
 mod session;
 pub(crate) mod tcl;
@@ -39,7 +39,7 @@ use crate::process::Processes;
 use console::Console;
 use discover::SearchPath;
 
-pub(crate) use blame::place;
+pub(crate) use error_location::place;
 pub use host::{Limits, find_tclsh};
 pub use notice::notice;
 pub(crate) use notice::notice_of;
@@ -106,22 +106,22 @@ pub struct Run<'a> {
     /// Starts the interpreter process.
     pub processes: Arc<dyn Processes>,
     /// The confinement of the template; `None` gives it all rights of its user.
-    pub confined: Option<&'a Confined>,
+    pub confined: Option<&'a Confinement>,
 }
 
 /// The rights of a confined run. It starts no program, has no network, reads only its template and its
 /// inputs, and writes nothing itself: the engine keeps its results.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Confined {
+pub struct Confinement {
     /// Folders for its results.
     pub results: Vec<PathBuf>,
     /// The confirmation of hidden files and of executable ones.
-    pub confirmed: Confirmed,
+    pub confirmed: Confirmation,
 }
 
 /// The confirmation of results that act later: hidden files and executable files.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Confirmed {
+pub enum Confirmation {
     /// Only these files, by absolute path.
     Only(Vec<PathBuf>),
     /// All that the user selects: results are shown and marked before they are written.

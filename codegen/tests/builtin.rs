@@ -6,7 +6,7 @@ use std::sync::Arc;
 use dotgen_analysis::release::{Release, ReleaseChoice, ReleaseOrigin};
 use dotgen_codegen::command::{Environment, generate};
 use dotgen_codegen::template::Limits;
-use dotgen_codegen::template::console::Captured;
+use dotgen_codegen::template::console::CapturedConsole;
 
 const SPECIFICATION: &str = "/*/ A lamp. */
 component lamp {
@@ -24,7 +24,7 @@ fn run(dir: &Path, args: &[&str]) -> (i32, String, String) {
 }
 
 fn run_as(release: Release, dir: &Path, args: &[&str]) -> (i32, String, String) {
-    let mut console = Captured::default();
+    let mut console = CapturedConsole::default();
     let mut environment = Environment {
         name: "dotgen generate",
         program: "/bin/dotgen".into(),
@@ -48,7 +48,7 @@ fn run_as(release: Release, dir: &Path, args: &[&str]) -> (i32, String, String) 
         limits: Limits::default(),
         base: std::path::PathBuf::new(),
         sink: dotgen_codegen::template::OutputSink::Direct,
-        processes: Arc::new(crate::processes::Plain),
+        processes: Arc::new(crate::processes::ShellProcesses),
         confined: None,
         failed_at: None,
         release: Some(ReleaseChoice {

@@ -101,7 +101,7 @@ fn generator() -> ExitCode {
         limits: Limits::default(),
         base: std::path::PathBuf::new(),
         sink: dotgen_codegen::template::OutputSink::Direct,
-        processes: Arc::new(processes::Plain),
+        processes: Arc::new(processes::ShellProcesses),
         confined: None,
         failed_at: None,
         release: None,

@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use dotgen_analysis::release::{Release, ReleaseChoice, ReleaseOrigin};
 use dotgen_codegen::command::{Environment, generate};
 use dotgen_codegen::process::{Folder, Gap, Meter, Process, Processes, Program, Resources};
-use dotgen_codegen::template::console::Captured;
+use dotgen_codegen::template::console::CapturedConsole;
 use dotgen_codegen::template::{Limits, OutputSink, find_tclsh};
 
 /// Counts what is started.
@@ -22,19 +22,19 @@ struct Counted(AtomicUsize);
 impl Processes for Counted {
     fn start(&self, program: &Program) -> io::Result<Process> {
         self.0.fetch_add(1, Ordering::Relaxed);
-        crate::processes::Plain.start(program)
+        crate::processes::ShellProcesses.start(program)
     }
     fn renderer(&self, resources: Resources) -> Option<io::Result<Process>> {
-        crate::processes::Plain.renderer(resources)
+        crate::processes::ShellProcesses.renderer(resources)
     }
     fn folder(&self, parent: Option<&Path>) -> io::Result<Box<dyn Folder>> {
-        crate::processes::Plain.folder(parent)
+        crate::processes::ShellProcesses.folder(parent)
     }
     fn gaps(&self) -> Vec<Gap> {
-        crate::processes::Plain.gaps()
+        crate::processes::ShellProcesses.gaps()
     }
     fn meter(&self, folders: Vec<PathBuf>) -> Meter {
-        crate::processes::Plain.meter(folders)
+        crate::processes::ShellProcesses.meter(folders)
     }
 }
 
@@ -47,7 +47,7 @@ struct Place<'a> {
 
 /// What came of a run.
 #[derive(Debug, PartialEq, Eq)]
-struct Result_ {
+struct RunResult {
     status: i32,
     out: String,
     err: String,
@@ -57,8 +57,8 @@ struct Result_ {
 
 impl Place<'_> {
     /// Runs a template; tells how many programs that took as well.
-    fn run(&self, words: &[&str]) -> (Result_, usize) {
-        let mut console = Captured::default();
+    fn run(&self, words: &[&str]) -> (RunResult, usize) {
+        let mut console = CapturedConsole::default();
         let started = Arc::new(Counted::default());
         let choice = ReleaseChoice {
             release: self.release,
@@ -83,7 +83,7 @@ impl Place<'_> {
         let mut all = vec!["-t".to_owned(), self.templates.display().to_string()];
         all.extend(words.iter().map(|it| (*it).to_owned()));
         let status = generate(&all, &mut environment);
-        let result = Result_ {
+        let result = RunResult {
             status,
             out: String::from_utf8_lossy(&console.out)
                 .replace(self.folder.path().to_str().expect("a name"), "FOLDER"),
@@ -114,18 +114,18 @@ impl Place<'_> {
     }
 }
 
-impl Result_ {
+impl RunResult {
     /// Fails where another result differs, with what does.
-    fn is(&self, expected: &Result_, what: &str) {
+    fn is(&self, expected: &RunResult, what: &str) {
         // Lines behind the first one are of Tcl: commands that led to an error.
-        let err = |it: &Result_| it.err.lines().next().map(str::to_owned);
+        let err = |it: &RunResult| it.err.lines().next().map(str::to_owned);
         assert_eq!(
             (self.status, err(self)),
             (expected.status, err(expected)),
             "{what}"
         );
         assert_eq!(self.out, expected.out, "{what}");
-        let names = |it: &Result_| it.files.keys().cloned().collect::<Vec<_>>();
+        let names = |it: &RunResult| it.files.keys().cloned().collect::<Vec<_>>();
         assert_eq!(names(self), names(expected), "{what}");
         for (name, text) in &expected.files {
             assert!(

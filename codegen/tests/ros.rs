@@ -10,7 +10,7 @@ use std::sync::Arc;
 use dotgen_analysis::release::{Release, ReleaseChoice, ReleaseOrigin};
 use dotgen_codegen::codels::headers::RUNTIME;
 use dotgen_codegen::command::{Environment, generate};
-use dotgen_codegen::template::console::Captured;
+use dotgen_codegen::template::console::CapturedConsole;
 use dotgen_codegen::template::{Limits, OutputSink, find_tclsh};
 
 const SPECIFICATION: &str = "component lamp {
@@ -74,7 +74,7 @@ fn a_ros_server_compiles_without_genom() {
     let templates = place.path().join("templates");
     copy(&folder, &templates);
     std::fs::write(place.path().join("lamp.gen"), SPECIFICATION).expect("a file");
-    let mut console = Captured::default();
+    let mut console = CapturedConsole::default();
     let cache = place.path().join("cache").display().to_string();
     let mut environment = Environment {
         name: "genom3",
@@ -87,7 +87,7 @@ fn a_ros_server_compiles_without_genom() {
         limits: Limits::default(),
         base: place.path().to_owned(),
         sink: OutputSink::Direct,
-        processes: Arc::new(crate::processes::Plain),
+        processes: Arc::new(crate::processes::ShellProcesses),
         confined: None,
         failed_at: None,
         release: Some(ReleaseChoice {

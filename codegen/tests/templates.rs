@@ -8,9 +8,11 @@ use std::time::Duration;
 
 use dotgen_analysis::release::{Release, ReleaseChoice, ReleaseOrigin};
 use dotgen_codegen::compiler::Compiler;
-use dotgen_codegen::template::console::Captured;
+use dotgen_codegen::template::console::CapturedConsole;
 use dotgen_codegen::template::discover::SearchPath;
-use dotgen_codegen::template::{Confined, Confirmed, Limits, Outcome, OutputSink, Run, find_tclsh};
+use dotgen_codegen::template::{
+    Confinement, Confirmation, Limits, Outcome, OutputSink, Run, find_tclsh,
+};
 
 const SPECIFICATION: &str = r#"/*/ A lamp.
  * Second line.
@@ -38,7 +40,7 @@ fn run(
     args: &[&str],
     sink: OutputSink,
     limits: Limits,
-) -> Option<(Outcome, Captured)> {
+) -> Option<(Outcome, CapturedConsole)> {
     if let Err(reason) = find_tclsh() {
         eprintln!("SKIPPED: {reason}");
         return None;
@@ -50,9 +52,9 @@ fn run(
     };
     // Previews are confined: the results of these tests are in temporary folders.
     let results = vec![std::env::temp_dir()];
-    let confined = matches!(sink, OutputSink::Preview(_)).then_some(Confined {
+    let confined = matches!(sink, OutputSink::Preview(_)).then_some(Confinement {
         results,
-        confirmed: Confirmed::All,
+        confirmed: Confirmation::All,
     });
     let run = Run {
         disk: Arc::new(crate::files::Files),
@@ -67,7 +69,7 @@ fn run(
         limits,
         base: PathBuf::new(),
         input_path: String::new(),
-        processes: Arc::new(crate::processes::Plain),
+        processes: Arc::new(crate::processes::ShellProcesses),
         confined: confined.as_ref(),
     };
     let mut compiler = Compiler::new(
@@ -77,7 +79,7 @@ fn run(
         Vec::new(),
         release(),
     );
-    let mut console = Captured::default();
+    let mut console = CapturedConsole::default();
     let outcome = run.execute(&mut compiler, &mut console, sink);
     Some((outcome, console))
 }
@@ -466,7 +468,7 @@ fn a_preview_shows_what_a_run_writes() {
             limits: Limits::preview(),
             base: PathBuf::new(),
             input_path: String::new(),
-            processes: Arc::new(crate::processes::Plain),
+            processes: Arc::new(crate::processes::ShellProcesses),
             confined: None,
         };
         let mut compiler = Compiler::new(
@@ -476,7 +478,7 @@ fn a_preview_shows_what_a_run_writes() {
             Vec::new(),
             release(),
         );
-        let mut console = Captured::default();
+        let mut console = CapturedConsole::default();
         let outcome = run.execute(&mut compiler, &mut console, sink);
         assert_eq!((outcome.status, console.err.as_str()), (0, ""));
         (outcome.sink, console.out)

@@ -194,7 +194,7 @@ pub fn layout(graph: &Graph) -> Layout {
         .collect();
     let loops = size::Loops::of(&ends, &labels);
 
-    let mut ranked = ranked::Ranked::new(graph, &ends, &boxes, &labels, &loops);
+    let mut ranked = ranked::RankedGraph::new(graph, &ends, &boxes, &labels, &loops);
     order::order(&mut ranked);
     let mut places = position::positions(&ranked, if sideways { 18.0 } else { 26.0 });
     position::pack_groups(&ranked, 14.0, &mut places);

@@ -277,7 +277,7 @@ fn interrupts(part: &Part, lines: &mut Vec<Line>) {
 
 /// The users of the data of an output port, in any component.
 #[derive(Default)]
-struct Users {
+struct PortUsers {
     /// `component.codel`
     codels: Vec<String>,
     components: Vec<usize>,
@@ -287,7 +287,7 @@ struct Users {
 /// Adds to each output port that codels of several components use the number of codels that exclude each
 /// other there.
 fn locks(system: &System, graph: &mut Graph) {
-    let mut users: BTreeMap<PortRef, Users> = BTreeMap::new();
+    let mut users: BTreeMap<PortRef, PortUsers> = BTreeMap::new();
     for (number, part) in system.parts.iter().enumerate() {
         for codel in part.component.all_codels() {
             let codel = part.component.codel(codel);

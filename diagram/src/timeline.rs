@@ -135,7 +135,7 @@ pub fn svg(timeline: &Timeline, theme: Theme) -> String {
         "<text class=\"title\" x=\"{MARGIN}\" y=\"20\">{title}</text>"
     );
     let instants = axis(start, end);
-    let (unit, per) = shown_in(&timeline.unit, &instants);
+    let (unit, per) = axis_unit(&timeline.unit, &instants);
     for at in instants {
         let at_x = number(x(at));
         let _ = writeln!(
@@ -290,7 +290,7 @@ fn axis(start: u64, end: u64) -> Vec<u64> {
 
 /// The unit for the numbers of an axis, and its length in the timeline's units: a larger unit if all instants
 /// are whole numbers of it.
-fn shown_in<'u>(unit: &'u str, instants: &[u64]) -> (&'u str, u64) {
+fn axis_unit<'u>(unit: &'u str, instants: &[u64]) -> (&'u str, u64) {
     let (mut unit, mut per) = (unit, 1);
     for (small, large) in [("us", "ms"), ("ms", "s")] {
         let step = per * 1000;
@@ -307,11 +307,11 @@ mod tests {
 
     #[test]
     fn axes_have_short_numbers() {
-        assert_eq!(shown_in("us", &axis(0, 30_000)), ("ms", 1000));
-        assert_eq!(shown_in("us", &axis(0, 9_000)), ("ms", 1000));
-        assert_eq!(shown_in("us", &axis(0, 900)), ("us", 1));
-        assert_eq!(shown_in("us", &axis(0, 30_000_000)), ("s", 1_000_000));
-        assert_eq!(shown_in("x", &axis(0, 30_000)), ("x", 1));
+        assert_eq!(axis_unit("us", &axis(0, 30_000)), ("ms", 1000));
+        assert_eq!(axis_unit("us", &axis(0, 9_000)), ("ms", 1000));
+        assert_eq!(axis_unit("us", &axis(0, 900)), ("us", 1));
+        assert_eq!(axis_unit("us", &axis(0, 30_000_000)), ("s", 1_000_000));
+        assert_eq!(axis_unit("x", &axis(0, 30_000)), ("x", 1));
         let timeline = Timeline {
             unit: "us".into(),
             end: 30_000,

@@ -16,50 +16,50 @@ use rustix::event::{PollFd, PollFlags};
 use rustix::fs::OFlags;
 use rustix::process::Pid;
 
-use super::board::Board;
-use super::host::{COMMAND, Manner};
-use super::strays;
-use super::wire::{Order, Reply};
+use super::host::{COMMAND, HostOptions};
+use super::orphans;
+use super::shared_data::SharedData;
+use super::wire::{HostCommand, HostMessage};
 use dotgen_platform::process::System;
 
 /// How long a host may take to say something that no codel is involved in.
-const PATIENCE: Duration = Duration::from_secs(10);
+const REPLY_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// How long one may take that somebody looks at in a debugger; no run takes longer.
-const FOREVER: Duration = Duration::from_secs(100 * 365 * 24 * 60 * 60);
+const DEBUGGER_TIMEOUT: Duration = Duration::from_secs(100 * 365 * 24 * 60 * 60);
 
 /// How long a process may go on whose output has ended.
-const DYING: Duration = Duration::from_millis(20);
+const EXIT_TIMEOUT: Duration = Duration::from_millis(20);
 
 /// How long an output may go on whose process has ended.
-const PARTING: Duration = Duration::from_secs(1);
+const OUTPUT_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// How long at most it takes until an interruption is seen.
-const LOOK: Duration = Duration::from_millis(50);
+const INTERRUPT_POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// What arrives: from a host of a start, or from outside.
-enum Arrival {
-    Reply(usize, u64, Reply),
+enum EngineEvent {
+    HostMessage(usize, u64, HostMessage),
     /// Its output has ended.
     Closed(usize, u64),
-    Outside(Message),
+    RunListener(Message),
     /// An input port has data from outside.
-    Fed(Arc<Newest>),
+    Fed(Arc<InputSlot>),
 }
 
 /// The newest data from outside for an input port, until the engine takes it: what comes faster than that
 /// replaces what was there.
-pub(crate) struct Newest {
+pub(crate) struct InputSlot {
     component: usize,
     port: u32,
     name: String,
     data: Mutex<Option<Vec<u8>>>,
 }
 
-impl Newest {
+impl InputSlot {
     /// For a port of a component, which knows the source by a name.
-    pub(crate) fn new(component: usize, port: u32, name: String) -> Newest {
-        Newest {
+    pub(crate) fn new(component: usize, port: u32, name: String) -> InputSlot {
+        InputSlot {
             component,
             port,
             name,
@@ -74,7 +74,7 @@ impl Newest {
 }
 
 /// Whoever is outside and wants to know.
-pub trait Outside {
+pub trait RunListener {
     /// What became of a request.
     fn answer(&mut self, id: u64, answer: &RequestReply);
     /// A component is gone, and how it ended.
@@ -85,18 +85,18 @@ pub trait Outside {
 
 /// Brings messages from outside.
 #[derive(Clone)]
-pub struct Door(Sender<Arrival>);
+pub struct RunInbox(Sender<EngineEvent>);
 
-impl Door {
+impl RunInbox {
     /// Whether there is still somebody to hear it.
     pub(crate) fn bring(&self, message: Message) -> bool {
-        self.0.send(Arrival::Outside(message)).is_ok()
+        self.0.send(EngineEvent::RunListener(message)).is_ok()
     }
 
     /// Brings data for an input port. Returns whether there is still somebody to hear it.
-    pub(crate) fn feed(&self, newest: &Arc<Newest>, data: Vec<u8>) -> bool {
+    pub(crate) fn feed(&self, newest: &Arc<InputSlot>, data: Vec<u8>) -> bool {
         let waits = newest.swap(Some(data)).is_some();
-        waits || self.0.send(Arrival::Fed(newest.clone())).is_ok()
+        waits || self.0.send(EngineEvent::Fed(newest.clone())).is_ok()
     }
 }
 
@@ -105,7 +105,7 @@ struct Child {
     library: Option<Utf8PathBuf>,
     process: Option<Process>,
     /// Since when it is known that the process has ended, while its output has not.
-    parted: Option<Instant>,
+    exited: Option<Instant>,
 }
 
 /// Is told of a host that waits for a debugger: the component, and the number of the process.
@@ -124,12 +124,12 @@ pub struct Children {
     /// How often they were started: what an earlier host says does not count.
     started: u64,
     begin: Instant,
-    arrivals: Receiver<Arrival>,
-    sender: Sender<Arrival>,
+    arrivals: Receiver<EngineEvent>,
+    sender: Sender<EngineEvent>,
     /// What came while something else was awaited.
     early: VecDeque<Message>,
-    outside: Vec<Box<dyn Outside>>,
-    boards: Boards,
+    outside: Vec<Box<dyn RunListener>>,
+    boards: SharedDataPool,
     denied: BTreeSet<String>,
     /// When it was last looked who has ended.
     looked: Instant,
@@ -146,15 +146,15 @@ enum Origin {
 
 /// The data of ports that is read.
 #[derive(Default)]
-struct Boards {
+struct SharedDataPool {
     /// With the number of each.
-    of: HashMap<Origin, (u64, Board)>,
+    of: HashMap<Origin, (u64, SharedData)>,
     /// To which one an input port is led, by component, port and name of the source.
     shown: HashMap<(usize, u32, String), u64>,
     made: u64,
     /// Those that have become too small. A host may still be on its way to one, by a path that no other may
     /// have.
-    small: Vec<Board>,
+    small: Vec<SharedData>,
 }
 
 impl Children {
@@ -170,7 +170,7 @@ impl Children {
         let (sender, arrivals) = channel();
         let children = libraries.into_iter().map(|library| Child {
             process: None,
-            parted: None,
+            exited: None,
             library,
         });
         Children {
@@ -184,7 +184,7 @@ impl Children {
             begin: Instant::now(),
             early: VecDeque::new(),
             outside: Vec::new(),
-            boards: Boards::default(),
+            boards: SharedDataPool::default(),
             denied: BTreeSet::new(),
             looked: Instant::now(),
             arrivals,
@@ -205,19 +205,19 @@ impl Children {
     /// Until when something is awaited that no codel is involved in.
     fn deadline(&self) -> Instant {
         let patience = match &self.debug {
-            Some(_) => FOREVER,
-            None => PATIENCE,
+            Some(_) => DEBUGGER_TIMEOUT,
+            None => REPLY_TIMEOUT,
         };
         Instant::now() + patience
     }
 
     /// By which messages come from outside.
-    pub fn door(&self) -> Door {
-        Door(self.sender.clone())
+    pub fn inbox(&self) -> RunInbox {
+        RunInbox(self.sender.clone())
     }
 
     /// Tells somebody outside.
-    pub fn tell(&mut self, outside: Box<dyn Outside>) {
+    pub fn tell(&mut self, outside: Box<dyn RunListener>) {
         self.outside.push(outside);
     }
 
@@ -227,7 +227,7 @@ impl Children {
         };
         let name = &self.names[component];
         let tasks = (0..).zip(&self.tasks).filter(|it| it.1.0 == component);
-        let manner = Manner {
+        let manner = HostOptions {
             component: name.clone(),
             tasks: tasks
                 .map(|(lane, (_, name))| (lane, name.clone()))
@@ -257,18 +257,18 @@ impl Children {
         let (sender, started) = (self.sender.clone(), self.started);
         std::thread::spawn(move || {
             let mut output = BufReader::new(output);
-            while let Ok(Some(reply)) = Reply::receive(&mut output) {
+            while let Ok(Some(reply)) = HostMessage::receive(&mut output) {
                 if sender
-                    .send(Arrival::Reply(component, started, reply))
+                    .send(EngineEvent::HostMessage(component, started, reply))
                     .is_err()
                 {
                     return;
                 }
             }
-            let _ = sender.send(Arrival::Closed(component, started));
+            let _ = sender.send(EngineEvent::Closed(component, started));
         });
         self.children[component].process = Some(process);
-        self.children[component].parted = None;
+        self.children[component].exited = None;
         Ok(())
     }
 
@@ -280,7 +280,7 @@ impl Children {
             .get(&origin)
             .is_some_and(|it| it.1.holds(data.len()));
         if !fits {
-            let Ok(board) = Board::new(data.len()) else {
+            let Ok(board) = SharedData::new(data.len()) else {
                 // There is no memory left: readers keep what they have.
                 self.denied
                     .insert("memory for the data of ports".to_owned());
@@ -301,7 +301,7 @@ impl Children {
         for reader in readers {
             let place = (reader.component, reader.port, reader.name.to_owned());
             if self.boards.shown.insert(place, number) != Some(number) {
-                let order = Order::Share {
+                let order = HostCommand::Share {
                     port: reader.port,
                     id: reader.name.to_owned(),
                     path: path.clone(),
@@ -311,7 +311,7 @@ impl Children {
         }
     }
 
-    fn order(&mut self, component: usize, order: &Order) {
+    fn order(&mut self, component: usize, order: &HostCommand) {
         let process = self.children.get_mut(component);
         let process = process.and_then(|it| it.process.as_mut());
         let Some(process) = process else { return };
@@ -331,7 +331,7 @@ impl Children {
         let Some(mut process) = self.children[component].process.take() else {
             return "ended".to_owned();
         };
-        let until = Instant::now() + DYING;
+        let until = Instant::now() + EXIT_TIMEOUT;
         let mut status = process.child.try_wait();
         while matches!(status, Ok(None)) && Instant::now() < until {
             std::thread::sleep(Duration::from_millis(1));
@@ -353,7 +353,7 @@ impl Children {
     }
 
     /// The next arrival of this start.
-    fn next(&mut self, until: Instant) -> Option<Arrival> {
+    fn next(&mut self, until: Instant) -> Option<EngineEvent> {
         loop {
             let left = until.saturating_duration_since(Instant::now());
             let arrival = match self.arrivals.recv_timeout(left) {
@@ -361,19 +361,20 @@ impl Children {
                 Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => return None,
             };
             match arrival {
-                Arrival::Reply(_, of, _) | Arrival::Closed(_, of) if of != self.started => {}
+                EngineEvent::HostMessage(_, of, _) | EngineEvent::Closed(_, of)
+                    if of != self.started => {}
                 it => return Some(it),
             }
         }
     }
 
     /// Likewise; `None` also when nothing has come and this run is to end.
-    fn next_unless_interrupted(&mut self, until: Instant) -> Option<Arrival> {
+    fn next_unless_interrupted(&mut self, until: Instant) -> Option<EngineEvent> {
         loop {
-            if let Some(parted) = self.parted() {
-                return Some(parted);
+            if let Some(exited) = self.exited() {
+                return Some(exited);
             }
-            let look = Instant::now() + LOOK;
+            let look = Instant::now() + INTERRUPT_POLL_INTERVAL;
             match self.next(until.min(look)) {
                 None if look < until && !self.interrupt.is_raised() => {}
                 other => return other,
@@ -382,25 +383,25 @@ impl Children {
     }
 
     /// A host that has ended although its output has not: what a codel has started still has that.
-    fn parted(&mut self) -> Option<Arrival> {
+    fn exited(&mut self) -> Option<EngineEvent> {
         let now = Instant::now();
-        if now < self.looked + LOOK {
+        if now < self.looked + INTERRUPT_POLL_INTERVAL {
             return None;
         }
         self.looked = now;
         let processes = self.children.iter().filter_map(|it| it.process.as_ref());
         let hosts = processes.filter_map(|it| Pid::from_raw(it.child.id().try_into().ok()?));
-        strays::reap(&hosts.collect::<Vec<_>>());
+        orphans::reap(&hosts.collect::<Vec<_>>());
         for (component, child) in self.children.iter_mut().enumerate() {
             let Some(process) = &mut child.process else {
                 continue;
             };
-            match child.parted {
+            match child.exited {
                 // What it has said until then was heard meanwhile.
-                Some(since) if now > since + PARTING => {
-                    return Some(Arrival::Closed(component, self.started));
+                Some(since) if now > since + OUTPUT_TIMEOUT => {
+                    return Some(EngineEvent::Closed(component, self.started));
                 }
-                None if matches!(process.child.try_wait(), Ok(Some(_))) => child.parted = Some(now),
+                None if matches!(process.child.try_wait(), Ok(Some(_))) => child.exited = Some(now),
                 _ => {}
             }
         }
@@ -408,19 +409,19 @@ impl Children {
     }
 
     /// What an arrival tells the engine.
-    fn message(&mut self, arrival: Arrival) -> Option<Message> {
+    fn message(&mut self, arrival: EngineEvent) -> Option<Message> {
         match arrival {
-            Arrival::Reply(component, _, Reply::CodelResult(ran)) => {
+            EngineEvent::HostMessage(component, _, HostMessage::CodelResult(ran)) => {
                 Some(Message::CodelResult(component, ran))
             }
-            Arrival::Reply(_, _, Reply::Denied(what)) => {
+            EngineEvent::HostMessage(_, _, HostMessage::Denied(what)) => {
                 self.denied.insert(what);
                 None
             }
-            Arrival::Reply(
+            EngineEvent::HostMessage(
                 component,
                 _,
-                Reply::Asked {
+                HostMessage::Asked {
                     ask,
                     remote,
                     inputs,
@@ -431,15 +432,15 @@ impl Children {
                 remote,
                 inputs,
             }),
-            Arrival::Reply(..) => None,
-            Arrival::Closed(component, _) => {
+            EngineEvent::HostMessage(..) => None,
+            EngineEvent::Closed(component, _) => {
                 // It may have been told before.
                 self.children.get(component)?.process.as_ref()?;
                 let why = self.ended(component);
                 Some(Message::Lost { component, why })
             }
-            Arrival::Outside(message) => Some(message),
-            Arrival::Fed(newest) => Some(Message::Fed {
+            EngineEvent::RunListener(message) => Some(message),
+            EngineEvent::Fed(newest) => Some(Message::Fed {
                 component: newest.component,
                 port: newest.port,
                 name: newest.name.clone(),
@@ -460,7 +461,7 @@ fn own() -> PathBuf {
 
 /// Writes to a host, which reads all the time; it gets some to do so.
 fn send(input: &mut ChildStdin, mut bytes: &[u8]) -> io::Result<()> {
-    let until = Instant::now() + PATIENCE;
+    let until = Instant::now() + REPLY_TIMEOUT;
     while !bytes.is_empty() {
         match input.write(bytes) {
             Ok(count) => bytes = bytes.get(count..).unwrap_or_default(),
@@ -507,7 +508,7 @@ impl Hosts for Children {
     fn start(&mut self) -> Result<(), String> {
         self.started += 1;
         self.early.clear();
-        self.boards = Boards::default();
+        self.boards = SharedDataPool::default();
         for component in 0..self.children.len() {
             // Dropping a process ends it.
             self.children[component].process = None;
@@ -518,18 +519,18 @@ impl Hosts for Children {
         let mut missing = wanted.count();
         while missing > 0 {
             match self.next_unless_interrupted(until) {
-                Some(Arrival::Reply(_, _, Reply::Ready)) => missing -= 1,
-                Some(Arrival::Reply(component, _, Reply::Waiting)) => {
+                Some(EngineEvent::HostMessage(_, _, HostMessage::Ready)) => missing -= 1,
+                Some(EngineEvent::HostMessage(component, _, HostMessage::Waiting)) => {
                     let process = &self.children[component].process;
                     if let (Some(waiting), Some(process)) = (&self.debug, process) {
                         waiting(&self.names[component], process.child.id());
                     }
                 }
-                Some(Arrival::Reply(component, _, Reply::Unusable(why))) => {
+                Some(EngineEvent::HostMessage(component, _, HostMessage::Unusable(why))) => {
                     let name = &self.names[component];
                     return Err(format!("the codels of `{name}` cannot be loaded: {why}"));
                 }
-                Some(Arrival::Closed(component, _)) => {
+                Some(EngineEvent::Closed(component, _)) => {
                     let why = self.ended(component);
                     let name = &self.names[component];
                     return Err(format!(
@@ -552,7 +553,7 @@ impl Hosts for Children {
         let inputs = inputs.to_vec();
         self.order(
             component,
-            &Order::Make {
+            &HostCommand::Make {
                 service,
                 instance,
                 inputs,
@@ -561,11 +562,11 @@ impl Hosts for Children {
     }
 
     fn run(&mut self, call: &Call) {
-        self.order(call.component, &Order::of(call));
+        self.order(call.component, &HostCommand::of(call));
     }
 
     fn end(&mut self, component: usize, service: u32, instance: u32) -> Option<Vec<u8>> {
-        self.order(component, &Order::End { service, instance });
+        self.order(component, &HostCommand::End { service, instance });
         let until = self.deadline();
         loop {
             match self.next_unless_interrupted(until) {
@@ -576,11 +577,13 @@ impl Hosts for Children {
                     self.early.push_back(Message::Lost { component, why });
                     return None;
                 }
-                Some(Arrival::Reply(of, _, Reply::Ended(outputs))) if of == component => {
+                Some(EngineEvent::HostMessage(of, _, HostMessage::Ended(outputs)))
+                    if of == component =>
+                {
                     return Some(outputs);
                 }
                 Some(arrival) => {
-                    let lost = matches!(&arrival, Arrival::Closed(of, _) if *of == component);
+                    let lost = matches!(&arrival, EngineEvent::Closed(of, _) if *of == component);
                     let message = self.message(arrival);
                     self.early.extend(message);
                     if lost {
@@ -605,7 +608,7 @@ impl Hosts for Children {
         if let Some(it) = self.early.pop_front() {
             return Some(it);
         }
-        let until = Duration::from_nanos(until).min(FOREVER);
+        let until = Duration::from_nanos(until).min(DEBUGGER_TIMEOUT);
         let until = self.begin + until;
         loop {
             let arrival = self.next_unless_interrupted(until)?;
@@ -622,7 +625,7 @@ impl Hosts for Children {
     fn blocked_after_nanos(&self) -> Option<u64> {
         match &self.debug {
             Some(_) => None,
-            None => u64::try_from(PATIENCE.as_nanos()).ok(),
+            None => u64::try_from(REPLY_TIMEOUT.as_nanos()).ok(),
         }
     }
 
@@ -642,7 +645,7 @@ impl Hosts for Children {
         let error = error.unsigned_abs();
         self.order(
             component,
-            &Order::Answered {
+            &HostCommand::Answered {
                 ask,
                 error,
                 outputs,

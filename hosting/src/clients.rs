@@ -9,16 +9,16 @@ use serde_json::Value;
 use super::stream::Stream;
 
 /// Bytes of a request.
-pub(super) const LONGEST: usize = 4 << 20;
+pub(super) const MAX_REQUEST_BYTES: usize = 4 << 20;
 
 /// Lines that a client may be behind; a client that reads more slowly misses data of ports.
-const BEHIND: usize = 1024;
+const MAX_QUEUED_LINES: usize = 1024;
 
 /// Connections at a time: to the Unix socket, and as many to the TCP port.
-pub(super) const MOST_CLIENTS: usize = 64;
+pub(super) const MAX_CLIENTS: usize = 64;
 
 /// Requests of a connection that have not ended.
-pub(super) const MOST_WAITING: usize = 256;
+pub(super) const MAX_WAITING: usize = 256;
 
 /// A connected client. The connection ends when the last copy is dropped: a client that has closed its
 /// sending half still gets the answers to its requests.
@@ -32,7 +32,7 @@ pub(super) struct Client {
 impl Client {
     /// A client, with the thread that writes to the stream.
     pub(super) fn new(number: u64, stream: Arc<Stream>) -> Client {
-        let (lines, queue) = sync_channel(BEHIND);
+        let (lines, queue) = sync_channel(MAX_QUEUED_LINES);
         let output = stream.clone();
         std::thread::spawn(move || write(&output, &queue));
         Client {
@@ -45,7 +45,7 @@ impl Client {
     /// Answers. A client that does not read is disconnected, as the answer would be missing.
     pub(super) fn say(&self, it: Value, id: &Value) {
         if !self.offer(it, id) {
-            self.stream.hang_up();
+            self.stream.disconnect();
         }
     }
 
@@ -63,7 +63,7 @@ fn write(mut output: &Stream, queue: &Receiver<String>) {
             break;
         }
     }
-    output.hang_up();
+    output.disconnect();
 }
 
 /// A line of a client.
@@ -71,18 +71,18 @@ fn write(mut output: &Stream, queue: &Receiver<String>) {
 pub(super) enum Line {
     /// A whole line; the last one needs no line end.
     Whole,
-    /// The beginning of a line of more than [`LONGEST`] bytes; [`skip_line`] reads the rest.
+    /// The beginning of a line of more than [`MAX_REQUEST_BYTES`] bytes; [`skip_line`] reads the rest.
     TooLong,
     /// The client sends no more.
     End,
 }
 
-/// Reads a line, or its first [`LONGEST`] bytes.
+/// Reads a line, or its first [`MAX_REQUEST_BYTES`] bytes.
 pub(super) fn read_line(input: &mut impl BufRead, line: &mut Vec<u8>) -> Line {
     line.clear();
-    let most = LONGEST as u64 + 1;
+    let most = MAX_REQUEST_BYTES as u64 + 1;
     match input.by_ref().take(most).read_until(b'\n', line) {
-        Ok(1..) if line.ends_with(b"\n") || line.len() <= LONGEST => Line::Whole,
+        Ok(1..) if line.ends_with(b"\n") || line.len() <= MAX_REQUEST_BYTES => Line::Whole,
         Ok(1..) => Line::TooLong,
         _ => Line::End,
     }

@@ -18,16 +18,16 @@ use dotgen_runtime::hosts::CodelResult;
 use serde::{Deserialize, Serialize};
 
 use super::debugger;
-use super::library::{BRING, Bring, Component};
+use super::library::{Component, REMOTE_CALL, RemoteCall};
 use super::realtime;
-use super::wire::{Order, Reply};
+use super::wire::{HostCommand, HostMessage};
 
 /// The subcommand.
 pub(super) const COMMAND: &str = "host";
 
 /// How a host works: its first argument, as JSON.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Manner {
+pub(super) struct HostOptions {
     /// The component, which the process is named after.
     pub(super) component: String,
     /// Tasks by lane, which threads are named after.
@@ -50,7 +50,7 @@ pub fn intercept() -> Option<ExitCode> {
     let [manner, library] = rest else {
         return None;
     };
-    let manner: Manner = serde_json::from_str(manner.to_str()?).ok()?;
+    let manner: HostOptions = serde_json::from_str(manner.to_str()?).ok()?;
     Some(match serve(Path::new(library), &manner) {
         Ok(()) => ExitCode::SUCCESS,
         Err(_) => ExitCode::from(2),
@@ -70,7 +70,7 @@ struct Waiting {
 }
 
 /// Asks through the engine.
-fn bring(output: Output, waiting: Arc<Mutex<Waiting>>) -> Bring {
+fn remote_call(output: Output, waiting: Arc<Mutex<Waiting>>) -> RemoteCall {
     Box::new(move |remote, inputs| {
         let (sender, answer) = channel();
         let mut all = waiting.lock().unwrap_or_else(|it| it.into_inner());
@@ -79,7 +79,7 @@ fn bring(output: Output, waiting: Arc<Mutex<Waiting>>) -> Bring {
         all.all.insert(ask, sender);
         drop(all);
         let inputs = inputs.to_vec();
-        let asked = Reply::Asked {
+        let asked = HostMessage::Asked {
             ask,
             remote,
             inputs,
@@ -89,35 +89,35 @@ fn bring(output: Output, waiting: Arc<Mutex<Waiting>>) -> Bring {
     })
 }
 
-fn serve(library: &Path, manner: &Manner) -> io::Result<()> {
+fn serve(library: &Path, manner: &HostOptions) -> io::Result<()> {
     realtime::name_process(&manner.component);
     let real = manner.real_time;
     let (mut input, output) = channels()?;
     let component = match Component::load(library) {
         Ok(it) => Arc::new(it),
-        Err(why) => return tell(&output, &Reply::Unusable(why)),
+        Err(why) => return tell(&output, &HostMessage::Unusable(why)),
     };
     if manner.debug {
         debugger::permit();
-        tell(&output, &Reply::Waiting)?;
+        tell(&output, &HostMessage::Waiting)?;
         debugger::wait();
     }
     if real && !realtime::lock_memory(realtime::Pages::All) {
-        tell(&output, &Reply::Denied("locked memory".to_owned()))?;
+        tell(&output, &HostMessage::Denied("locked memory".to_owned()))?;
     }
     let waiting = Arc::<Mutex<Waiting>>::default();
     // There is one component in a process.
-    let _ = BRING.set(bring(output.clone(), waiting.clone()));
-    tell(&output, &Reply::Ready)?;
+    let _ = REMOTE_CALL.set(remote_call(output.clone(), waiting.clone()));
+    tell(&output, &HostMessage::Ready)?;
     let mut lanes: HashMap<u32, Sender<(u32, u32, u32)>> = HashMap::new();
-    while let Some(order) = Order::receive(&mut input)? {
+    while let Some(order) = HostCommand::receive(&mut input)? {
         match order {
-            Order::Make {
+            HostCommand::Make {
                 service,
                 instance,
                 inputs,
             } => component.make(service, instance, &inputs),
-            Order::Answered {
+            HostCommand::Answered {
                 ask,
                 error,
                 outputs,
@@ -131,11 +131,14 @@ fn serve(library: &Path, manner: &Manner) -> io::Result<()> {
                     let _ = it.send(result);
                 }
             }
-            Order::Share { port, id, path } => component.share(port, &id, &path)?,
-            Order::End { service, instance } => {
-                tell(&output, &Reply::Ended(component.end(service, instance)))?;
+            HostCommand::Share { port, id, path } => component.share(port, &id, &path)?,
+            HostCommand::End { service, instance } => {
+                tell(
+                    &output,
+                    &HostMessage::Ended(component.end(service, instance)),
+                )?;
             }
-            Order::Run {
+            HostCommand::Run {
                 lane,
                 ticket,
                 codel,
@@ -164,7 +167,7 @@ fn channels() -> io::Result<(BufReader<File>, Output)> {
     Ok((BufReader::new(File::from(input)), output))
 }
 
-fn tell(output: &Output, reply: &Reply) -> io::Result<()> {
+fn tell(output: &Output, reply: &HostMessage) -> io::Result<()> {
     let mut output = output.lock().unwrap_or_else(|it| it.into_inner());
     reply.send(&mut *output)
 }
@@ -185,7 +188,7 @@ fn start(
             realtime::raise_priority();
             if let Some(core) = core.filter(|&it| !realtime::pin(it)) {
                 // Where it cannot be told, nothing can.
-                let _ = tell(&output, &Reply::Denied(format!("core {core}")));
+                let _ = tell(&output, &HostMessage::Denied(format!("core {core}")));
             }
         }
         for (ticket, codel, instance) in queue {
@@ -200,7 +203,7 @@ fn start(
                 ticket,
                 nanos,
             };
-            if tell(&output, &Reply::CodelResult(ran)).is_err() {
+            if tell(&output, &HostMessage::CodelResult(ran)).is_err() {
                 // Nobody hears any more what comes of codels.
                 std::process::exit(2);
             }

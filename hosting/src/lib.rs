@@ -15,18 +15,18 @@
 //! | [`realtime`] | what the system grants to who has to be in time |
 //! | [`strays`] | processes that codels leave behind |
 
-mod board;
 pub mod children;
 mod clients;
+pub mod components;
 mod debugger;
 pub mod host;
-pub mod known;
 mod library;
 #[cfg(feature = "zenoh")]
 pub mod network;
-pub mod places;
+pub mod orphans;
 pub mod realtime;
 pub mod server;
-pub mod strays;
+mod shared_data;
+pub mod sockets;
 mod stream;
 mod wire;

@@ -13,8 +13,8 @@ use dotgen_codegen::codels::glue::ENTRIES;
 use dotgen_runtime::hosts::{CodelEnd, PortWrite};
 use libloading::Library;
 
-use super::board::View;
-use super::wire::Taking;
+use super::shared_data::View;
+use super::wire::ByteReader;
 
 /// `struct glue_buffer`
 #[repr(C)]
@@ -24,31 +24,31 @@ struct Buffer {
     room: usize,
 }
 
-type Make = unsafe extern "C" fn(u32, u32, *const c_void, usize) -> c_int;
-type Run = unsafe extern "C" fn(u32, u32, *mut Buffer);
-type End = unsafe extern "C" fn(u32, u32, *mut Buffer);
-type Share = unsafe extern "C" fn(u32, *const c_char, *const c_void) -> *const c_void;
-type Put = unsafe extern "C" fn(*mut c_void, *const c_void, usize);
-type Ask = unsafe extern "C" fn(u32, *const c_void, usize, Put, *mut c_void) -> c_int;
-type Asks = unsafe extern "C" fn(Ask);
-type Forget = unsafe extern "C" fn(*mut Buffer);
+type CreateFn = unsafe extern "C" fn(u32, u32, *const c_void, usize) -> c_int;
+type RunFn = unsafe extern "C" fn(u32, u32, *mut Buffer);
+type EndFn = unsafe extern "C" fn(u32, u32, *mut Buffer);
+type ShareFn = unsafe extern "C" fn(u32, *const c_char, *const c_void) -> *const c_void;
+type PutFn = unsafe extern "C" fn(*mut c_void, *const c_void, usize);
+type RequestFn = unsafe extern "C" fn(u32, *const c_void, usize, PutFn, *mut c_void) -> c_int;
+type SetRequestFn = unsafe extern "C" fn(RequestFn);
+type FreeFn = unsafe extern "C" fn(*mut Buffer);
 
 /// Brings what a codel asks for (a remote and its inputs) to another component: the outputs, or an error of
 /// the system.
-pub(super) type Bring = Box<dyn Fn(u32, &[u8]) -> Result<Vec<u8>, c_int> + Send + Sync>;
+pub(super) type RemoteCall = Box<dyn Fn(u32, &[u8]) -> Result<Vec<u8>, c_int> + Send + Sync>;
 
 /// Set once, before codels run.
-pub(super) static BRING: OnceLock<Bring> = OnceLock::new();
+pub(super) static REMOTE_CALL: OnceLock<RemoteCall> = OnceLock::new();
 
 /// Called by the glue.
 unsafe extern "C" fn ask(
     remote: u32,
     inputs: *const c_void,
     size: usize,
-    put: Put,
+    put: PutFn,
     to: *mut c_void,
 ) -> c_int {
-    let Some(bring) = BRING.get() else {
+    let Some(bring) = REMOTE_CALL.get() else {
         return libc::ENOSYS;
     };
     let inputs = match inputs.is_null() {
@@ -76,11 +76,11 @@ pub(super) struct Outcome {
 
 /// A component. It may be called by many threads: its glue has a lock.
 pub(super) struct Component {
-    make: Make,
-    run: Run,
-    end: End,
-    share: Share,
-    forget: Forget,
+    make: CreateFn,
+    run: RunFn,
+    end: EndFn,
+    share: ShareFn,
+    forget: FreeFn,
     /// Where the glue looks for data of ports.
     views: Mutex<Vec<View>>,
     /// Must outlive the functions.
@@ -99,13 +99,13 @@ impl Component {
         unsafe {
             let library = Library::new(path).map_err(wrong)?;
             let [make, run, end, share, forget, asks] = ENTRIES;
-            library.get::<Asks>(asks).map_err(wrong)?(ask);
+            library.get::<SetRequestFn>(asks).map_err(wrong)?(ask);
             Ok(Component {
-                make: *library.get::<Make>(make).map_err(wrong)?,
-                run: *library.get::<Run>(run).map_err(wrong)?,
-                end: *library.get::<End>(end).map_err(wrong)?,
-                share: *library.get::<Share>(share).map_err(wrong)?,
-                forget: *library.get::<Forget>(forget).map_err(wrong)?,
+                make: *library.get::<CreateFn>(make).map_err(wrong)?,
+                run: *library.get::<RunFn>(run).map_err(wrong)?,
+                end: *library.get::<EndFn>(end).map_err(wrong)?,
+                share: *library.get::<ShareFn>(share).map_err(wrong)?,
+                forget: *library.get::<FreeFn>(forget).map_err(wrong)?,
                 views: Mutex::default(),
                 _library: library,
             })
@@ -172,7 +172,7 @@ impl Component {
 }
 
 fn outcome(bytes: &[u8]) -> Option<Outcome> {
-    let mut it = Taking(bytes);
+    let mut it = ByteReader(bytes);
     let how = match it.number().ok()? {
         0 => CodelEnd::Event,
         1 => CodelEnd::Exception,

@@ -15,8 +15,8 @@ use zenoh::pubsub::{Publisher, Subscriber};
 use zenoh::sample::{Locality, Sample};
 use zenoh::{Config, Session, Wait as _};
 
-use super::children::{Door, Newest, Outside};
-use super::known::Known;
+use super::children::{InputSlot, RunInbox, RunListener};
+use super::components::KnownComponent;
 
 /// Sources of a `multiple` port, and keys of which something is told: others are left, so that nobody else
 /// fills the memory of this machine.
@@ -24,7 +24,7 @@ const SOURCES: usize = 256;
 
 /// Whom to reach, and what to read there.
 #[derive(Debug, Clone, Copy)]
-pub struct Wanted<'a> {
+pub struct NetworkOptions<'a> {
     /// Zenoh endpoints where others reach this run.
     pub listen: &'a [String],
     /// Zenoh endpoints of others, or of routers.
@@ -34,7 +34,7 @@ pub struct Wanted<'a> {
 }
 
 /// Tells the user something, once.
-pub type Tell = Arc<dyn Fn(&str) + Send + Sync>;
+pub type Notifier = Arc<dyn Fn(&str) + Send + Sync>;
 
 /// Is connected until it is dropped.
 pub struct Network {
@@ -46,12 +46,12 @@ pub struct Network {
 /// # Errors
 /// In words: where an endpoint is none, or somebody else listens there.
 pub fn join(
-    wanted: Wanted<'_>,
-    known: &BTreeMap<usize, Known>,
+    wanted: NetworkOptions<'_>,
+    known: &BTreeMap<usize, KnownComponent>,
     is_fed: &dyn Fn(usize, u32) -> bool,
-    door: &Door,
-    tell: &Tell,
-) -> Result<(Network, Box<dyn Outside>), String> {
+    inbox: &RunInbox,
+    tell: &Notifier,
+) -> Result<(Network, Box<dyn RunListener>), String> {
     let config = config(wanted).map_err(|it| format!("an endpoint of Zenoh is wrong: {it}"))?;
     let session = zenoh::open(config).wait();
     let session = session.map_err(|it| format!("cannot join by Zenoh: {it}"))?;
@@ -80,7 +80,7 @@ pub fn join(
                     component,
                     port: index,
                     multiple: port.multiple,
-                    door: door.clone(),
+                    inbox: inbox.clone(),
                     tell: tell.clone(),
                     state: Mutex::default(),
                 };
@@ -105,7 +105,7 @@ pub fn join(
 }
 
 /// Nobody is sought, and nobody finds this run, but where it was said.
-fn config(wanted: Wanted<'_>) -> zenoh::Result<Config> {
+fn config(wanted: NetworkOptions<'_>) -> zenoh::Result<Config> {
     let list = |all: &[String]| serde_json::json!(all).to_string();
     let mut config = Config::default();
     config.insert_json5("mode", "\"peer\"")?;
@@ -127,15 +127,15 @@ struct Input {
     component: usize,
     port: u32,
     multiple: bool,
-    door: Door,
-    tell: Tell,
-    state: Mutex<Heard>,
+    inbox: RunInbox,
+    tell: Notifier,
+    state: Mutex<SubscriberState>,
 }
 
 #[derive(Default)]
-struct Heard {
+struct SubscriberState {
     /// By the name of the source: what the engine has not taken yet.
-    newest: HashMap<String, Arc<Newest>>,
+    newest: HashMap<String, Arc<InputSlot>>,
     /// The key that a port reads which is not `multiple`.
     source: Option<String>,
     /// Keys of which something was told.
@@ -186,25 +186,24 @@ impl Input {
             tell_once(&mut heard.told, &what);
             return;
         }
-        let newest = heard
-            .newest
-            .entry(name.to_owned())
-            .or_insert_with(|| Arc::new(Newest::new(self.component, self.port, name.to_owned())));
-        self.door.feed(newest, data);
+        let newest = heard.newest.entry(name.to_owned()).or_insert_with(|| {
+            Arc::new(InputSlot::new(self.component, self.port, name.to_owned()))
+        });
+        self.inbox.feed(newest, data);
     }
 }
 
 /// The output ports of this run.
 struct Outputs {
     session: Session,
-    known: BTreeMap<usize, Known>,
+    known: BTreeMap<usize, KnownComponent>,
     /// By component, port and instance; `None` for a key that cannot be.
     publishers: HashMap<(usize, u32, String), Option<Publisher<'static>>>,
-    tell: Tell,
+    tell: Notifier,
 }
 
 impl Outputs {
-    fn declare(&self, known: &Known, port: &Port, id: &str) -> Option<Publisher<'static>> {
+    fn declare(&self, known: &KnownComponent, port: &Port, id: &str) -> Option<Publisher<'static>> {
         let component = &known.component().name;
         let key = match id {
             "" => format!("{component}/{}", port.name),
@@ -223,7 +222,7 @@ impl Outputs {
     }
 }
 
-impl Outside for Outputs {
+impl RunListener for Outputs {
     fn answer(&mut self, _: u64, _: &RequestReply) {}
 
     fn gone(&mut self, component: usize, _: &str) {

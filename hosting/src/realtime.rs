@@ -10,7 +10,7 @@ const PRIORITY: i32 = 40;
 
 /// The nice value of a thread that works while others run codels.
 #[cfg(target_os = "linux")]
-const LOWEST: libc::c_int = 19;
+const BACKGROUND_NICE: libc::c_int = 19;
 
 /// The pages of a process that are kept in memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -74,7 +74,7 @@ pub fn lower_priority() {
     #[cfg(target_os = "linux")]
     // SAFETY: only numbers are passed. On Linux the priority is that of the calling thread alone.
     unsafe {
-        libc::setpriority(libc::PRIO_PROCESS, 0, LOWEST);
+        libc::setpriority(libc::PRIO_PROCESS, 0, BACKGROUND_NICE);
     }
 }
 

@@ -2,8 +2,8 @@
 
 mod data;
 mod find;
-mod followers;
 mod inputs;
+mod subscribers;
 mod token;
 
 use std::collections::{BTreeMap, HashMap};
@@ -21,24 +21,26 @@ use rustix::fs::Mode;
 use rustix::process::umask;
 use serde_json::{Map, Value, json};
 
-use super::children::{Door, Newest, Outside};
-use super::clients::{Client, LONGEST, Line, MOST_CLIENTS, MOST_WAITING, read_line, skip_line};
-use super::known::{CONNECT, Known, describe, detail_of};
+use super::children::{InputSlot, RunInbox, RunListener};
+use super::clients::{
+    Client, Line, MAX_CLIENTS, MAX_REQUEST_BYTES, MAX_WAITING, read_line, skip_line,
+};
+use super::components::{CONNECT, KnownComponent, describe, detail_of};
 use super::stream::Stream;
-use dotgen_platform::files::disk::Passing;
+use dotgen_platform::files::disk::TemporaryFile;
 use find::{component, output};
-use followers::{Followers, Lookers};
+use subscribers::{ProfileSubscribers, ProgressSubscribers};
 use token::Token;
 
 /// Maximum time in which a client of a TCP port sends a part of the token. Others of this machine cannot
 /// hold all connections without it.
-const FOR_TOKEN: Duration = Duration::from_secs(10);
+const TOKEN_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Listens until it is dropped; then its socket is gone.
 pub struct Server {
-    _socket: Passing,
+    _socket: TemporaryFile,
     /// The token of the TCP port.
-    token: Option<Passing>,
+    token: Option<TemporaryFile>,
     shared: Arc<Shared>,
 }
 
@@ -80,31 +82,31 @@ impl Server {
                 accept(&shared, Stream::Tcp(stream), token.clone());
             }
         });
-        let file = self.token.as_ref().map(Passing::path);
+        let file = self.token.as_ref().map(TemporaryFile::path);
         Ok((taken, file.map(Path::to_owned)))
     }
 
     /// Tells how far the run has come, to whoever looks on.
-    pub fn lookers(&self) -> Lookers {
-        Lookers {
+    pub fn progress_subscribers(&self) -> ProgressSubscribers {
+        ProgressSubscribers {
             shared: self.shared.clone(),
             told: None,
         }
     }
 
     /// Takes the lines of the profile, one at a time, for whoever follows the run.
-    pub fn followers(&self) -> Followers {
-        Followers(self.shared.clone())
+    pub fn followers(&self) -> ProfileSubscribers {
+        ProfileSubscribers(self.shared.clone())
     }
 }
 
 /// What the threads of all clients, and the engine, share.
 struct Shared {
     /// By component of the system.
-    known: BTreeMap<usize, Known>,
+    known: BTreeMap<usize, KnownComponent>,
     /// Flows between ports as the run begins.
     feeds: Vec<DataFlow>,
-    door: Door,
+    inbox: RunInbox,
     state: Mutex<State>,
 }
 
@@ -123,13 +125,13 @@ struct State {
     /// Who follows the runs of codels, with their numbers of that request.
     followers: Vec<(Client, Value)>,
     /// Who looks at how far the run has come, likewise.
-    lookers: Vec<(Client, Value)>,
+    progress_subscribers: Vec<(Client, Value)>,
     /// The newest data of output ports.
     data: HashMap<(usize, u32, String), Vec<u8>>,
     /// Input ports that clients have connected: the component, output port and instance of each.
     connected: HashMap<Place, (usize, u32, String)>,
     /// Input ports that clients have written, with what the engine has not taken yet.
-    written: HashMap<Place, Arc<Newest>>,
+    written: HashMap<Place, Arc<InputSlot>>,
     /// Components that are gone, and how they ended.
     gone: HashMap<usize, String>,
 }
@@ -161,10 +163,10 @@ impl Shared {
 /// In words: where somebody else listens there, or nobody can.
 pub fn listen(
     path: &Path,
-    known: BTreeMap<usize, Known>,
+    known: BTreeMap<usize, KnownComponent>,
     feeds: Vec<DataFlow>,
-    door: Door,
-) -> Result<(Server, Box<dyn Outside>), String> {
+    inbox: RunInbox,
+) -> Result<(Server, Box<dyn RunListener>), String> {
     let shown = path.display();
     if UnixStream::connect(path).is_ok() {
         return Err(format!(
@@ -184,12 +186,12 @@ pub fn listen(
     let listener = UnixListener::bind(path);
     umask(before);
     let listener = listener.map_err(wrong)?;
-    let socket = Passing::new(path.to_owned());
+    let socket = TemporaryFile::new(path.to_owned());
     let shared = Arc::new(Shared {
         state: Mutex::default(),
         known,
         feeds,
-        door,
+        inbox,
     });
     let accepting = shared.clone();
     // It waits until the process ends.
@@ -203,15 +205,15 @@ pub fn listen(
         token: None,
         shared: shared.clone(),
     };
-    Ok((server, Box::new(Teller { shared })))
+    Ok((server, Box::new(EngineListener { shared })))
 }
 
 fn accept(shared: &Arc<Shared>, stream: Stream, token: Option<Arc<Token>>) {
     let mut state = shared.state();
     let kind = usize::from(stream.is_private());
-    if state.open[kind] >= MOST_CLIENTS {
+    if state.open[kind] >= MAX_CLIENTS {
         drop(state);
-        let why = format!("too many connections: {MOST_CLIENTS} are open; close one of them");
+        let why = format!("too many connections: {MAX_CLIENTS} are open; close one of them");
         let told = json!({"event": "error", "message": why, "id": null});
         // There is room for a line.
         let _ = (&stream).write_all(format!("{told}\n").as_bytes());
@@ -231,7 +233,7 @@ fn accept(shared: &Arc<Shared>, stream: Stream, token: Option<Arc<Token>>) {
 fn serve(shared: &Shared, stream: Stream, number: u64, token: Option<&Token>) {
     let stream = Arc::new(stream);
     let client = Client::new(number, stream.clone());
-    let stays = hear(shared, &stream, &client, token);
+    let stays = read_requests(shared, &stream, &client, token);
     // From now on only its requests hold the connection.
     drop(client);
     if stays {
@@ -240,7 +242,9 @@ fn serve(shared: &Shared, stream: Stream, number: u64, token: Option<&Token>) {
     let mut state = shared.state();
     state.watchers.retain(|it| it.client.number != number);
     state.followers.retain(|it| it.0.number != number);
-    state.lookers.retain(|it| it.0.number != number);
+    state
+        .progress_subscribers
+        .retain(|it| it.0.number != number);
     // Its requests go on, but nobody hears of them.
     state.requests.retain(|_, it| it.client.number != number);
     drop(state);
@@ -249,17 +253,25 @@ fn serve(shared: &Shared, stream: Stream, number: u64, token: Option<&Token>) {
 
 /// Reads requests to their end. The first one is the token, if there is one. Returns whether the client may
 /// get answers after the end.
-fn hear(shared: &Shared, stream: &Stream, client: &Client, mut token: Option<&Token>) -> bool {
+fn read_requests(
+    shared: &Shared,
+    stream: &Stream,
+    client: &Client,
+    mut token: Option<&Token>,
+) -> bool {
     let mut input = BufReader::new(stream);
     let mut line = Vec::new();
     if token.is_some() {
-        stream.limit_reads(Some(FOR_TOKEN));
+        stream.limit_reads(Some(TOKEN_TIMEOUT));
     }
     loop {
         match read_line(&mut input, &mut line) {
             Line::Whole => {}
             Line::TooLong => {
-                let why = format!("too long: a request has at most {} MiB", LONGEST >> 20);
+                let why = format!(
+                    "too long: a request has at most {} MiB",
+                    MAX_REQUEST_BYTES >> 20
+                );
                 // At once: the client may wait for an answer before it ends the line.
                 client.say(json!({"event": "error", "message": why}), &Value::Null);
                 skip_line(&mut input);
@@ -306,7 +318,7 @@ fn hear(shared: &Shared, stream: &Stream, client: &Client, mut token: Option<&To
 fn admit(state: &State, client: &Client, id: &Value) -> Result<(), String> {
     let requests = state.requests.values().map(|it| (&it.client, &it.id));
     let watchers = state.watchers.iter().map(|it| (&it.client, &it.id));
-    let others = state.followers.iter().chain(&state.lookers);
+    let others = state.followers.iter().chain(&state.progress_subscribers);
     let all = requests
         .chain(watchers)
         .chain(others.map(|it| (&it.0, &it.1)));
@@ -320,10 +332,10 @@ fn admit(state: &State, client: &Client, id: &Value) -> Result<(), String> {
         }
         waiting += 1;
     }
-    match waiting < MOST_WAITING {
+    match waiting < MAX_WAITING {
         true => Ok(()),
         false => Err(format!(
-            "too many requests: {MOST_WAITING} of this connection have not ended; wait for some of them"
+            "too many requests: {MAX_WAITING} of this connection have not ended; wait for some of them"
         )),
     }
 }
@@ -382,7 +394,7 @@ fn answer(
             return Err("that request has ended, or is none of yours".to_owned());
         };
         drop(state);
-        shared.door.bring(Message::Abort(number));
+        shared.inbox.bring(Message::Abort(number));
         return Ok(Some(json!({"event": "aborting"})));
     }
     if request.get("profile").is_some() {
@@ -397,7 +409,9 @@ fn answer(
         let mut state = shared.state();
         admit(&state, client, id)?;
         client.say(json!({"event": "following"}), id);
-        state.lookers.push((client.clone(), id.clone()));
+        state
+            .progress_subscribers
+            .push((client.clone(), id.clone()));
         return Ok(None);
     }
     if request.get("describe").is_some() {
@@ -409,7 +423,7 @@ fn answer(
 }
 
 /// What whoever watches a component is told when nothing comes from it any more.
-fn lost(known: &Known, why: &str) -> Value {
+fn lost(known: &KnownComponent, why: &str) -> Value {
     let name = &known.component().name;
     json!({"event": "lost", "message": format!("`{name}` {why}")})
 }
@@ -469,7 +483,7 @@ fn call(
         service: wanted,
         inputs,
     };
-    match shared.door.bring(Message::OutsideRequest(wanted)) {
+    match shared.inbox.bring(Message::OutsideRequest(wanted)) {
         true => Ok(()),
         false => {
             shared.state().requests.remove(&number);
@@ -479,11 +493,11 @@ fn call(
 }
 
 /// The engine's side.
-struct Teller {
+struct EngineListener {
     shared: Arc<Shared>,
 }
 
-impl Outside for Teller {
+impl RunListener for EngineListener {
     fn answer(&mut self, id: u64, answer: &RequestReply) {
         let mut state = self.shared.state();
         let Some(asked) = state.requests.get(&id) else {

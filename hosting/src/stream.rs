@@ -33,7 +33,7 @@ impl Stream {
     }
 
     /// Lets the client go.
-    pub(super) fn hang_up(&self) {
+    pub(super) fn disconnect(&self) {
         // It may be gone already.
         let _ = match self {
             Stream::Unix(it) => it.shutdown(Shutdown::Both),

@@ -5,14 +5,14 @@ use std::io::{self, Read, Write};
 use dotgen_runtime::hosts::{Call, CodelEnd, CodelResult, PortWrite};
 
 /// A frame is never longer: a length beyond it is nonsense.
-const LONGEST: usize = 1 << 30;
+const MAX_FRAME_BYTES: usize = 1 << 30;
 
 /// Stands for no core.
 const NO_CORE: u32 = u32::MAX;
 
 /// What the engine says.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum Order {
+pub(super) enum HostCommand {
     /// A request begins.
     Make {
         service: u32,
@@ -30,7 +30,7 @@ pub(super) enum Order {
     },
     /// A request ends.
     End { service: u32, instance: u32 },
-    /// Where the data of an input port is from now on: the path of a [board](super::board).
+    /// Where the data of an input port is from now on: the path of a [board](super::shared_data).
     Share { port: u32, id: String, path: String },
     /// What a codel has asked for: the outputs, or an error of the system.
     Answered {
@@ -42,7 +42,7 @@ pub(super) enum Order {
 
 /// What a host says.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum Reply {
+pub(super) enum HostMessage {
     /// The shared object is loaded.
     Ready,
     /// It is loaded, and a debugger is awaited.
@@ -63,9 +63,9 @@ pub(super) enum Reply {
     },
 }
 
-impl Order {
-    pub(super) fn of(call: &Call) -> Order {
-        Order::Run {
+impl HostCommand {
+    pub(super) fn of(call: &Call) -> HostCommand {
+        HostCommand::Run {
             lane: call.lane,
             ticket: call.ticket,
             codel: call.codel,
@@ -78,12 +78,12 @@ impl Order {
     pub(super) fn bytes(&self) -> io::Result<Vec<u8>> {
         let mut out = Frame::default();
         match self {
-            Order::Make {
+            HostCommand::Make {
                 service,
                 instance,
                 inputs,
             } => out.byte(0).number(*service).number(*instance).bytes(inputs),
-            Order::Run {
+            HostCommand::Run {
                 lane,
                 ticket,
                 codel,
@@ -96,13 +96,15 @@ impl Order {
                 .number(*codel)
                 .number(*instance)
                 .number(core.unwrap_or(NO_CORE)),
-            Order::End { service, instance } => out.byte(2).number(*service).number(*instance),
-            Order::Share { port, id, path } => out
+            HostCommand::End { service, instance } => {
+                out.byte(2).number(*service).number(*instance)
+            }
+            HostCommand::Share { port, id, path } => out
                 .byte(3)
                 .number(*port)
                 .bytes(id.as_bytes())
                 .bytes(path.as_bytes()),
-            Order::Answered {
+            HostCommand::Answered {
                 ask,
                 error,
                 outputs,
@@ -112,34 +114,34 @@ impl Order {
     }
 
     /// `None` at the end.
-    pub(super) fn receive(from: &mut impl Read) -> io::Result<Option<Order>> {
+    pub(super) fn receive(from: &mut impl Read) -> io::Result<Option<HostCommand>> {
         let Some(bytes) = receive(from)? else {
             return Ok(None);
         };
-        let mut it = Taking(&bytes);
+        let mut it = ByteReader(&bytes);
         let order = match it.byte()? {
-            0 => Order::Make {
+            0 => HostCommand::Make {
                 service: it.number()?,
                 instance: it.number()?,
                 inputs: it.bytes()?.to_vec(),
             },
-            1 => Order::Run {
+            1 => HostCommand::Run {
                 lane: it.number()?,
                 ticket: it.number()?,
                 codel: it.number()?,
                 instance: it.number()?,
                 core: Some(it.number()?).filter(|it| *it != NO_CORE),
             },
-            2 => Order::End {
+            2 => HostCommand::End {
                 service: it.number()?,
                 instance: it.number()?,
             },
-            3 => Order::Share {
+            3 => HostCommand::Share {
                 port: it.number()?,
                 id: it.text()?,
                 path: it.text()?,
             },
-            4 => Order::Answered {
+            4 => HostCommand::Answered {
                 ask: it.number()?,
                 error: it.number()?,
                 outputs: it.bytes()?.to_vec(),
@@ -150,21 +152,21 @@ impl Order {
     }
 }
 
-impl Reply {
+impl HostMessage {
     pub(super) fn send(&self, to: &mut impl Write) -> io::Result<()> {
         let mut out = Frame::default();
         match self {
-            Reply::Ready => out.byte(0),
-            Reply::Waiting => out.byte(6),
-            Reply::Unusable(why) => out.byte(1).bytes(why.as_bytes()),
-            Reply::Ended(outputs) => out.byte(2).bytes(outputs),
-            Reply::Denied(what) => out.byte(4).bytes(what.as_bytes()),
-            Reply::Asked {
+            HostMessage::Ready => out.byte(0),
+            HostMessage::Waiting => out.byte(6),
+            HostMessage::Unusable(why) => out.byte(1).bytes(why.as_bytes()),
+            HostMessage::Ended(outputs) => out.byte(2).bytes(outputs),
+            HostMessage::Denied(what) => out.byte(4).bytes(what.as_bytes()),
+            HostMessage::Asked {
                 ask,
                 remote,
                 inputs,
             } => out.byte(5).number(*ask).number(*remote).bytes(inputs),
-            Reply::CodelResult(ran) => {
+            HostMessage::CodelResult(ran) => {
                 let how = match ran.how {
                     CodelEnd::Event => 0,
                     CodelEnd::Exception => 1,
@@ -188,16 +190,16 @@ impl Reply {
     }
 
     /// `None` at the end.
-    pub(super) fn receive(from: &mut impl Read) -> io::Result<Option<Reply>> {
+    pub(super) fn receive(from: &mut impl Read) -> io::Result<Option<HostMessage>> {
         let Some(bytes) = receive(from)? else {
             return Ok(None);
         };
-        let mut it = Taking(&bytes);
+        let mut it = ByteReader(&bytes);
         let reply = match it.byte()? {
-            0 => Reply::Ready,
-            1 => Reply::Unusable(it.text()?),
-            2 => Reply::Ended(it.bytes()?.to_vec()),
-            3 => Reply::CodelResult(CodelResult {
+            0 => HostMessage::Ready,
+            1 => HostMessage::Unusable(it.text()?),
+            2 => HostMessage::Ended(it.bytes()?.to_vec()),
+            3 => HostMessage::CodelResult(CodelResult {
                 ticket: it.number()?,
                 nanos: it.long()?,
                 how: match it.byte()? {
@@ -223,13 +225,13 @@ impl Reply {
                     all
                 },
             }),
-            4 => Reply::Denied(it.text()?),
-            5 => Reply::Asked {
+            4 => HostMessage::Denied(it.text()?),
+            5 => HostMessage::Asked {
                 ask: it.number()?,
                 remote: it.number()?,
                 inputs: it.bytes()?.to_vec(),
             },
-            6 => Reply::Waiting,
+            6 => HostMessage::Waiting,
             _ => return Err(nonsense()),
         };
         Ok(Some(reply))
@@ -278,7 +280,7 @@ fn receive(from: &mut impl Read) -> io::Result<Option<Vec<u8>>> {
         it => it?,
     }
     let length = u32::from_le_bytes(length) as usize;
-    if length > LONGEST {
+    if length > MAX_FRAME_BYTES {
         return Err(nonsense());
     }
     let mut bytes = vec![0; length];
@@ -291,9 +293,9 @@ fn nonsense() -> io::Error {
 }
 
 /// Takes values from bytes, in order.
-pub(super) struct Taking<'b>(pub(super) &'b [u8]);
+pub(super) struct ByteReader<'b>(pub(super) &'b [u8]);
 
-impl<'b> Taking<'b> {
+impl<'b> ByteReader<'b> {
     fn some(&mut self, count: usize) -> io::Result<&'b [u8]> {
         let (taken, rest) = self.0.split_at_checked(count).ok_or_else(nonsense)?;
         self.0 = rest;
@@ -349,13 +351,19 @@ mod tests {
                 },
             ],
         };
-        let reply = Reply::CodelResult(ran);
+        let reply = HostMessage::CodelResult(ran);
         let mut bytes = Vec::new();
         reply.send(&mut bytes).expect("memory takes all");
         let mut from = bytes.as_slice();
-        assert_eq!(Reply::receive(&mut from).expect("it is whole"), Some(reply));
-        assert_eq!(Reply::receive(&mut from).expect("it is the end"), None);
+        assert_eq!(
+            HostMessage::receive(&mut from).expect("it is whole"),
+            Some(reply)
+        );
+        assert_eq!(
+            HostMessage::receive(&mut from).expect("it is the end"),
+            None
+        );
         let broken = &bytes[..bytes.len() - 1];
-        assert!(Reply::receive(&mut &broken[..]).is_err());
+        assert!(HostMessage::receive(&mut &broken[..]).is_err());
     }
 }

@@ -6,8 +6,8 @@
 
 mod read;
 pub mod schema;
+mod selection;
 mod settings;
-mod shown;
 pub mod style;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -20,7 +20,7 @@ use dotgen_diagram::system::Connection;
 
 use dotgen_analysis::ide::{InlayConfig, LensConfig};
 use dotgen_platform::files::vfs::PackageConfig;
-pub use read::{Problem, ProblemKind, Read, from_editor, from_toml};
+pub use read::{LoadedSettings, Problem, ProblemKind, from_editor, from_toml};
 pub use settings::{
     DefineValue, Format, FormatAlign, FormatUnit, Generate, Level, Settings, Verification,
 };

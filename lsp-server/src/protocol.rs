@@ -6,5 +6,5 @@ pub mod convert;
 pub mod messages;
 pub(crate) mod outbox;
 pub(crate) mod progress;
-pub(crate) mod refusable;
 pub mod types;
+pub(crate) mod user_result;

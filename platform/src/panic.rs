@@ -7,7 +7,7 @@ use std::sync::Once;
 
 thread_local! {
     static ISOLATED: Cell<bool> = const { Cell::new(false) };
-    static LAST: RefCell<Option<String>> = const { RefCell::new(None) };
+    static LAST_PANIC: RefCell<Option<String>> = const { RefCell::new(None) };
 }
 
 /// Runs `work`. The error is the message of a panic, with its place.
@@ -17,7 +17,8 @@ pub fn isolate<R>(work: impl FnOnce() -> R) -> Result<R, String> {
     let result = catch_unwind(AssertUnwindSafe(work));
     ISOLATED.set(outer);
     result.map_err(|_| {
-        LAST.with_borrow_mut(Option::take)
+        LAST_PANIC
+            .with_borrow_mut(Option::take)
             .unwrap_or_else(|| "panic without message".to_owned())
     })
 }
@@ -41,7 +42,7 @@ fn install_hook() {
                 .copied()
                 .or_else(|| payload.downcast_ref::<String>().map(String::as_str))
                 .unwrap_or("no message");
-            LAST.with_borrow_mut(|last| *last = Some(format!("{message}{place}")));
+            LAST_PANIC.with_borrow_mut(|last| *last = Some(format!("{message}{place}")));
         }));
     });
 }

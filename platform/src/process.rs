@@ -32,13 +32,13 @@ use dotgen_codegen::process::{
 use watcher::Watcher;
 #[cfg(test)]
 pub(crate) use watcher::carry_out;
-pub(crate) use watcher::{Move, Watched};
+pub(crate) use watcher::{CleanupGuard, Move};
 
 /// The subcommand.
 const COMMAND: &str = "confined";
 
 /// The path of this program, if it can be started again.
-static OWN: OnceLock<PathBuf> = OnceLock::new();
+static OWN_PATH: OnceLock<PathBuf> = OnceLock::new();
 
 /// Declares that this process is `dotgen` itself. Other processes (tests of the library) cannot start it
 /// again: their programs are neither limited nor confined, and [`Processes::gaps`] reports that.
@@ -51,7 +51,7 @@ pub fn is_dotgen() {
         std::env::current_exe().ok()
     };
     if let Some(own) = own {
-        let _ = OWN.set(own);
+        let _ = OWN_PATH.set(own);
     }
 }
 
@@ -70,7 +70,7 @@ impl Processes for System {
     }
 
     fn renderer(&self, resources: Resources) -> Option<io::Result<Process>> {
-        let mut command = again(OWN.get()?);
+        let mut command = again(OWN_PATH.get()?);
         command.args(launch::renderer_arguments(resources));
         Some(run(command, Channels::Pipes))
     }
@@ -80,7 +80,7 @@ impl Processes for System {
     }
 
     fn gaps(&self) -> Vec<Gap> {
-        match OWN.get() {
+        match OWN_PATH.get() {
             Some(_) => confine::gaps(),
             None => vec![Gap::Files, Gap::Programs, Gap::Network, Gap::Resources],
         }
@@ -109,7 +109,7 @@ pub fn ask(
         command.stdin(Stdio::null());
         return Ok(Process {
             child: start(command)?,
-            group: Box::new(Started {
+            group: Box::new(ProcessGroup {
                 own_group: false,
                 _watched: None,
             }),
@@ -132,13 +132,13 @@ pub fn ask(
 
 /// Registers moves of files, which the helper completes if this process is killed. Valid until the result is
 /// dropped. `None` if the helper cannot be started.
-pub(crate) fn finish(moves: &[Move]) -> Option<Watched> {
+pub(crate) fn finish(moves: &[Move]) -> Option<CleanupGuard> {
     Watcher::get().map(|it| it.moves(moves))
 }
 
 /// The command for a program.
 fn command(program: &Program) -> io::Result<Command> {
-    let mut command = match OWN.get() {
+    let mut command = match OWN_PATH.get() {
         Some(own) => {
             // A missing program is reported as such, not as a failure of `dotgen confined`.
             find(&program.path, &program.directory)?;
@@ -174,13 +174,13 @@ fn again(own: &Path) -> Command {
 fn find(name: &Path, directory: &Path) -> io::Result<PathBuf> {
     let found = match name.components().count() > 1 {
         true => Some(directory.join(name)).filter(|it| it.is_file()),
-        false => in_path(name),
+        false => find_in_path(name),
     };
     found.ok_or_else(|| io::ErrorKind::NotFound.into())
 }
 
 /// The first program of this name in the directories of `PATH`.
-pub(crate) fn in_path(name: &Path) -> Option<PathBuf> {
+pub(crate) fn find_in_path(name: &Path) -> Option<PathBuf> {
     let path = std::env::var_os("PATH").unwrap_or_default();
     std::env::split_paths(&path)
         .map(|it| it.join(name))
@@ -228,7 +228,7 @@ fn run(mut command: Command, channels: Channels) -> io::Result<Process> {
     let watcher = Watcher::get().filter(|_| own_group);
     let child = start(command)?;
     let group = watcher.map(|it| it.group(child.id()));
-    let group = Started {
+    let group = ProcessGroup {
         own_group,
         _watched: group,
     };
@@ -243,9 +243,9 @@ fn run(mut command: Command, channels: Channels) -> io::Result<Process> {
 /// The system binds the life of a child to the *thread* that started it, not to the process. Threads of a
 /// pool end when they are idle, and their children would end with them.
 fn start(command: Command) -> io::Result<Child> {
-    type Order = (Command, Sender<io::Result<Child>>);
-    static ORDERS: LazyLock<Option<Sender<Order>>> = LazyLock::new(|| {
-        let (orders, queue) = channel::<Order>();
+    type SpawnRequest = (Command, Sender<io::Result<Child>>);
+    static SPAWN_REQUESTS: LazyLock<Option<Sender<SpawnRequest>>> = LazyLock::new(|| {
+        let (orders, queue) = channel::<SpawnRequest>();
         let work = move || {
             for (mut command, reply) in queue {
                 // Fails if the result is no longer awaited. The child is then killed here.
@@ -262,18 +262,18 @@ fn start(command: Command) -> io::Result<Child> {
     });
     let gone = || io::Error::other("the thread that starts programs is gone");
     let (reply, answer) = channel();
-    let orders = ORDERS.as_ref().ok_or_else(gone)?;
+    let orders = SPAWN_REQUESTS.as_ref().ok_or_else(gone)?;
     orders.send((command, reply)).map_err(|_| gone())?;
     answer.recv().map_err(|_| gone())?
 }
 
 /// A program and its group.
-struct Started {
+struct ProcessGroup {
     own_group: bool,
-    _watched: Option<watcher::Watched>,
+    _watched: Option<watcher::CleanupGuard>,
 }
 
-impl Group for Started {
+impl Group for ProcessGroup {
     fn kill(&self, child: &mut Child) {
         #[cfg(unix)]
         if self.own_group

@@ -99,7 +99,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
 ];
 
 /// What the tests of every crate may use.
-const OF_TESTS: &str = "dotgen-loaders";
+const TEST_CRATE: &str = "dotgen-loaders";
 
 fn manifest(folder: &str) -> toml::Table {
     let path = workspace_root().join(folder).join("Cargo.toml");
@@ -143,7 +143,7 @@ fn crates_depend_in_one_direction_only() {
     for (folder, allowed) in ALLOWED {
         for dependency in dependencies(&manifest(folder)) {
             let ours = dependency.starts_with("dotgen-") || dependency == "xtask";
-            let ours = ours && dependency != OF_TESTS;
+            let ours = ours && dependency != TEST_CRATE;
             assert!(
                 !ours || allowed.contains(&dependency.as_str()),
                 "`{folder}` must not depend on `{dependency}`: see docs/architecture.md"
@@ -195,7 +195,7 @@ fn modules_import_in_one_direction_only() {
 
 #[test]
 fn scripts_of_the_extension_import_in_one_direction_only() {
-    let found = imports::circles_of_scripts(&workspace_root().join("vscode-extension/src"));
+    let found = imports::script_import_cycles(&workspace_root().join("vscode-extension/src"));
     assert!(found.is_empty(), "scripts import each other: {found:#?}");
 }
 
@@ -303,7 +303,7 @@ fn programs_are_started_in_one_place() {
 }
 
 /// Ways to look into a text.
-const PEEKS: [&str; 14] = [
+const TEXT_SEARCHES: [&str; 14] = [
     "split",
     "rsplit",
     "contains(",
@@ -330,7 +330,7 @@ const TEXTS: [&str; 5] = [
 ];
 
 /// Places of a source that look into a message, by line.
-fn peeks(source: &str) -> Vec<usize> {
+fn text_searches(source: &str) -> Vec<usize> {
     // Without blanks, so that a chain over several lines is seen, with the line of each byte.
     let mut text = String::new();
     let mut lines = Vec::new();
@@ -350,11 +350,11 @@ fn peeks(source: &str) -> Vec<usize> {
                 continue;
             }
             let rest = &text[i + subject.len()..];
-            let peeks = through.iter().any(|it| {
+            let text_searches = through.iter().any(|it| {
                 let rest = rest.strip_prefix(it).and_then(|it| it.strip_prefix('.'));
-                rest.is_some_and(|rest| PEEKS.iter().any(|it| rest.starts_with(it)))
+                rest.is_some_and(|rest| TEXT_SEARCHES.iter().any(|it| rest.starts_with(it)))
             });
-            if peeks {
+            if text_searches {
                 found.push(lines[i]);
             }
         }
@@ -393,7 +393,11 @@ fn nothing_looks_into_a_message() {
                 continue;
             }
             let source = std::fs::read_to_string(&path).unwrap();
-            bad.extend(peeks(&source).iter().map(|line| format!("{name}:{line}")));
+            bad.extend(
+                text_searches(&source)
+                    .iter()
+                    .map(|line| format!("{name}:{line}")),
+            );
         }
     }
     assert!(
@@ -410,7 +414,7 @@ fn a_look_into_a_message_is_seen() {
         "let (a, b) = message.split_once(';')?;",
         "error.message().starts_with(\"no\")",
     ] {
-        assert_eq!(peeks(source).len(), 1, "{source}");
+        assert_eq!(text_searches(source).len(), 1, "{source}");
     }
     for source in [
         "let a = it.message.clone();",
@@ -418,7 +422,7 @@ fn a_look_into_a_message_is_seen() {
         "self.messages.contains(&it)",
         "out.push_str(&it.message);",
     ] {
-        assert_eq!(peeks(source).len(), 0, "{source}");
+        assert_eq!(text_searches(source).len(), 0, "{source}");
     }
 }
 

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 use dotgen_analysis::codes::{self, Code};
 use dotgen_analysis::diagnostic::Severity;
-use dotgen_codegen::codels::codes::{CODES, CodelCode, Corrected};
+use dotgen_codegen::codels::codes::{CODES, CodelCode, Correction};
 use dotgen_codegen::template::check;
 use dotgen_tests::workspace_root;
 use dotgen_timing::diagnostic::Severity as ScenarioSeverity;
@@ -124,8 +124,8 @@ fn examples(code: &Code) -> String {
             codel.source.trim_end()
         );
         match codel.corrected {
-            Corrected::Specification(text) => out += &block(id, text),
-            Corrected::Source(text) => {
+            Correction::Specification(text) => out += &block(id, text),
+            Correction::Source(text) => {
                 let _ = write!(out, "\n```c\n{}\n```\n", text.trim_end());
             }
         }

@@ -10,7 +10,7 @@ const PURE: [&str; 6] = [
 ];
 
 /// Words that reach the system.
-const REACHING: [&str; 16] = [
+const SYSTEM_WORDS: [&str; 16] = [
     "std::fs",
     // The ends of pipes and a status are types that a trait may name.
     "process::Command",
@@ -74,7 +74,7 @@ fn nothing_below_the_server_reaches_the_system() {
             files += 1;
             let text = std::fs::read_to_string(path).expect("a source");
             for (line, text) in code(&text) {
-                let word = REACHING.iter().find(|it| text.contains(**it));
+                let word = SYSTEM_WORDS.iter().find(|it| text.contains(**it));
                 let allowed = shown == Path::new(ENVIRONMENT) && text.contains("env::");
                 if let Some(word) = word.filter(|_| !allowed) {
                     found.push(format!("{}:{}: {word}", shown.display(), line + 1));

@@ -50,7 +50,7 @@ pub enum Form {
 /// The subject and contents of a picture.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
-pub struct Wish {
+pub struct PictureRequest {
     /// Kind of picture.
     pub kind: Kind,
     /// The component; by default the first one with such a picture.
@@ -83,16 +83,16 @@ pub struct Wish {
 
 /// Facts about a system that are not in its specifications.
 #[derive(Debug, Clone, Default)]
-pub struct Around {
+pub struct SystemContext {
     /// Connections from output ports to input ports.
     pub connections: Vec<Connection>,
     /// Cause-effect chains to draw.
     pub chains: Vec<Chain>,
 }
 
-impl Default for Wish {
-    fn default() -> Wish {
-        Wish {
+impl Default for PictureRequest {
+    fn default() -> PictureRequest {
+        PictureRequest {
             kind: Kind::Fsm,
             component: None,
             owner: None,
@@ -135,7 +135,7 @@ impl Picture {
 
 /// Draws every picture that matches a wish: all machines if no owner is named, one picture of all units for a
 /// system, one of each component for locks.
-pub fn draw(units: &[UnitResult], around: &Around, wish: &Wish) -> Vec<Picture> {
+pub fn draw(units: &[UnitResult], around: &SystemContext, wish: &PictureRequest) -> Vec<Picture> {
     if wish.kind == Kind::System {
         return system_picture(units, around, wish).into_iter().collect();
     }
@@ -182,7 +182,11 @@ fn picture(graph: Graph, component: Option<&Component>, owner: Option<String>) -
     }
 }
 
-fn system_picture(units: &[UnitResult], around: &Around, wish: &Wish) -> Option<Picture> {
+fn system_picture(
+    units: &[UnitResult],
+    around: &SystemContext,
+    wish: &PictureRequest,
+) -> Option<Picture> {
     let parts = parts(units.iter().map(|it| &*it.spec));
     if parts.is_empty() {
         return None;

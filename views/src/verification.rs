@@ -8,7 +8,7 @@ pub mod advice;
 pub mod blocking;
 pub mod changes;
 pub mod first;
-pub mod folded;
+pub mod fold_repetitions;
 pub mod problem;
 pub(crate) mod quick;
 pub mod results;

@@ -3,16 +3,16 @@
 //! Times are medians of alternating runs, so that disturbances affect all of them equally. Times of
 //! verification are processor time. Instructions are counted by valgrind, whose results are reproducible.
 
+mod adversarial;
 pub(crate) mod client;
+mod competitors;
 mod endurance;
-mod enemy;
 mod fischer;
 mod flight;
 mod growth;
 pub(crate) mod measure;
 mod periodic;
 mod reductions;
-mod rivals;
 mod semantics;
 mod session;
 mod size;
@@ -106,7 +106,7 @@ pub(crate) fn bench(options: &Options) -> Result<bool> {
     let runs = |default| options.runs.unwrap_or(default);
     match options.what {
         What::Server => server(&dotgen, runs(101))?,
-        What::Rivals => return rivals::rivals(&dotgen, runs(5), options.sets),
+        What::Rivals => return competitors::rivals(&dotgen, runs(5), options.sets),
         What::Verify => growth::corpus(&dotgen, runs(5))?,
         What::Flight => flight::flight(&dotgen, runs(3))?,
         What::Growth => growth::growth(&dotgen, runs(5))?,
@@ -115,7 +115,7 @@ pub(crate) fn bench(options: &Options) -> Result<bool> {
         What::Semantics => semantics::semantics(&dotgen)?,
         What::Size => size::size(&dotgen, &options.components, runs(3))?,
         What::Tiny => size::tiny(&dotgen, runs(3))?,
-        What::Enemy => return enemy::enemy(&dotgen, options.lines),
+        What::Enemy => return adversarial::enemy(&dotgen, options.lines),
         What::Endurance => endurance::endurance(&dotgen, options.minutes)?,
     }
     Ok(true)

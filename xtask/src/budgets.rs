@@ -27,12 +27,12 @@ use operations::{OPERATIONS, Operation};
 /// Part of a budget by which a measurement may differ: the C library chooses its functions by the processor.
 const SLACK: f64 = 0.1;
 /// Part of a memory budget by which a measurement may differ.
-const SLACK_OF_MEMORY: f64 = 0.25;
+const MEMORY_TOLERANCE: f64 = 0.25;
 /// Twice the input, so many times the instructions at most.
 const DOUBLE: f64 = 2.2;
 /// The smallest size, and how many times that the others are.
 const SIZE: usize = 8;
-const TIMES: [usize; 3] = [1, 2, 4];
+const SIZE_FACTORS: [usize; 3] = [1, 2, 4];
 
 /// Options of `cargo xtask budgets`.
 #[derive(Args)]
@@ -119,7 +119,7 @@ fn one(dotgen: &Path, folder: &Path, operation: &Operation) -> Result<Figures> {
         instructions: [0.0; 3],
         megabytes: 0.0,
     };
-    for (at, times) in TIMES.into_iter().enumerate() {
+    for (at, times) in SIZE_FACTORS.into_iter().enumerate() {
         let here = folder
             .join(operation.name.replace(' ', "-"))
             .join(times.to_string());
@@ -129,7 +129,7 @@ fn one(dotgen: &Path, folder: &Path, operation: &Operation) -> Result<Figures> {
         std::fs::create_dir_all(&here)?;
         let arguments = (operation.prepare)(dotgen, &here, SIZE * times)?;
         figures.instructions[at] = instructions(dotgen, &here, &arguments)? as f64 / 1e6;
-        if times == TIMES[2] {
+        if times == SIZE_FACTORS[2] {
             figures.megabytes = megabytes(dotgen, &here, arguments)?;
         }
     }
@@ -196,7 +196,7 @@ fn differences(
                 ));
             }
         }
-        if it.megabytes > budget.megabytes * (1.0 + SLACK_OF_MEMORY) {
+        if it.megabytes > budget.megabytes * (1.0 + MEMORY_TOLERANCE) {
             let (now, then) = (it.megabytes, budget.megabytes);
             out.push(format!(
                 "{name}: {now:.0} MB at the peak, the budget is {then:.0} MB"

@@ -77,7 +77,7 @@ fn measure(options: &Options, dotgen: &std::path::Path) -> Result<Report> {
         };
         if let Err(error) = result {
             report.count("all", "failed", 1);
-            report.offend("failed", &format!("{error:#}"));
+            report.report_offender("failed", &format!("{error:#}"));
         }
         let seconds = started.elapsed().as_secs_f32();
         eprintln!("    {}: {seconds:.1} s", set.name);

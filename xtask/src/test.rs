@@ -3,7 +3,7 @@
 //! A suite that lacks a tool fails, with one line that names the package to install, because a skipped test
 //! proves nothing.
 
-mod stranger;
+mod without_data;
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -77,7 +77,7 @@ const SUITES: &[Suite] = &[
     Suite {
         name: "stranger",
         editor: false,
-        run: stranger::stranger,
+        run: without_data::stranger,
     },
     Suite {
         name: "campaign",
@@ -231,7 +231,7 @@ fn notices() -> Result<Outcome> {
 fn rust() -> Result<Outcome> {
     // Without Tcl the tests of templates are skipped, with a message.
     tools::ensure(tools::TCL)?;
-    let log = stranger::new_log()?;
+    let log = without_data::new_log()?;
     let mut outcome = Outcome::default();
     let mut times = Vec::new();
     let mut succeeded = true;
@@ -241,7 +241,7 @@ fn rust() -> Result<Outcome> {
         let mut cargo = run::cargo(&arguments);
         cargo.args(["--features", extension::FEATURES]);
         // A missing snapshot is a failure here, never a new file.
-        cargo.env("INSTA_UPDATE", "no").env(stranger::LOG, &log);
+        cargo.env("INSTA_UPDATE", "no").env(without_data::LOG, &log);
         match documentation {
             true => cargo.arg("--doc"),
             false => cargo.args(["--lib", "--bins", "--tests"]),
@@ -265,7 +265,7 @@ fn rust() -> Result<Outcome> {
         bail!("the tests do not compile");
     }
     outcome.notes = slowest(times);
-    outcome.notes.push(stranger::Uses::read()?.summary());
+    outcome.notes.push(without_data::Uses::read()?.summary());
     Ok(outcome)
 }
 

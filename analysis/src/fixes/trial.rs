@@ -18,7 +18,7 @@ use super::TextFix;
 use crate::{codes::is_environment, diagnostic::FixKind, source_map::text_range};
 
 /// Maximum length of a text in bytes: each trial parses all of it.
-const MOST_BYTES: usize = 128 * 1024;
+const MAX_BYTES: usize = 128 * 1024;
 
 /// Maximum number of repairs for an error.
 const MOST_KEPT: usize = 4;
@@ -58,7 +58,7 @@ struct CandidateFix {
 /// The repairs of a syntax error at a place of a text, the best first: those after which the fewest errors
 /// are left, and fewer than before.
 pub(crate) fn repairs(text: &str, at: TextRange) -> Vec<TextFix> {
-    if text.len() > MOST_BYTES {
+    if text.len() > MAX_BYTES {
         return Vec::new();
     }
     let before = errors_in(text);

@@ -3,7 +3,7 @@
 use super::*;
 
 /// Maximum number of rounds of fixing.
-const MOST_ROUNDS: usize = 40;
+const MAX_ROUNDS: usize = 40;
 
 /// Reproducible pseudorandom numbers (xorshift).
 pub(crate) struct Random(pub(crate) u64);
@@ -85,11 +85,11 @@ fn no_fix_makes_it_worse_and_fixing_ends() {
             .find_map(|it| apply(&component.path, &text, it))
         {
             rounds += 1;
-            if rounds > MOST_ROUNDS - 2 {
+            if rounds > MAX_ROUNDS - 2 {
                 let error = errors.iter().find(|it| !it.fixes.is_empty());
                 bad.extend(error.map(|it| format!("{}, {}", it.message, it.fixes[0].title)));
             }
-            if rounds > MOST_ROUNDS {
+            if rounds > MAX_ROUNDS {
                 bad.push(format!(
                     "{}: fixing does not end\n{}",
                     component.path,

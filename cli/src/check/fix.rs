@@ -5,40 +5,41 @@ use std::collections::BTreeMap;
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::{Diagnostic, Fix, FixKind, Severity};
 use dotgen_codegen::codels::command::Project;
-use dotgen_codegen::codels::command::judge::{Judge, MOST_TRIALS, Verdict};
+use dotgen_codegen::codels::command::judge::{Judge, MAX_TRIALS, Verdict};
 use dotgen_codegen::codels::edit::Edit;
 use dotgen_codegen::codels::folder::NEVER_THROWN;
 
-use super::{FileReports, Outcome, Session, Trouble, check};
+use super::{ErrorReporter, FileReports, Outcome, Session, check};
 use crate::{codels, fmt, report, session};
 
 /// Repairs may show what else is wrong; texts in which more than so many lie one below the other are left.
-const MOST_ROUNDS: usize = 20;
+const MAX_ROUNDS: usize = 20;
 
 /// Errors of one file for which repairs are sought by trying.
-const MOST_TRIED: usize = 3;
+const MAX_TRIED: usize = 3;
 
 /// Texts as they were and as they are now, by file.
-pub(super) type Changed = BTreeMap<Utf8PathBuf, (String, String)>;
+pub(super) type ChangedTexts = BTreeMap<Utf8PathBuf, (String, String)>;
 
 /// Titles of the fixes that were made, with the number of times, by file.
-pub(super) type Made = BTreeMap<Utf8PathBuf, BTreeMap<String, usize>>;
+pub(super) type AppliedFixes = BTreeMap<Utf8PathBuf, BTreeMap<String, usize>>;
 
 /// Repairs the texts that a session reads, in memory. A repair is made if it was tried and is whole: see
 /// [`judge`](dotgen_codegen::codels::command::judge).
-pub(super) fn mend(
+pub(super) fn apply_fixes(
     session: &mut Session,
-    changed: &mut Changed,
-    titles: &mut Made,
+    changed: &mut ChangedTexts,
+    titles: &mut AppliedFixes,
 ) -> anyhow::Result<()> {
-    let mut room = MOST_TRIALS;
-    for _ in 0..MOST_ROUNDS {
+    let mut room = MAX_TRIALS;
+    for _ in 0..MAX_ROUNDS {
         let mut report = FileReports::default();
         // What cannot be read is told once, with the report.
-        check(session, &mut report, &mut Trouble::silent());
+        check(session, &mut report, &mut ErrorReporter::silent());
         let found = report.diagnostics.iter();
         let plain = found.filter_map(|it| Some((it.fixes.first()?, it)));
-        let plain = plain.filter(|it| it.0.kind == FixKind::Plain && is_ours(session, it.0));
+        let plain =
+            plain.filter(|it| it.0.kind == FixKind::Plain && is_within_arguments(session, it.0));
         let edits: Vec<(Edit, &Diagnostic)> =
             plain.map(|it| (Edit::of(&it.0.edits), it.1)).collect();
         let mut project = project(session, changed);
@@ -73,13 +74,13 @@ pub(super) fn mend(
 }
 
 /// Keeps the fixes of findings that are whole. Those for which there is no room to try them are left out.
-pub(super) fn judge(session: &mut Session, changed: &Changed, found: &mut [Diagnostic]) {
+pub(super) fn judge(session: &mut Session, changed: &ChangedTexts, found: &mut [Diagnostic]) {
     let is_open = |it: &Diagnostic| it.severity == Severity::Error || !it.fixes.is_empty();
     if !found.iter().any(is_open) {
         return;
     }
     let mut project = project(session, changed);
-    let mut room = MOST_TRIALS;
+    let mut room = MAX_TRIALS;
     let mut at = 0;
     while at < found.len() {
         let path = found[at].path.clone();
@@ -103,7 +104,7 @@ pub(super) fn judge(session: &mut Session, changed: &Changed, found: &mut [Diagn
                 // A fix of a file that many units include is offered untried.
                 verdict == Verdict::Whole || verdict == Verdict::Unknown && had_room
             });
-            if it.severity == Severity::Error && it.fixes.is_empty() && tried < MOST_TRIED {
+            if it.severity == Severity::Error && it.fixes.is_empty() && tried < MAX_TRIED {
                 tried += 1;
                 let code = it.code;
                 let mut fixes = judge.project().trials(&found[number], &found[at..end]);
@@ -141,7 +142,7 @@ fn verdicts(judge: &mut Judge<'_, '_>, found: &[Diagnostic]) -> Vec<Verdict> {
 }
 
 /// Leaves out findings with which the sources of codels disagree.
-pub(super) fn retain_founded(session: &mut Session, found: &mut Vec<Diagnostic>) {
+pub(super) fn retain_unrefuted(session: &mut Session, found: &mut Vec<Diagnostic>) {
     if found.iter().any(|it| it.code == NEVER_THROWN) {
         let project = codels::project(session);
         found.retain(|it| !project.refutes(it));
@@ -149,7 +150,7 @@ pub(super) fn retain_founded(session: &mut Session, found: &mut Vec<Diagnostic>)
 }
 
 /// The specifications of a session and their codels, with the texts that were changed.
-fn project<'s>(session: &'s mut Session, changed: &Changed) -> Project<'s> {
+fn project<'s>(session: &'s mut Session, changed: &ChangedTexts) -> Project<'s> {
     let mut project = codels::project(session);
     for (path, (_, new)) in changed {
         project.overlay(path.clone(), new.clone());
@@ -158,10 +159,10 @@ fn project<'s>(session: &'s mut Session, changed: &Changed) -> Project<'s> {
 }
 
 /// Edits by the roots of the units that they concern, each with the finding that it mends.
-type ByRoots<'e> = BTreeMap<Vec<Utf8PathBuf>, Vec<(Edit, &'e Diagnostic)>>;
+type EditsByRoots<'e> = BTreeMap<Vec<Utf8PathBuf>, Vec<(Edit, &'e Diagnostic)>>;
 
-fn by_roots<'e>(project: &Project<'_>, edits: Vec<(Edit, &'e Diagnostic)>) -> ByRoots<'e> {
-    let mut out = ByRoots::new();
+fn by_roots<'e>(project: &Project<'_>, edits: Vec<(Edit, &'e Diagnostic)>) -> EditsByRoots<'e> {
+    let mut out = EditsByRoots::new();
     for it in edits {
         let paths = it.0.changed.keys();
         let mut roots: Vec<_> = paths.flat_map(|it| project.roots_of(it)).collect();
@@ -173,7 +174,7 @@ fn by_roots<'e>(project: &Project<'_>, edits: Vec<(Edit, &'e Diagnostic)>) -> By
 }
 
 /// Shows what would change.
-pub(super) fn print(changed: &Changed) -> anyhow::Result<Outcome> {
+pub(super) fn print(changed: &ChangedTexts) -> anyhow::Result<Outcome> {
     for (path, (old, new)) in changed {
         fmt::print_diff(&session::display(path), old, new)?;
     }
@@ -184,7 +185,7 @@ pub(super) fn print(changed: &Changed) -> anyhow::Result<Outcome> {
 }
 
 /// Gives the files their new texts: all of them, or none.
-pub(super) fn write(changed: &Changed, made: &Made) -> anyhow::Result<()> {
+pub(super) fn write(changed: &ChangedTexts, made: &AppliedFixes) -> anyhow::Result<()> {
     let files = changed.iter();
     let files: Vec<_> = files
         .map(|(path, (_, new))| report::new_content(path, new))
@@ -203,7 +204,7 @@ pub(super) fn write(changed: &Changed, made: &Made) -> anyhow::Result<()> {
 }
 
 /// Whether a fix changes only what was given, and what lies beside or below it.
-fn is_ours(session: &Session, fix: &Fix) -> bool {
+fn is_within_arguments(session: &Session, fix: &Fix) -> bool {
     let beside = |path: &Utf8Path| {
         let mut folders = session.files.iter().filter_map(|it| it.path.parent());
         folders.any(|it| path.starts_with(it))

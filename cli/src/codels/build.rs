@@ -12,20 +12,20 @@ use clap::Args;
 use dotgen_analysis::diagnostic::{Diagnostic, Related, Severity};
 use dotgen_analysis::source_map::Locations as _;
 use dotgen_codegen::codels::build::{
-    self, Optimization, Packages, Plan, Said, Step, Tools, Weight,
+    self, CompilerMessage, MessageLevel, Optimization, Packages, Plan, Step, Tools,
 };
 use dotgen_codegen::codels::files::Files as _;
 use dotgen_codegen::codels::folder::Folder;
-use dotgen_codegen::codels::hosted::{Hosted, hosted};
 use dotgen_codegen::codels::links::codel_functions;
+use dotgen_codegen::codels::shared_object::{SharedObject, hosted};
 use dotgen_codegen::disk::{Disk as _, NewContent};
 use dotgen_codegen::process::Processes as _;
 use dotgen_syntax::packages;
 use dotgen_timing::verify::Interrupt;
 
-use super::{has_place, project, roots};
+use super::{check_is_file, project, roots};
 use crate::report::{self, FileReports, Format};
-use crate::{Outcome, Reading, session};
+use crate::{Outcome, SpecificationOptions, session};
 use dotgen_lsp_server::features::codels::Disk;
 use dotgen_lsp_server::features::codels::headers::{FOLDER, IGNORED};
 use dotgen_lsp_server::protocol::convert::{Encoding, Lines};
@@ -63,11 +63,11 @@ pub(super) struct Build {
     format: Format,
 
     #[command(flatten)]
-    reading: Reading,
+    reading: SpecificationOptions,
 }
 
 pub(super) fn run(arguments: &Build) -> anyhow::Result<Outcome> {
-    has_place(&arguments.paths)?;
+    check_is_file(&arguments.paths)?;
     let (files, mut trouble) = session::specifications(&arguments.paths);
     let tools = tools(Optimization::Some)?;
     let mut report = FileReports::default();
@@ -87,7 +87,7 @@ pub(super) fn run(arguments: &Build) -> anyhow::Result<Outcome> {
                 // A signal ends this process, and its compilers with it.
                 interrupt: &Interrupt::default(),
             };
-            let Some(built) = trouble.or_tell(built.build()) else {
+            let Some(built) = trouble.ok_or_report(built.build()) else {
                 continue;
             };
             whole &= built.whole;
@@ -168,7 +168,7 @@ impl Counter {
         counter
     }
 
-    fn one_more(&self) {
+    fn count_one(&self) {
         self.show(self.done.fetch_add(1, Ordering::Relaxed) + 1);
     }
 
@@ -203,9 +203,9 @@ struct Built {
 }
 
 /// The shared objects of a folder, for hosts.
-pub(crate) struct BuiltHosts {
+pub(crate) struct BuiltObjects {
     /// By component; those whose objects are whole.
-    pub(crate) hosted: Vec<Hosted>,
+    pub(crate) hosted: Vec<SharedObject>,
     /// What compilers said.
     pub(crate) diagnostics: Vec<Diagnostic>,
     /// Something does not compile.
@@ -220,7 +220,7 @@ pub(crate) fn hosts(
     packages: &PackageConfig,
     optimization: Optimization,
     interrupt: &Interrupt,
-) -> anyhow::Result<BuiltHosts> {
+) -> anyhow::Result<BuiltObjects> {
     let builder = Builder {
         folder,
         tools: &tools(optimization)?,
@@ -232,15 +232,15 @@ pub(crate) fn hosts(
 }
 
 /// What is to be done for a folder.
-struct Planned {
+struct FolderPlan {
     plan: Plan,
     packages: Packages,
     place: Utf8PathBuf,
 }
 
 impl Builder<'_> {
-    fn hosts(&self) -> anyhow::Result<BuiltHosts> {
-        let Planned {
+    fn hosts(&self) -> anyhow::Result<BuiltObjects> {
+        let FolderPlan {
             plan,
             packages,
             place,
@@ -268,14 +268,14 @@ impl Builder<'_> {
         for it in &other {
             report::note(it);
         }
-        Ok(BuiltHosts {
+        Ok(BuiltObjects {
             failed: !links.iter().all(|it| it.is_fresh(&SystemDisk)),
             diagnostics,
             hosted,
         })
     }
 
-    fn plan(&self) -> anyhow::Result<Planned> {
+    fn plan(&self) -> anyhow::Result<FolderPlan> {
         let specification = &self.folder.specification;
         let shown = session::display(specification);
         let wanted = self.packages(&shown)?;
@@ -297,7 +297,7 @@ impl Builder<'_> {
             .map_err(anyhow::Error::msg)
             .with_context(|| format!("`{shown}` is not compiled"))?;
         write_headers(&plan, &beside.join(FOLDER))?;
-        Ok(Planned {
+        Ok(FolderPlan {
             plan,
             packages,
             place,
@@ -409,7 +409,7 @@ impl Builder<'_> {
         &self,
         steps: &[&Step],
         links: &[&Step],
-    ) -> anyhow::Result<(Vec<Said>, Vec<String>)> {
+    ) -> anyhow::Result<(Vec<CompilerMessage>, Vec<String>)> {
         let todo = stale(steps);
         let counter = Counter::new(todo.len());
         let jobs = self
@@ -429,7 +429,7 @@ impl Builder<'_> {
                             break;
                         }
                         let result = work(step);
-                        counter.one_more();
+                        counter.count_one();
                         let mut results = results.lock().unwrap_or_else(|it| it.into_inner());
                         results.push((&step.output, result));
                     }
@@ -461,7 +461,7 @@ impl Builder<'_> {
     }
 
     /// What compilers said, at its places; notes belong to what was said before.
-    fn diagnostics(&self, said: &[Said]) -> Vec<Diagnostic> {
+    fn diagnostics(&self, said: &[CompilerMessage]) -> Vec<Diagnostic> {
         let expected = self.folder.expected();
         let mut out: Vec<Diagnostic> = Vec::new();
         for it in said {
@@ -469,9 +469,9 @@ impl Builder<'_> {
             let text = text(&path);
             let range = place(&text, it.line, it.column);
             let severity = match it.weight {
-                Weight::Error => Severity::Error,
-                Weight::Warning => Severity::Warning,
-                Weight::Note => {
+                MessageLevel::Error => Severity::Error,
+                MessageLevel::Warning => Severity::Warning,
+                MessageLevel::Note => {
                     if let Some(before) = out.last_mut() {
                         before.related.push(Related {
                             message: it.what.clone(),

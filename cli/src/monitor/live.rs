@@ -8,8 +8,8 @@ use dotgen_recording::monitor::Monitor;
 use dotgen_timing::verify::Interrupt;
 use serde_json::json;
 
-use super::{Format, Fresh, PAUSE};
-use crate::call::Talk;
+use super::{Format, NewDeviations, POLL_INTERVAL};
+use crate::call::RunConnection;
 
 /// Whether a path leads to a socket.
 pub(super) fn is_socket(path: &Utf8Path) -> bool {
@@ -23,7 +23,7 @@ pub(super) fn follow(
     format: Format,
     interrupt: &Interrupt,
 ) -> anyhow::Result<()> {
-    let mut talk = Talk::begin(Some(&path.to_owned()))?;
+    let mut talk = RunConnection::begin(Some(&path.to_owned()))?;
     talk.say(&json!({"id": 1, "profile": null}))?;
     let (sender, lines) = channel();
     // It waits for what comes, also when nobody hears it any more.
@@ -36,10 +36,10 @@ pub(super) fn follow(
             }
         }
     });
-    let mut told = Fresh::default();
+    let mut told = NewDeviations::default();
     let mut number = 0;
     while !interrupt.is_raised() {
-        let heard = match lines.recv_timeout(PAUSE) {
+        let heard = match lines.recv_timeout(POLL_INTERVAL) {
             Ok(heard) => heard?,
             Err(RecvTimeoutError::Timeout) => continue,
             Err(RecvTimeoutError::Disconnected) => break,

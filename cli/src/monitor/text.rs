@@ -15,7 +15,7 @@ const GOOD: Style = AnsiColor::Green.on_default();
 const BAD: Style = AnsiColor::Red.on_default().bold();
 
 /// More of a list are counted only.
-const MOST: usize = 20;
+const MAX_LISTED: usize = 20;
 
 pub(super) fn print(title: &str, reports: &[(Utf8PathBuf, MonitorReport)]) -> anyhow::Result<()> {
     let mut out = anstream::AutoStream::auto(std::io::stdout().lock());
@@ -87,12 +87,12 @@ fn one(out: &mut impl Write, report: &MonitorReport) -> anyhow::Result<()> {
         "deviations"
     };
     writeln!(out, "\n{BAD}{} {many}{BAD:#}", report.deviation_count)?;
-    for it in deviations.iter().take(MOST) {
+    for it in deviations.iter().take(MAX_LISTED) {
         writeln!(out, "  {it}")?;
     }
     let more = report
         .deviation_count
-        .saturating_sub(deviations.len().min(MOST) as u64);
+        .saturating_sub(deviations.len().min(MAX_LISTED) as u64);
     if more > 0 {
         let counts = report
             .counts
@@ -113,11 +113,11 @@ fn list(out: &mut impl Write, title: &str, all: &[String]) -> anyhow::Result<()>
         return Ok(());
     }
     writeln!(out, "\n{TITLE}{title}{TITLE:#}")?;
-    for it in all.iter().take(MOST) {
+    for it in all.iter().take(MAX_LISTED) {
         writeln!(out, "  {it}")?;
     }
-    if all.len() > MOST {
-        writeln!(out, "  and {} more", all.len() - MOST)?;
+    if all.len() > MAX_LISTED {
+        writeln!(out, "  and {} more", all.len() - MAX_LISTED)?;
     }
     Ok(())
 }

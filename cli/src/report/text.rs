@@ -20,7 +20,7 @@ use dotgen_platform::panic;
 /// Lines longer than this many bytes are not shown: they are no help.
 const LONGEST_LINE: usize = 1000;
 /// An explanation further away in the same file than this many lines gets a snippet of its own.
-const NEAR: u32 = 40;
+const MAX_SNIPPET_LINES: u32 = 40;
 
 /// Diagnostics and a line that sums them up.
 pub(crate) fn print(report: &FileReports) -> anyhow::Result<()> {
@@ -168,7 +168,10 @@ fn main_group<'d>(diagnostic: &'d Diagnostic, texts: &'d Texts) -> Group<'d> {
                 .marks
                 .first()
                 .and_then(|mark| line(it.path, mark.0.start));
-            it.path == &related.path && first.zip(at).is_some_and(|(a, b)| a.abs_diff(b) <= NEAR)
+            it.path == &related.path
+                && first
+                    .zip(at)
+                    .is_some_and(|(a, b)| a.abs_diff(b) <= MAX_SNIPPET_LINES)
         };
         let mark = (related.range.clone(), Some(related.message.as_str()));
         match excerpts.iter_mut().find(near) {
@@ -271,7 +274,7 @@ impl Window {
             last = last.max(line).max(lines.position(range.end).line);
             end = end.max(range.end);
         }
-        let last = last.min(first.saturating_add(2 * NEAR));
+        let last = last.min(first.saturating_add(2 * MAX_SNIPPET_LINES));
         for line in first..=last {
             if lines.line(line)?.len() > LONGEST_LINE {
                 return None;

@@ -31,7 +31,7 @@ pub(crate) enum Source {
 pub(super) const STATES: usize = 200_000;
 
 /// States of the verification before a run begins. A run does not wait for more.
-const STATES_BEFORE: usize = 1_000;
+const MAX_STATES_BEFORE_RUN: usize = 1_000;
 
 /// By task; `None` where no bound is known.
 pub(crate) fn of_tasks(
@@ -43,7 +43,7 @@ pub(crate) fn of_tasks(
 ) -> Vec<Option<Ticks>> {
     let mut bounds = analysed(source, &prepared.built.system);
     if source == Source::Proved {
-        let proving = Proving::new(prepared);
+        let proving = BoundVerification::new(prepared);
         proving.prove(problem, options, STATES, &Cancel::interrupted_by(interrupt));
         proving.add_to(&mut bounds);
     }
@@ -58,14 +58,14 @@ pub(super) fn at_once(
     options: &Options,
     prepared: &Prepared,
     interrupt: &Interrupt,
-) -> (Vec<Option<Ticks>>, Option<Proving>) {
+) -> (Vec<Option<Ticks>>, Option<BoundVerification>) {
     let mut bounds = analysed(source, &prepared.built.system);
     if source != Source::Proved {
         return (bounds, None);
     }
-    let proving = Proving::new(prepared);
+    let proving = BoundVerification::new(prepared);
     let cancel = Cancel::interrupted_by(interrupt);
-    proving.prove(problem, options, STATES_BEFORE, &cancel);
+    proving.prove(problem, options, MAX_STATES_BEFORE_RUN, &cancel);
     proving.add_to(&mut bounds);
     let left = clock == Clock::Real && !proving.is_done();
     (bounds, left.then_some(proving))
@@ -79,7 +79,7 @@ fn analysed(source: Source, system: &TimedSystem) -> Vec<Option<Ticks>> {
 }
 
 /// A verification of response times.
-pub(super) struct Proving {
+pub(super) struct BoundVerification {
     /// Tasks by component and number, as in the report.
     tasks: HashMap<(usize, u32), usize>,
     /// A tick in the unit of the report.
@@ -94,9 +94,9 @@ struct Answers {
     given_up: bool,
 }
 
-impl Proving {
-    fn new(prepared: &Prepared) -> Proving {
-        Proving {
+impl BoundVerification {
+    fn new(prepared: &Prepared) -> BoundVerification {
+        BoundVerification {
             tasks: prepared.built.tasks.clone(),
             tick: prepared.time(1),
             proved: Mutex::default(),

@@ -11,12 +11,12 @@ use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::Ticks;
 use dotgen_timing::verify::{Cancel, Interrupt, Options, Prepared, SystemInput};
 
-use super::bounds::{self, Proving};
+use super::bounds::{self, BoundVerification};
 use super::record::Recording;
 use super::recorder::{Files, Recorder, Runs};
 use super::{Arguments, Clock, Simulate};
 use crate::session::Session;
-use dotgen_platform::files::disk::Growing;
+use dotgen_platform::files::disk::AppendedFile;
 use dotgen_views::verification::Problem;
 
 /// What a run is about.
@@ -28,7 +28,7 @@ pub(super) struct Context<'c, 's> {
     /// On response times, in units of the system.
     pub(super) bounds: Vec<Option<Ticks>>,
     /// What proves more bounds while the system runs.
-    pub(super) proving: Option<&'c Proving>,
+    pub(super) proving: Option<&'c BoundVerification>,
     /// Codels are executed on the real clock.
     pub(super) measured: bool,
     pub(super) interrupt: &'c Interrupt,
@@ -42,13 +42,13 @@ pub(super) struct Run {
     /// Lines of the profile; the first error where they could not be written.
     pub(super) lines: io::Result<u64>,
     /// The recording, if one is made.
-    pub(super) messages: anyhow::Result<Option<Recorded>>,
+    pub(super) messages: anyhow::Result<Option<RecordingResult>>,
     /// The first run, if it is to be shown.
-    pub(super) told: Option<Told>,
+    pub(super) told: Option<RunEvents>,
 }
 
 /// A recording that has ended.
-pub(super) struct Recorded {
+pub(super) struct RecordingResult {
     /// Messages of ports.
     pub(super) data: u64,
     pub(super) steps: u64,
@@ -57,7 +57,7 @@ pub(super) struct Recorded {
 }
 
 /// What happened in a run.
-pub(super) struct Told {
+pub(super) struct RunEvents {
     pub(super) events: Vec<Event>,
     /// Only its beginning is there.
     pub(super) left_out: bool,
@@ -93,7 +93,7 @@ impl Context<'_, '_> {
     }
 
     /// The bounds that are known when a run has ended, and a note if some may be missing.
-    fn bounds_in_the_end(&self, prepared: &Prepared) -> (Vec<Option<Ticks>>, Option<String>) {
+    fn final_bounds(&self, prepared: &Prepared) -> (Vec<Option<Ticks>>, Option<String>) {
         let mut bounds = self.bounds.clone();
         let proved = self.proving.is_none_or(|it| it.add_to(&mut bounds));
         bounds::without_times(&prepared.built.system, &mut bounds, self.measured);
@@ -138,7 +138,7 @@ impl Context<'_, '_> {
             None,
             &interrupted,
         );
-        let (bounds, note) = self.bounds_in_the_end(prepared);
+        let (bounds, note) = self.final_bounds(prepared);
         outcome.judge.bound_late(&bounds);
         let mut report = RunReport::new(prepared, &plan, &outcome, &bounds);
         report.notes.extend(note);
@@ -183,7 +183,7 @@ impl Context<'_, '_> {
     /// The recording that is wanted, if one is.
     fn recording<'r>(
         &'r self,
-        file: Option<Growing>,
+        file: Option<AppendedFile>,
         prepared: &'r Prepared,
         real: bool,
     ) -> anyhow::Result<Option<Recording<'r, 'r>>> {
@@ -197,12 +197,12 @@ impl Context<'_, '_> {
         Recording::new(file, prepared, self.names, scenario, real).map(Some)
     }
 
-    fn told(&self, prepared: &Prepared, outcome: &SimulationResult<'_>) -> Option<Told> {
+    fn told(&self, prepared: &Prepared, outcome: &SimulationResult<'_>) -> Option<RunEvents> {
         let run = outcome.recorded.as_ref()?;
         let input = SystemInput {
             specs: self.problem.specs(),
         };
-        Some(Told {
+        Some(RunEvents {
             events: prepared.told(&input, run),
             left_out: run.left_out,
         })
@@ -217,9 +217,9 @@ impl Context<'_, '_> {
     ) -> anyhow::Result<Option<Run>> {
         use super::hosted;
         use dotgen_hosting::children::Children;
+        use dotgen_hosting::orphans::OrphanReaper;
         use dotgen_hosting::realtime;
         use dotgen_hosting::server::Server;
-        use dotgen_hosting::strays::Strays;
         use dotgen_runtime::engine::End;
         use dotgen_runtime::live::Live;
         use dotgen_runtime::progress::ProgressReceiver;
@@ -261,7 +261,7 @@ impl Context<'_, '_> {
         let tasks = system.tasks.iter();
         let tasks = tasks.map(|it| (it.component, it.name.clone()));
         // Dropped after the hosts.
-        let _strays = Strays::adopt();
+        let _strays = OrphanReaper::become_subreaper();
         let mut children = Children::new(
             hosted.libraries(prepared),
             names,
@@ -304,7 +304,7 @@ impl Context<'_, '_> {
         let bounds: Vec<_> = self.bounds.iter().map(grown).collect();
         let followers = server.map(|it| Box::new(it.followers()) as Box<dyn Write>);
         let is_executed = |codel: usize| parts.codel(codel).is_some();
-        let mut lookers = server.map(Server::lookers);
+        let mut progress_subscribers = server.map(Server::progress_subscribers);
         let mut profile = self.profile(
             &opened,
             files.runs.as_mut(),
@@ -317,7 +317,9 @@ impl Context<'_, '_> {
         let execution = Execution {
             live: &mut live,
             pace,
-            follow: lookers.as_mut().map(|it| it as &mut dyn ProgressReceiver),
+            follow: progress_subscribers
+                .as_mut()
+                .map(|it| it as &mut dyn ProgressReceiver),
         };
         let mut recording = self.recording(files.recording.take(), &opened, real)?;
         let mut outcome = simulate_recorded(
@@ -336,7 +338,7 @@ impl Context<'_, '_> {
             let why = live.fault().unwrap_or("a component could not be started");
             anyhow::bail!("{why}");
         }
-        let (bounds, note) = self.bounds_in_the_end(prepared);
+        let (bounds, note) = self.final_bounds(prepared);
         let bounds: Vec<_> = bounds.iter().map(grown).collect();
         outcome.judge.bound_late(&bounds);
         let mut report = RunReport::new(&opened, &plan, &outcome, &bounds);
@@ -358,13 +360,13 @@ impl Context<'_, '_> {
 }
 
 /// Ends a recording.
-fn messages(recording: Option<Recording<'_, '_>>) -> anyhow::Result<Option<Recorded>> {
+fn messages(recording: Option<Recording<'_, '_>>) -> anyhow::Result<Option<RecordingResult>> {
     let Some(it) = recording else {
         return Ok(None);
     };
     let (data, steps) = (it.data, it.steps);
     let whole = it.finish()?;
-    Ok(Some(Recorded { data, steps, whole }))
+    Ok(Some(RecordingResult { data, steps, whole }))
 }
 
 fn lines(profile: Option<Profile<'_, Runs<'_, '_>>>) -> io::Result<u64> {

@@ -15,17 +15,17 @@ use dotgen_timing::verify::Prepared;
 use num_rational::Ratio;
 use serde_json::{Value, json};
 
-use dotgen_platform::files::disk::Growing;
+use dotgen_platform::files::disk::AppendedFile;
 
 /// Longest time until messages are in the file, although their chunk is not full.
-const PAUSE: Duration = Duration::from_millis(500);
+const FLUSH_INTERVAL: Duration = Duration::from_millis(500);
 
 /// See the [module](self).
 pub(super) struct Recording<'r, 's> {
     system: &'r TimedSystem,
     /// By component of the system.
     members: Vec<Option<&'r Member<'s>>>,
-    out: Writer<Growing>,
+    out: Writer<AppendedFile>,
     about: RunInfo,
     /// Nanoseconds since 1970 at which the run begins; 0 on the virtual clock.
     start: u64,
@@ -40,7 +40,7 @@ pub(super) struct Recording<'r, 's> {
 impl<'r, 's> Recording<'r, 's> {
     /// For a run of a system, to a file.
     pub(super) fn new(
-        file: Growing,
+        file: AppendedFile,
         prepared: &'r Prepared,
         names: &'r Names<'s>,
         scenario: String,
@@ -146,7 +146,7 @@ impl Record for Recording<'_, '_> {
     }
 
     fn moment(&mut self) {
-        if self.begun.is_some_and(|it| it.elapsed() >= PAUSE) {
+        if self.begun.is_some_and(|it| it.elapsed() >= FLUSH_INTERVAL) {
             self.begun = None;
             let result = self.out.flush();
             self.keep(result);

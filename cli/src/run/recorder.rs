@@ -8,32 +8,32 @@ use dotgen_recording::trace::Trace;
 use dotgen_timing::scn::names::Names;
 
 use crate::failure;
-use dotgen_platform::files::disk::Growing;
+use dotgen_platform::files::disk::AppendedFile;
 
 /// All files of a run that grow with it.
 pub(super) struct Files<'a> {
     /// Those with the runs of codels, if any is wanted.
     pub(super) runs: Option<Recorder<'a>>,
     /// The recording, until the run begins.
-    pub(super) recording: Option<Growing>,
+    pub(super) recording: Option<AppendedFile>,
 }
 
 /// Lines of a log come in; a log and a trace are written.
 pub(super) struct Recorder<'a> {
-    log: Option<Growing>,
-    trace: Option<(Growing, Trace<'a>)>,
+    log: Option<AppendedFile>,
+    trace: Option<(AppendedFile, Trace<'a>)>,
     lines: Lines,
 }
 
 /// Opens a file. The run goes on if it cannot be written any more.
-fn open(path: &Utf8Path) -> anyhow::Result<Growing> {
+fn open(path: &Utf8Path) -> anyhow::Result<AppendedFile> {
     let told = path.to_owned();
     let tell = move |error: &io::Error| {
         failure(&anyhow::anyhow!(
             "cannot write `{told}`: {error}; the file ends here, the run goes on"
         ));
     };
-    let opened = Growing::create(path.as_std_path(), tell);
+    let opened = AppendedFile::create(path.as_std_path(), tell);
     opened.map_err(|error| anyhow::anyhow!("cannot write `{path}`: {error}"))
 }
 
@@ -64,7 +64,7 @@ impl<'a> Files<'a> {
 
 /// Files that are whole. For those that are not, the reason was told.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Whole {
+pub(super) struct CompleteFiles {
     pub(super) log: bool,
     pub(super) trace: bool,
 }
@@ -79,10 +79,10 @@ impl Recorder<'_> {
     }
 
     /// Ends the files.
-    pub(super) fn finish(mut self) -> io::Result<Whole> {
+    pub(super) fn finish(mut self) -> io::Result<CompleteFiles> {
         self.say(&log::end())?;
-        let mut whole = Whole {
-            log: self.log.is_none_or(Growing::finish),
+        let mut whole = CompleteFiles {
+            log: self.log.is_none_or(AppendedFile::finish),
             trace: true,
         };
         if let Some((mut file, trace)) = self.trace {

@@ -13,15 +13,15 @@ use std::os::unix::fs::DirBuilderExt as _;
 use super::Arguments;
 use crate::report;
 use dotgen_hosting::children::Children;
-use dotgen_hosting::known::Known;
+use dotgen_hosting::components::KnownComponent;
 #[cfg(feature = "zenoh")]
 use dotgen_hosting::network::Network;
-use dotgen_hosting::places;
 use dotgen_hosting::server::{Clients, Server, listen};
+use dotgen_hosting::sockets;
 use dotgen_views::verification::Problem;
 
 /// Who listens; nobody does any more when it is dropped.
-pub(super) struct Serving {
+pub(super) struct RunServer {
     pub(super) server: Server,
     #[cfg(feature = "zenoh")]
     _network: Option<Network>,
@@ -35,7 +35,7 @@ pub(super) fn start(
     prepared: &Prepared,
     parts: &HostedComponents<'_>,
     children: &mut Children,
-) -> anyhow::Result<Serving> {
+) -> anyhow::Result<RunServer> {
     let path = match &arguments.socket {
         Some(path) => {
             let folder = path.parent().filter(|it| !it.as_str().is_empty());
@@ -47,11 +47,11 @@ pub(super) fn start(
         }
         None => {
             let name = problem.path.file_stem().unwrap_or("run");
-            places::socket(name)?
+            sockets::socket(name)?
         }
     };
     let built = &prepared.built;
-    let mut known: BTreeMap<usize, Known> = BTreeMap::new();
+    let mut known: BTreeMap<usize, KnownComponent> = BTreeMap::new();
     for (name, member) in names.components.iter().enumerate() {
         let Some(&at) = built.components.get(&name) else {
             continue;
@@ -63,7 +63,7 @@ pub(super) fn start(
         };
         let count = member.component.services.len() as u32;
         let services = (0..count).map(|it| built.services.get(&(name, it)).copied());
-        let known_here = Known {
+        let known_here = KnownComponent {
             services: services.collect(),
             executed: parts.of(at).is_some(),
             component,
@@ -81,7 +81,7 @@ pub(super) fn start(
         );
     }
     let (mut server, outside) =
-        listen(&path, known, parts.feeds.clone(), children.door()).map_err(anyhow::Error::msg)?;
+        listen(&path, known, parts.feeds.clone(), children.inbox()).map_err(anyhow::Error::msg)?;
     children.tell(outside);
     if let Some(port) = arguments.listen {
         let clients = match arguments.listen_anyone {
@@ -100,7 +100,7 @@ pub(super) fn start(
         });
     }
     report::note(&format!("listening at `{}`", path.display()));
-    Ok(Serving {
+    Ok(RunServer {
         server,
         #[cfg(feature = "zenoh")]
         _network,
@@ -111,11 +111,11 @@ pub(super) fn start(
 #[cfg(feature = "zenoh")]
 fn join(
     arguments: &Arguments,
-    known: &BTreeMap<usize, Known>,
+    known: &BTreeMap<usize, KnownComponent>,
     parts: &HostedComponents<'_>,
     children: &mut Children,
 ) -> anyhow::Result<Option<Network>> {
-    use dotgen_hosting::network::{self, Wanted};
+    use dotgen_hosting::network::{self, NetworkOptions};
 
     if !arguments.has_network() {
         return Ok(None);
@@ -124,7 +124,7 @@ fn join(
     for it in &arguments.zenoh_reads {
         reads.push(read(it, known)?);
     }
-    let wanted = Wanted {
+    let wanted = NetworkOptions {
         listen: &arguments.zenoh_listen,
         connect: &arguments.zenoh_connect,
         reads: &reads,
@@ -133,8 +133,8 @@ fn join(
         let mut feeds = parts.feeds.iter();
         feeds.any(|it| it.to == (component, port))
     };
-    let tell: network::Tell = std::sync::Arc::new(|what: &str| report::note(what));
-    let joined = network::join(wanted, known, &is_fed, &children.door(), &tell);
+    let tell: network::Notifier = std::sync::Arc::new(|what: &str| report::note(what));
+    let joined = network::join(wanted, known, &is_fed, &children.inbox(), &tell);
     let (network, outside) = joined.map_err(anyhow::Error::msg)?;
     children.tell(outside);
     Ok(Some(network))
@@ -142,7 +142,10 @@ fn join(
 
 /// `pump.goal=planner/goal`
 #[cfg(feature = "zenoh")]
-fn read(text: &str, known: &BTreeMap<usize, Known>) -> anyhow::Result<(usize, u32, String)> {
+fn read(
+    text: &str,
+    known: &BTreeMap<usize, KnownComponent>,
+) -> anyhow::Result<(usize, u32, String)> {
     let split = text.split_once('=').and_then(|(port, key)| {
         let (component, port) = port.split_once('.')?;
         Some((component, port, key))

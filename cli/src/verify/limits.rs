@@ -7,7 +7,7 @@ use dotgen_timing::advice::Trying;
 use dotgen_timing::derive::Told;
 use dotgen_timing::verify::Cancel;
 
-use super::progress::{self, Doing};
+use super::progress::{self, Activity};
 use super::{Answer, Session, Slacks, text};
 use dotgen_views::verification::changes::{self, Repair};
 
@@ -28,7 +28,7 @@ pub(super) fn found(
     };
     // Lines that come one by one say themselves how far it is.
     let shows = prints && std::io::stdout().is_terminal();
-    type Work<'a> = &'a mut dyn FnMut(&(dyn Fn(Doing) + Sync));
+    type Work<'a> = &'a mut dyn FnMut(&(dyn Fn(Activity) + Sync));
     let during = |doing: &str, work: Work<'_>| match shows {
         true => work(&|_| {}),
         false => progress::during(cancel, doing, work),
@@ -37,7 +37,7 @@ pub(super) fn found(
     let mut repairs = changes::Repairs::default();
     during("looking for repairs", &mut |tell| {
         let trying = |it: Trying| {
-            tell(Doing {
+            tell(Activity {
                 what: format!("trying {}", it.trying),
                 how_far: format!("{} of {}", it.done + 1, it.of),
             });
@@ -50,7 +50,7 @@ pub(super) fn found(
     let mut sensitivity = None;
     during("looking for limits", &mut |tell| {
         let told = |it: Told| match it {
-            Told::Asking(it) => tell(Doing {
+            Told::Asking(it) => tell(Activity {
                 what: format!("looking for {}", it.asking),
                 how_far: format!("{} of {}", it.done + 1, it.of),
             }),

@@ -7,15 +7,15 @@ use std::time::{Duration, Instant};
 use dotgen_timing::verify::{Cancel, Effort};
 
 /// What is soon over says nothing.
-const FIRST: Duration = Duration::from_secs(1);
-const EVERY: Duration = Duration::from_millis(250);
+const FIRST_DRAW_DELAY: Duration = Duration::from_secs(1);
+const REDRAW_INTERVAL: Duration = Duration::from_millis(250);
 
 /// Longer lines would be wrapped, and could not be taken back.
 const WIDTH: usize = 78;
 
 /// What is at work.
 #[derive(Clone, Default)]
-pub(super) struct Doing {
+pub(super) struct Activity {
     /// In words; shortened when it is too long.
     pub(super) what: String,
     /// Of that, if it is known.
@@ -26,16 +26,16 @@ pub(super) struct Doing {
 pub(super) fn during<R>(
     cancel: &Cancel,
     doing: &str,
-    work: impl FnOnce(&(dyn Fn(Doing) + Sync)) -> R,
+    work: impl FnOnce(&(dyn Fn(Activity) + Sync)) -> R,
 ) -> R {
     let dumb = std::env::var_os("TERM").is_some_and(|it| it == "dumb");
     if dumb || !std::io::stderr().is_terminal() {
         return work(&|_| {});
     }
     let shared = Shared {
-        doing: Mutex::new(Doing {
+        doing: Mutex::new(Activity {
             what: doing.to_owned(),
-            ..Doing::default()
+            ..Activity::default()
         }),
         over: Mutex::new(false),
         ended: Condvar::new(),
@@ -48,7 +48,7 @@ pub(super) fn during<R>(
 }
 
 struct Shared {
-    doing: Mutex<Doing>,
+    doing: Mutex<Activity>,
     over: Mutex<bool>,
     ended: Condvar,
 }
@@ -70,7 +70,7 @@ fn lock<T>(it: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 impl Shared {
     fn paint(&self, cancel: &Cancel, line: &mut Line<impl Write>) {
         let start = Instant::now();
-        let mut pause = FIRST;
+        let mut pause = FIRST_DRAW_DELAY;
         let mut over = lock(&self.over);
         while !*over {
             let waited = self.ended.wait_timeout(over, pause);
@@ -79,14 +79,14 @@ impl Shared {
                 let doing = lock(&self.doing).clone();
                 line.show(&words(&doing, cancel.effort(), start.elapsed()));
             }
-            pause = EVERY;
+            pause = REDRAW_INTERVAL;
         }
         line.clear();
     }
 }
 
 /// `verifying hover: 5 of 7 checks answered, 1203456 states, 12 s, 340 MB`
-fn words(Doing { what, how_far }: &Doing, effort: Effort, elapsed: Duration) -> String {
+fn words(Activity { what, how_far }: &Activity, effort: Effort, elapsed: Duration) -> String {
     let Effort { states, bytes } = effort;
     let how_far = match how_far.is_empty() {
         true => String::new(),
@@ -145,7 +145,7 @@ mod tests {
         let after = Duration::from_millis(12_700);
         let words = |what: &str, how_far: &str| {
             let (what, how_far) = (what.to_owned(), how_far.to_owned());
-            words(&Doing { what, how_far }, effort, after)
+            words(&Activity { what, how_far }, effort, after)
         };
         assert_eq!(
             words("verifying hover", ""),

@@ -13,7 +13,7 @@ use dotgen_views::verification::advice;
 use dotgen_views::verification::blocking;
 use dotgen_views::verification::changes::{Repair, Repairs};
 use dotgen_views::verification::first::FirstAnswer;
-use dotgen_views::verification::folded::{Part, folded, words as again};
+use dotgen_views::verification::fold_repetitions::{Part, fold_repetitions, words as again};
 use dotgen_views::verification::summary::{self, Scale};
 use dotgen_views::verification::view::{CheckView, Outcome};
 
@@ -359,9 +359,9 @@ fn table(out: &mut impl Write, rows: &[Row]) -> std::io::Result<()> {
 }
 
 /// Of runs with more lines the beginning and the end are shown.
-const LONGEST: usize = 100;
-const FIRST: usize = 20;
-const LAST: usize = 50;
+const MAX_LINES: usize = 100;
+const HEAD_LINES: usize = 20;
+const TAIL_LINES: usize = 50;
 
 /// A line of a run.
 enum Line {
@@ -379,7 +379,7 @@ impl Line {
 }
 
 fn lines(events: &[Event], cycle: Option<usize>) -> Vec<Line> {
-    let parts = folded(events, cycle).into_iter();
+    let parts = fold_repetitions(events, cycle).into_iter();
     let lines = parts.flat_map(|part| match part {
         Part::Steps(range) => range.map(Line::Step).collect(),
         Part::Again { steps, times, last } => vec![Line::Again(again(steps, times), last)],
@@ -401,8 +401,8 @@ fn run(
     };
     let time = |step: usize| scale.show(events[step].time);
     let lines = lines(events, cycle);
-    let left_out = match lines.len() > LONGEST {
-        true => FIRST..lines.len() - LAST,
+    let left_out = match lines.len() > MAX_LINES {
+        true => HEAD_LINES..lines.len() - TAIL_LINES,
         false => 0..0,
     };
     let shown = lines

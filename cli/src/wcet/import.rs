@@ -1,6 +1,6 @@
 //! `dotgen wcet import`
 
-mod shown;
+mod output;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -24,7 +24,7 @@ use num_rational::Ratio;
 use super::{given, read_log};
 use crate::session::{Session, display};
 use crate::verify::one_problem;
-use crate::{Outcome, Reading, fmt, report};
+use crate::{Outcome, SpecificationOptions, fmt, report};
 use dotgen_platform::files::vfs;
 use dotgen_views::verification::Problem;
 
@@ -67,7 +67,7 @@ pub(super) struct Arguments {
     format: Format,
 
     #[command(flatten)]
-    reading: Reading,
+    reading: SpecificationOptions,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -141,8 +141,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         }
     }
     match arguments.format {
-        Format::Json => shown::print_json(&answer)?,
-        Format::Text => shown::print(&answer, arguments.diff)?,
+        Format::Json => output::print_json(&answer)?,
+        Format::Text => output::print(&answer, arguments.diff)?,
     }
     if !arguments.diff {
         let files = answer.changed.iter();
@@ -199,7 +199,9 @@ fn answer(
             false => greatest.get(&(site.component, site.codel)).copied(),
         };
         let path = path(&names, &site);
-        let of_scenario = sidecar.then(|| stated(&problem.scenario, &path)).flatten();
+        let of_scenario = sidecar
+            .then(|| declared_bound(&problem.scenario, &path))
+            .flatten();
         let declared = match of_scenario {
             Some(upper) => upper,
             None => codel.wcet.as_ref().map(|it| it.value),
@@ -287,7 +289,7 @@ fn answer(
         of_unit.dedup();
         of_units.push(of_unit);
     }
-    agree(&problem.units, &mut of_units);
+    unify_declarations(&problem.units, &mut of_units);
     let mut all: Vec<FileEdit> = Vec::new();
     for (unit, of_unit) in problem.units.iter().zip(&of_units) {
         let written = edits::specification(unit, &text, of_unit, form);
@@ -340,7 +342,7 @@ fn answer(
 
 /// A declaration that several specifications include, such as that of an interface, gets the greatest time of
 /// all of them; so does a function that is used there, as a pragma is about functions.
-fn agree(units: &[UnitResult], wanted: &mut [Vec<NewWcet>]) {
+fn unify_declarations(units: &[UnitResult], wanted: &mut [Vec<NewWcet>]) {
     let place = |unit: &UnitResult, it: &NewWcet| {
         let codel = (unit.spec.components.get(it.component as usize)?).codel(it.codel);
         let place = unit.locations.locate(codel.node)?;
@@ -380,7 +382,7 @@ fn agree(units: &[UnitResult], wanted: &mut [Vec<NewWcet>]) {
 }
 
 /// The upper bound that a scenario gives a codel, if it gives any.
-fn stated(scenario: &Scenario, codel: &str) -> Option<Option<Seconds>> {
+fn declared_bound(scenario: &Scenario, codel: &str) -> Option<Option<Seconds>> {
     scenario.items.iter().find_map(|it| match it {
         Item::Duration(path, interval, unit) if path.text() == codel => {
             let upper = interval.upper;
@@ -464,7 +466,7 @@ fn check_scenario(
     };
     let parsed = dotgen_timing::scn::parse(new);
     let stands = |(codel, micros): &(String, u64)| {
-        stated(&parsed.scenario, codel) == Some(Some(seconds(*micros)))
+        declared_bound(&parsed.scenario, codel) == Some(Some(seconds(*micros)))
     };
     ensure!(
         parsed.errors.is_empty() && times.iter().all(stands),

@@ -126,7 +126,7 @@ impl Drop for Listening {
 }
 
 /// How long something may take that ends at once.
-const SOON: Duration = Duration::from_secs(20);
+const EXIT_TIMEOUT: Duration = Duration::from_secs(20);
 
 /// Waits until something is so, and fails where that does not come soon.
 pub(crate) fn soon<T>(what: &str, mut ask: impl FnMut() -> Option<T>) -> T {
@@ -135,7 +135,7 @@ pub(crate) fn soon<T>(what: &str, mut ask: impl FnMut() -> Option<T>) -> T {
         if let Some(it) = ask() {
             return it;
         }
-        assert!(begin.elapsed() < SOON, "not in time: {what}");
+        assert!(begin.elapsed() < EXIT_TIMEOUT, "not in time: {what}");
         std::thread::yield_now();
     }
 }
@@ -147,7 +147,7 @@ pub(crate) fn ended(child: &mut Child) -> ExitStatus {
         if let Some(it) = child.try_wait().expect("it is a child") {
             return it;
         }
-        if begin.elapsed() > SOON {
+        if begin.elapsed() > EXIT_TIMEOUT {
             let _ = child.kill();
             let _ = child.wait();
             panic!("it does not end");

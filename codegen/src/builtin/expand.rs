@@ -95,7 +95,7 @@ struct Job {
 /// A message from the expanding process.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-enum Said {
+enum WorkerMessage {
     Done(String),
     Failed(String),
     /// A call of a function with its arguments; the reply is a line with a `Result`.
@@ -164,7 +164,7 @@ impl Remote {
         sent.map_err(|_| self.why_ended())
     }
 
-    fn receive(&mut self) -> Result<Said, String> {
+    fn receive(&mut self) -> Result<WorkerMessage, String> {
         let mut line = Vec::new();
         let read = (&mut self.from)
             .take(self.line_limit)
@@ -204,9 +204,9 @@ impl Expand for Remote {
         .map_err(|it| format!("{name}: {it}"))?;
         loop {
             match self.receive().map_err(|it| format!("{name}: {it}"))? {
-                Said::Done(text) => return Ok(text),
-                Said::Failed(message) => return Err(message),
-                Said::Ask(function, arguments) => {
+                WorkerMessage::Done(text) => return Ok(text),
+                WorkerMessage::Failed(message) => return Err(message),
+                WorkerMessage::Ask(function, arguments) => {
                     let answer = (self.ask)(&function, &arguments);
                     self.send(&answer)?;
                 }
@@ -267,7 +267,7 @@ pub fn serve(
     let asked = Arc::clone(&channel);
     let ask = move |function: &str, arguments: &[String]| {
         let mut channel = lock(&asked);
-        channel.send(&Said::Ask(function.to_owned(), arguments.to_vec()))?;
+        channel.send(&WorkerMessage::Ask(function.to_owned(), arguments.to_vec()))?;
         let answer: Option<Result<String, String>> = channel.receive()?;
         answer.unwrap_or_else(|| Err("nobody answers".to_owned()))
     };
@@ -280,8 +280,8 @@ pub fn serve(
             return Ok(());
         };
         let said = match local.expand(&job.name, &job.text, &Value::from_serialize(&job.own)) {
-            Ok(text) => Said::Done(text),
-            Err(message) => Said::Failed(message),
+            Ok(text) => WorkerMessage::Done(text),
+            Err(message) => WorkerMessage::Failed(message),
         };
         lock(&channel).send(&said)?;
     }

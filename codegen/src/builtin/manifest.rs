@@ -19,7 +19,7 @@ pub struct Manifest {
 pub struct FileRule {
     /// The objects for which it is written.
     #[serde(default)]
-    pub each: Each,
+    pub each: RunScope,
     /// Path below the output directory; a MiniJinja text.
     pub path: String,
     /// Name of the MiniJinja text in the folder of the template.
@@ -28,14 +28,14 @@ pub struct FileRule {
     #[serde(default)]
     pub permissions: String,
     /// True if the file is also written with `--terse`.
-    #[serde(default = "yes")]
+    #[serde(default = "default_true")]
     pub terse: bool,
 }
 
 /// See [`FileRule::each`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Each {
+pub enum RunScope {
     /// Once.
     #[default]
     Run,
@@ -47,6 +47,6 @@ pub enum Each {
     StateMachine,
 }
 
-fn yes() -> bool {
+fn default_true() -> bool {
     true
 }

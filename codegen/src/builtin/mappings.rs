@@ -4,13 +4,13 @@ use dotgen_analysis::model::{ComponentKind, Spec};
 use dotgen_analysis::release::Change;
 use dotgen_syntax::encoding;
 
-use super::words::{self, Next};
+use super::arguments::{self, OptionFlow};
 use crate::compiler::Compiler;
 use crate::environment::Environment;
 use crate::frontend::Frontend;
 use crate::lang::{Language, MapObject, Mapper, text};
 use crate::options::Options as General;
-use crate::template::output::Staged;
+use crate::template::output::StagedFiles;
 use crate::template::{OutputSink, notice_of, tcl};
 
 pub(super) const ABOUT: &str = "the types of a specification in C or C++, printed";
@@ -61,7 +61,7 @@ pub(super) fn run(
     for_template: bool,
 ) -> Result<i32, String> {
     let mut options = Options::default();
-    let files = words::read(args, |option, value| {
+    let files = arguments::read(args, |option, value| {
         match option {
             "-l" | "--language" => options.language = Some(value()?),
             "-MF" => options.file = Some(value()?),
@@ -70,11 +70,11 @@ pub(super) fn run(
             "-MD" => options.dependencies = true,
             "-h" | "--help" => {
                 env.console.out(format!("{USAGE}\n").as_bytes());
-                return Ok(Next::Stop);
+                return Ok(OptionFlow::Stop);
             }
-            other => return Err(words::unknown(other)),
+            other => return Err(arguments::unknown(other)),
         }
-        Ok(Next::Go)
+        Ok(OptionFlow::Go)
     })?;
     let Some(files) = files else {
         return Ok(0);
@@ -130,7 +130,7 @@ pub(super) fn run(
             .collect();
         let file = options.file.unwrap_or_else(|| "out.d".into());
         let sink = std::mem::replace(&mut env.sink, OutputSink::Direct);
-        let mut files = Staged::new(sink);
+        let mut files = StagedFiles::new(sink);
         let staged = files.write(&*env.disk, &env.base.join(&file), rules.as_bytes());
         let (sink, written) = files.finish(&*env.disk, staged.is_err());
         env.sink = sink;

@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 
 use dotgen_analysis::model::{Component, Param, PortDir, Service, Spec, TypeId, TypeKind};
 
-use crate::codels::value::{goes_in, goes_out};
+use crate::codels::value::{is_input, is_output};
 
 /// Reserved words of Python.
 const KEYWORDS: &[&str] = &[
@@ -16,7 +16,7 @@ const KEYWORDS: &[&str] = &[
 ];
 
 /// Names that a stub uses itself.
-const TAKEN: &[&str] = &[
+const RESERVED_NAMES: &[&str] = &[
     "Activity",
     "Any",
     "Callable",
@@ -37,7 +37,10 @@ const TAKEN: &[&str] = &[
 /// The stub of one component.
 pub(super) fn stub(spec: &Spec, component: &Component) -> String {
     let class = class_name(&component.name);
-    let taken = TAKEN.iter().chain(KEYWORDS).map(|it| (*it).to_owned());
+    let taken = RESERVED_NAMES
+        .iter()
+        .chain(KEYWORDS)
+        .map(|it| (*it).to_owned());
     let mut types = Types {
         taken: taken.chain([class.clone()]).collect(),
         names: HashMap::new(),
@@ -87,7 +90,9 @@ fn class_name(component: &str) -> String {
         out.extend(letters.next().map(|it| it.to_ascii_uppercase()));
         out.push_str(letters.as_str());
     }
-    match out.starts_with(|it: char| it.is_ascii_alphabetic()) && !TAKEN.contains(&out.as_str()) {
+    match out.starts_with(|it: char| it.is_ascii_alphabetic())
+        && !RESERVED_NAMES.contains(&out.as_str())
+    {
         true => out,
         false => format!("Component{out}"),
     }
@@ -116,8 +121,8 @@ struct Types<'s> {
 impl Types<'_> {
     fn service(&mut self, service: &Service, out: &mut String) {
         let name = &service.name;
-        let inputs: Vec<&Param> = service.params.iter().filter(|it| goes_in(it)).collect();
-        let outputs: Vec<&Param> = service.params.iter().filter(|it| goes_out(it)).collect();
+        let inputs: Vec<&Param> = service.params.iter().filter(|it| is_input(it)).collect();
+        let outputs: Vec<&Param> = service.params.iter().filter(|it| is_output(it)).collect();
         let result = match outputs.as_slice() {
             [] => "None".to_owned(),
             [one] => self.of(one.ty),

@@ -12,9 +12,9 @@ use minijinja::context;
 use minijinja::value::Value;
 use serde_json::Value as Json;
 
+use super::arguments::{self, OptionFlow};
 use super::expand::{Ask, Expand, Local, Remote};
-use super::words::{self, Next};
-use super::{Each, Manifest, Texts};
+use super::{Manifest, RunScope, Texts};
 use crate::codels::expected::Expected;
 use crate::codels::stub::{StubOptions, Stubs};
 use crate::compiler::Compiler;
@@ -26,7 +26,7 @@ use crate::options::Options as General;
 use crate::process::Processes;
 use crate::template::console::Console;
 use crate::template::output::Environment as Surroundings;
-use crate::template::{Failure, Output, OutputSink, notice_of, reach};
+use crate::template::{Failure, Output, OutputSink, notice_of, readable_files};
 
 /// Options of all these templates.
 struct Options {
@@ -192,7 +192,7 @@ fn check_result(path: &str, texts: &Texts, output: &Output) -> Result<(), String
         &output.dir
     });
     let linked = matches!(texts, Texts::Folder(_))
-        && !reach::is_below(
+        && !readable_files::is_below(
             &*output.disk,
             &folder.join(path),
             std::slice::from_ref(&folder),
@@ -255,7 +255,7 @@ fn options(
         let _ = output.modes.set("merge-if-change");
         Ok::<(), String>(())
     };
-    let files = words::read(args, |option, value| {
+    let files = arguments::read(args, |option, value| {
         match option {
             "-C" | "--directory" => options.directory = Some(value()?),
             "-l" | "--language" => options.language = Some(value()?),
@@ -268,11 +268,11 @@ fn options(
             "-t" | "--terse" => options.terse = true,
             "-h" | "--help" => {
                 console.out(usage(name, manifest).as_bytes());
-                return Ok(Next::Stop);
+                return Ok(OptionFlow::Stop);
             }
-            other => return Err(words::unknown(other)),
+            other => return Err(arguments::unknown(other)),
         }
-        Ok(Next::Go)
+        Ok(OptionFlow::Go)
     })?;
     Ok(files.map(|inputs| Options { inputs, ..options }))
 }
@@ -403,12 +403,12 @@ impl Data {
     }
 
     /// The additional data of the texts of a rule, one after the other.
-    fn each(&self, each: Each) -> Vec<Value> {
+    fn each(&self, each: RunScope) -> Vec<Value> {
         let own = match each {
-            Each::Run => return vec![context! {}],
-            Each::Component => &self.components,
-            Each::CodelFile => &self.codel_files,
-            Each::StateMachine => &self.machines,
+            RunScope::Run => return vec![context! {}],
+            RunScope::Component => &self.components,
+            RunScope::CodelFile => &self.codel_files,
+            RunScope::StateMachine => &self.machines,
         };
         own.clone()
     }

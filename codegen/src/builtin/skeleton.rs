@@ -1,7 +1,7 @@
 //! GenoM3's `skeleton` without Tcl: the same files with the same bytes.
 //!
 //! Stubs are those of [`Stubs`]. The constant texts of the other files are read from the folder of the
-//! template, see [`Walk`]. This module decides which values to insert, and how often.
+//! template, see [`TemplateWriter`]. This module decides which values to insert, and how often.
 
 mod build;
 mod fill;
@@ -23,7 +23,7 @@ use crate::environment::Environment;
 use crate::frontend::Frontend;
 use crate::options::Options as General;
 use crate::template::{Failure, Output, OutputSink, notice_of};
-use fill::{Facts, Walk};
+use fill::{Facts, TemplateWriter};
 
 /// A call with only these options and files.
 #[derive(Debug, Default, PartialEq, Eq)]
@@ -92,7 +92,7 @@ impl Call {
 }
 
 /// A result file.
-struct Made {
+struct ResultFile {
     path: String,
     permissions: &'static str,
     text: String,
@@ -145,7 +145,7 @@ pub(super) fn run(
         &*env.processes,
     );
     let mut result = Ok(0);
-    for Made {
+    for ResultFile {
         path,
         permissions,
         text,
@@ -198,7 +198,7 @@ fn make(
     general: &General,
     compiler: &Compiler,
     env: &Environment<'_>,
-) -> Option<Vec<Made>> {
+) -> Option<Vec<ResultFile>> {
     let compiled = compiler.compiled();
     let folder = env.base.join(&general.directory);
     let facts = Facts::new(&compiled, name);
@@ -220,10 +220,10 @@ fn make(
         cmdline: &general.cmdline,
         notice: notice.as_deref(),
     };
-    let walk = |file: &str| Walk::read(&*env.disk, &dir.join(file));
+    let walk = |file: &str| TemplateWriter::read(&*env.disk, &dir.join(file));
     let mut made = Vec::new();
     let mut add = |path: String, text: String| {
-        made.push(Made {
+        made.push(ResultFile {
             path,
             permissions: "",
             text,
@@ -261,13 +261,13 @@ fn make(
             readme::write(&job, walk("readme.adoc")?)?,
         );
     }
-    made.push(Made {
+    made.push(ResultFile {
         path: "bootstrap.sh".into(),
         permissions: "a+x",
         text: "#!/bin/sh\nautoreconf -vi\n".into(),
     });
     let mut add = |path: &str, text: String| {
-        made.push(Made {
+        made.push(ResultFile {
             path: path.to_owned(),
             permissions: "",
             text,

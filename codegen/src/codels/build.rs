@@ -304,7 +304,7 @@ fn dependencies(rule: &str) -> Vec<PathBuf> {
 
 /// The severity of a message, in the words of compilers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Weight {
+pub enum MessageLevel {
     /// The compiler writes no output.
     Error,
     /// The compiler writes its output.
@@ -315,7 +315,7 @@ pub enum Weight {
 
 /// A compiler's message about a place.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Said {
+pub struct CompilerMessage {
     /// The file, with the compiler's name for it.
     pub path: Utf8PathBuf,
     /// Line, from 1.
@@ -323,14 +323,14 @@ pub struct Said {
     /// Column in characters, from 1; 1 if the message has none.
     pub column: usize,
     /// The severity.
-    pub weight: Weight,
+    pub weight: MessageLevel,
     /// The text of the message.
     pub what: String,
 }
 
 /// Reads the output of a compiler or linker (`FILE:LINE:COLUMN: error: …`, as GCC and Clang write it).
 /// Returns the messages with a place, and all other lines that report an error.
-pub fn said(printed: &str) -> (Vec<Said>, Vec<String>) {
+pub fn said(printed: &str) -> (Vec<CompilerMessage>, Vec<String>) {
     let (mut about, mut other) = (Vec::new(), Vec::new());
     for line in printed.lines() {
         match one(line) {
@@ -344,12 +344,12 @@ pub fn said(printed: &str) -> (Vec<Said>, Vec<String>) {
     (about, other)
 }
 
-fn one(line: &str) -> Option<Said> {
+fn one(line: &str) -> Option<CompilerMessage> {
     let kinds = [
-        (": fatal error: ", Weight::Error),
-        (": error: ", Weight::Error),
-        (": warning: ", Weight::Warning),
-        (": note: ", Weight::Note),
+        (": fatal error: ", MessageLevel::Error),
+        (": error: ", MessageLevel::Error),
+        (": warning: ", MessageLevel::Warning),
+        (": note: ", MessageLevel::Note),
     ];
     let found = kinds
         .into_iter()
@@ -367,7 +367,7 @@ fn one(line: &str) -> Option<Said> {
         Some((path, line)) => (path, line, last),
         None => (before, last, 1),
     };
-    Some(Said {
+    Some(CompilerMessage {
         path: path.into(),
         what: what.to_owned(),
         weight,
@@ -406,13 +406,19 @@ ld: a.o: undefined reference to `f'
         assert_eq!(
             short.collect::<Vec<_>>(),
             [
-                ("/x/a.c", 12, 3, Weight::Error, "'x' undeclared: note: no"),
-                ("C:\\b.c", 7, 1, Weight::Warning, "odd"),
+                (
+                    "/x/a.c",
+                    12,
+                    3,
+                    MessageLevel::Error,
+                    "'x' undeclared: note: no"
+                ),
+                ("C:\\b.c", 7, 1, MessageLevel::Warning, "odd"),
                 (
                     "/x/a.c",
                     13,
                     1,
-                    Weight::Error,
+                    MessageLevel::Error,
                     "no.h: No such file or directory"
                 ),
             ]

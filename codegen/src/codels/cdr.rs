@@ -7,7 +7,7 @@
 
 use dotgen_analysis::model::{TypeId, TypeKind};
 
-use super::value::{DEPTH, Reader, Values, Wrong, wrong};
+use super::value::{DEPTH, Reader, ValueError, Values, wrong};
 
 /// Plain CDR of version 1, little-endian.
 const HEADER: [u8; 4] = [0, 1, 0, 0];
@@ -16,8 +16,8 @@ const HEADER: [u8; 4] = [0, 1, 0, 0];
 ///
 /// # Errors
 /// The bytes are not a value of the type.
-pub fn to_cdr(values: Values<'_>, ty: TypeId, bytes: &[u8]) -> Result<Vec<u8>, Wrong> {
-    let mut to = Aligned(HEADER.to_vec());
+pub fn to_cdr(values: Values<'_>, ty: TypeId, bytes: &[u8]) -> Result<Vec<u8>, ValueError> {
+    let mut to = CdrWriter(HEADER.to_vec());
     recode(values, ty, &mut Reader { bytes }, &mut to, DEPTH)?;
     Ok(to.0)
 }
@@ -26,7 +26,7 @@ pub fn to_cdr(values: Values<'_>, ty: TypeId, bytes: &[u8]) -> Result<Vec<u8>, W
 ///
 /// # Errors
 /// The bytes are not a value of the type, or the representation is not supported.
-pub fn from_cdr(values: Values<'_>, ty: TypeId, bytes: &[u8]) -> Result<Vec<u8>, Wrong> {
+pub fn from_cdr(values: Values<'_>, ty: TypeId, bytes: &[u8]) -> Result<Vec<u8>, ValueError> {
     let (big, widest) = match bytes {
         [0, 0, _, _, ..] => (true, 8),
         [0, 1, _, _, ..] => (false, 8),
@@ -34,46 +34,46 @@ pub fn from_cdr(values: Values<'_>, ty: TypeId, bytes: &[u8]) -> Result<Vec<u8>,
         [0, 7, _, _, ..] => (false, 4),
         _ => return wrong("", "plain CDR"),
     };
-    let mut from = Ordered {
+    let mut from = CdrReader {
         bytes: &bytes[4..],
         at: 0,
         big,
         widest,
     };
-    let mut to = Packed(Vec::new());
+    let mut to = GlueWriter(Vec::new());
     recode(values, ty, &mut from, &mut to, DEPTH)?;
     Ok(to.0)
 }
 
 /// The source of a value.
-trait Take {
-    fn number<const N: usize>(&mut self) -> Result<[u8; N], Wrong>;
+trait ValueReader {
+    fn number<const N: usize>(&mut self) -> Result<[u8; N], ValueError>;
     /// A string, without its terminator.
-    fn text(&mut self) -> Result<&[u8], Wrong>;
+    fn text(&mut self) -> Result<&[u8], ValueError>;
     /// True if an optional has a value.
-    fn presence(&mut self) -> Result<bool, Wrong>;
+    fn presence(&mut self) -> Result<bool, ValueError>;
     /// Number of remaining bytes.
     fn left(&self) -> usize;
 }
 
 /// The destination of a value.
-trait Put {
+trait ValueWriter {
     fn number<const N: usize>(&mut self, bytes: [u8; N]);
     fn text(&mut self, text: &[u8]);
     fn presence(&mut self, is_there: bool);
 }
 
-impl Take for Reader<'_> {
-    fn number<const N: usize>(&mut self) -> Result<[u8; N], Wrong> {
+impl ValueReader for Reader<'_> {
+    fn number<const N: usize>(&mut self) -> Result<[u8; N], ValueError> {
         self.take()
     }
 
-    fn text(&mut self) -> Result<&[u8], Wrong> {
+    fn text(&mut self) -> Result<&[u8], ValueError> {
         let length = u32::from_ne_bytes(self.take()?);
         self.some(length as usize)
     }
 
-    fn presence(&mut self) -> Result<bool, Wrong> {
+    fn presence(&mut self) -> Result<bool, ValueError> {
         Ok(self.take::<1>()?[0] != 0)
     }
 
@@ -83,9 +83,9 @@ impl Take for Reader<'_> {
 }
 
 /// Bytes of the glue to write: in the order of this machine, without padding.
-struct Packed(Vec<u8>);
+struct GlueWriter(Vec<u8>);
 
-impl Put for Packed {
+impl ValueWriter for GlueWriter {
     fn number<const N: usize>(&mut self, bytes: [u8; N]) {
         self.0.extend(bytes);
     }
@@ -102,9 +102,9 @@ impl Put for Packed {
 }
 
 /// CDR to write, with its header.
-struct Aligned(Vec<u8>);
+struct CdrWriter(Vec<u8>);
 
-impl Put for Aligned {
+impl ValueWriter for CdrWriter {
     fn number<const N: usize>(&mut self, mut bytes: [u8; N]) {
         let length = self.0.len() - HEADER.len();
         self.0.resize(HEADER.len() + length.next_multiple_of(N), 0);
@@ -127,7 +127,7 @@ impl Put for Aligned {
 }
 
 /// CDR to read, after its header.
-struct Ordered<'b> {
+struct CdrReader<'b> {
     bytes: &'b [u8],
     at: usize,
     big: bool,
@@ -135,8 +135,8 @@ struct Ordered<'b> {
     widest: usize,
 }
 
-impl Ordered<'_> {
-    fn some(&mut self, count: usize) -> Result<&[u8], Wrong> {
+impl CdrReader<'_> {
+    fn some(&mut self, count: usize) -> Result<&[u8], ValueError> {
         let end = self.at.checked_add(count);
         let Some(found) = end.and_then(|end| self.bytes.get(self.at..end)) else {
             return wrong("", "a value that does not break off");
@@ -146,8 +146,8 @@ impl Ordered<'_> {
     }
 }
 
-impl Take for Ordered<'_> {
-    fn number<const N: usize>(&mut self) -> Result<[u8; N], Wrong> {
+impl ValueReader for CdrReader<'_> {
+    fn number<const N: usize>(&mut self) -> Result<[u8; N], ValueError> {
         self.at = self.at.next_multiple_of(N.min(self.widest));
         let foreign = self.big != cfg!(target_endian = "big");
         let mut number = [0; N];
@@ -158,7 +158,7 @@ impl Take for Ordered<'_> {
         Ok(number)
     }
 
-    fn text(&mut self) -> Result<&[u8], Wrong> {
+    fn text(&mut self) -> Result<&[u8], ValueError> {
         let length = u32::from_ne_bytes(self.number()?);
         let text = self.some(length as usize)?;
         match text.split_last() {
@@ -169,7 +169,7 @@ impl Take for Ordered<'_> {
         }
     }
 
-    fn presence(&mut self) -> Result<bool, Wrong> {
+    fn presence(&mut self) -> Result<bool, ValueError> {
         match u32::from_ne_bytes(self.number()?) {
             0 => Ok(false),
             1 => Ok(true),
@@ -182,7 +182,10 @@ impl Take for Ordered<'_> {
     }
 }
 
-fn copy<const N: usize>(from: &mut impl Take, to: &mut impl Put) -> Result<[u8; N], Wrong> {
+fn copy<const N: usize>(
+    from: &mut impl ValueReader,
+    to: &mut impl ValueWriter,
+) -> Result<[u8; N], ValueError> {
     let number = from.number::<N>()?;
     to.number(number);
     Ok(number)
@@ -192,10 +195,10 @@ fn copy<const N: usize>(from: &mut impl Take, to: &mut impl Put) -> Result<[u8; 
 fn recode(
     values: Values<'_>,
     ty: TypeId,
-    from: &mut impl Take,
-    to: &mut impl Put,
+    from: &mut impl ValueReader,
+    to: &mut impl ValueWriter,
     depth: usize,
-) -> Result<Option<i64>, Wrong> {
+) -> Result<Option<i64>, ValueError> {
     let Some(depth) = depth.checked_sub(1) else {
         return wrong("", "a value that is less deep");
     };

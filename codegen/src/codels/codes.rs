@@ -17,14 +17,14 @@ pub struct CodelCode {
     /// The codels of the example.
     pub source: &'static str,
     /// The corrected example.
-    pub corrected: Corrected,
+    pub corrected: Correction,
     /// Advice for fixing it.
     pub fix: &'static str,
 }
 
 /// The part of an example that has to change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Corrected {
+pub enum Correction {
     /// The specification; the codels are right.
     Specification(&'static str),
     /// The codels; the specification is right.
@@ -39,7 +39,7 @@ pub const CODES: &[CodelCode] = &[
         why: "The component does not link, or the dynamic loader refuses it at run time.",
         specification: "component c {\n  function f() { codel c_f(); };\n  function g() { codel c_g(); };\n};\n",
         source: "genom_event c_f(const genom_context self)\n{\n  return genom_ok;\n}\n",
-        corrected: Corrected::Source(
+        corrected: Correction::Source(
             "genom_event c_f(const genom_context self)\n{\n  return genom_ok;\n}\ngenom_event c_g(const genom_context self)\n{\n  return genom_ok;\n}\n",
         ),
         fix: "Let dotgen write a stub (quick fix, or `dotgen codels stub`), or remove the codel from the \
@@ -52,7 +52,7 @@ pub const CODES: &[CodelCode] = &[
               prototype, no compiler sees the difference, and the function reads its arguments from the wrong places.",
         specification: "component c {\n  function f(in long n) { codel c_f(local in n); };\n};\n",
         source: "genom_event c_f(double n, const genom_context self)\n{\n  return genom_ok;\n}\n",
-        corrected: Corrected::Source(
+        corrected: Correction::Source(
             "genom_event c_f(int32_t n, const genom_context self)\n{\n  return genom_ok;\n}\n",
         ),
         fix: "Update the signature: the quick fix keeps the body and the names that it uses.",
@@ -64,7 +64,7 @@ pub const CODES: &[CodelCode] = &[
              are computed from the specification, so they do not describe the code.",
         specification: "component c {\n  task t {\n    period 10 ms;\n    codel<start> c_start() yield run;\n    codel<run> c_run() yield pause::run;\n  };\n};\n",
         source: "genom_event c_start(const genom_context self)\n{\n  if (ready()) return c_run;\n  return c_ether;\n}\ngenom_event c_run(const genom_context self)\n{\n  return c_pause_run;\n}\n",
-        corrected: Corrected::Specification(
+        corrected: Correction::Specification(
             "component c {\n  task t {\n    period 10 ms;\n    codel<start> c_start() yield run, ether;\n    codel<run> c_run() yield pause::run;\n  };\n};\n",
         ),
         fix: "Add the state to the `yields` list, or return one that is in it.",
@@ -76,7 +76,7 @@ pub const CODES: &[CodelCode] = &[
               the code never takes. This is harmless while the code is still being written.",
         specification: "component c {\n  task t {\n    period 10 ms;\n    codel<start> c_start() yield run, ether;\n    codel<run> c_run() yield pause::run;\n  };\n};\n",
         source: "genom_event c_start(const genom_context self)\n{\n  return c_run;\n}\ngenom_event c_run(const genom_context self)\n{\n  return c_pause_run;\n}\n",
-        corrected: Corrected::Specification(
+        corrected: Correction::Specification(
             "component c {\n  task t {\n    period 10 ms;\n    codel<start> c_start() yield run;\n    codel<run> c_run() yield pause::run;\n  };\n};\n",
         ),
         fix: "Remove the state from the `yields` list, or return it.",
@@ -88,7 +88,7 @@ pub const CODES: &[CodelCode] = &[
               `throw`.",
         specification: "component c {\n  exception e_late;\n  function f() { codel c_f(); };\n};\n",
         source: "genom_event c_f(const genom_context self)\n{\n  return c_e_late(self);\n}\n",
-        corrected: Corrected::Specification(
+        corrected: Correction::Specification(
             "component c {\n  exception e_late;\n  function f() { throw e_late; codel c_f(); };\n};\n",
         ),
         fix: "Add the exception to the `throws` of the service or task, or do not raise it.",
@@ -99,7 +99,7 @@ pub const CODES: &[CodelCode] = &[
         why: "The function is probably left over from a codel that was removed or renamed.",
         specification: "component c {\n  function f() { codel c_f(); };\n};\n",
         source: "genom_event c_f(const genom_context self)\n{\n  return genom_ok;\n}\n\n/** Codel c_old of function old.\n *\n * Returns genom_ok.\n */\ngenom_event c_old(const genom_context self)\n{\n  return genom_ok;\n}\n",
-        corrected: Corrected::Source(
+        corrected: Correction::Source(
             "genom_event c_f(const genom_context self)\n{\n  return genom_ok;\n}\n",
         ),
         fix: "If a codel with a similar name has no function, rename this one. Otherwise declare a codel for \
@@ -111,7 +111,7 @@ pub const CODES: &[CodelCode] = &[
         why: "Readers of the code rely on \"Triggered by\", \"Yields to\" and \"Throws\" in the comment.",
         specification: "component c {\n  task t {\n    period 10 ms;\n    codel<start> c_start() yield run;\n    codel<run> c_run() yield pause::run;\n  };\n};\n",
         source: "/** Codel c_start of task t.\n *\n * Triggered by c_start.\n * Yields to c_ether.\n */\ngenom_event c_start(const genom_context self)\n{\n  return c_run;\n}\ngenom_event c_run(const genom_context self)\n{\n  return c_pause_run;\n}\n",
-        corrected: Corrected::Source(
+        corrected: Correction::Source(
             "/** Codel c_start of task t.\n *\n * Triggered by c_start.\n * Yields to c_run.\n */\ngenom_event c_start(const genom_context self)\n{\n  return c_run;\n}\ngenom_event c_run(const genom_context self)\n{\n  return c_pause_run;\n}\n",
         ),
         fix: "Refresh the comment with the quick fix.",
@@ -122,7 +122,7 @@ pub const CODES: &[CodelCode] = &[
         why: "The code does not compile. The member was renamed or removed in the specification.",
         specification: "component c {\n  ids { double speed; };\n  function f() { codel c_f(inout ::ids); };\n};\n",
         source: "genom_event c_f(c_ids *ids, const genom_context self)\n{\n  ids->sped = 1.;\n  return genom_ok;\n}\n",
-        corrected: Corrected::Source(
+        corrected: Correction::Source(
             "genom_event c_f(c_ids *ids, const genom_context self)\n{\n  ids->speed = 1.;\n  return genom_ok;\n}\n",
         ),
         fix: "Use the current name from the specification. If only one member can be meant, the quick fix \
@@ -134,7 +134,7 @@ pub const CODES: &[CodelCode] = &[
         why: "The code does not compile. The parameter was removed or renamed in the specification.",
         specification: "component c {\n  ids { double speed, limit; };\n  function f() { codel c_f(inout speed); };\n};\n",
         source: "genom_event c_f(double *speed, const genom_context self)\n{\n  *speed = limit;\n  return genom_ok;\n}\n",
-        corrected: Corrected::Source(
+        corrected: Correction::Source(
             "genom_event c_f(double *speed, const genom_context self)\n{\n  const double limit = 2.;\n  *speed = limit;\n  return genom_ok;\n}\n",
         ),
         fix: "Add the parameter to the codel and update the signature, or declare the name in the source.",
@@ -145,7 +145,7 @@ pub const CODES: &[CodelCode] = &[
         why: "The code does not compile. A parameter with the direction `in` points to a constant.",
         specification: "component c {\n  struct s { double x; };\n  ids { s state; };\n  function f() { codel c_f(in state); };\n};\n",
         source: "genom_event c_f(const c_s *state, const genom_context self)\n{\n  state->x = 1.;\n  return genom_ok;\n}\n",
-        corrected: Corrected::Source(
+        corrected: Correction::Source(
             "genom_event c_f(const c_s *state, const genom_context self)\n{\n  c_s next = *state;\n  next.x = 1.;\n  return genom_ok;\n}\n",
         ),
         fix: "Change the direction in the specification to `out` or `inout` and update the signature, or write to a \

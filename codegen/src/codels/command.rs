@@ -16,7 +16,7 @@ use super::{
     drift::{DriftCode, Repair},
     edit::{Edit, apply, unified_diff},
     expected::{Expected, state_text},
-    repair::ByHand,
+    repair::ManualChange,
     stub::NewFile,
 };
 
@@ -62,7 +62,7 @@ pub struct SyncReport {
     /// Descriptions of the applied repairs, in order.
     pub applied: Vec<String>,
     /// Changes after a new signature that have to be made by hand.
-    pub notes: Vec<ByHand>,
+    pub notes: Vec<ManualChange>,
     /// The remaining findings after the changes.
     pub left: CheckReport,
 }
@@ -153,7 +153,7 @@ pub fn sync(project: &mut Project<'_>, roots: &[Utf8PathBuf], options: &SyncOpti
     let mut out = SyncReport::default();
     let mut touched: BTreeSet<Utf8PathBuf> = BTreeSet::new();
     let mut tried: Vec<Edit> = Vec::new();
-    let mut room = judge::MOST_TRIALS;
+    let mut room = judge::MAX_TRIALS;
     for _ in 0..ROUNDS {
         let candidates = round(project, roots, options, &mut tried);
         let (edit, made) = whole(project, roots, &candidates, &mut room);
@@ -175,7 +175,7 @@ pub fn sync(project: &mut Project<'_>, roots: &[Utf8PathBuf], options: &SyncOpti
         }
     }
     for note in &mut out.notes {
-        note.stand_in(&project.text(&note.path).unwrap_or_default());
+        note.set_line(&project.text(&note.path).unwrap_or_default());
     }
     out.left = check(project, roots);
     for path in touched {
@@ -199,7 +199,7 @@ struct Candidate {
     /// The finding that it repairs.
     code: DriftCode,
     titles: Vec<String>,
-    notes: Vec<ByHand>,
+    notes: Vec<ManualChange>,
 }
 
 /// The edits of candidates that are accepted. If all of them together add no finding, all are accepted.
@@ -279,7 +279,7 @@ fn round(
                 tried.push(one.clone());
                 let notes = match repair {
                     Repair::UpdateSignature { name, path, start } => {
-                        repairs.left_by_signature(name, path, *start)
+                        repairs.manual_changes(name, path, *start)
                     }
                     _ => Vec::new(),
                 };

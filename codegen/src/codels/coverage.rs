@@ -6,7 +6,7 @@ use dotgen_analysis::model::Name;
 use serde::Serialize;
 
 use super::expected::Expected;
-use super::trust::Trust;
+use super::reliability::Reliability;
 
 /// The compared part of the codels of some components.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
@@ -21,14 +21,14 @@ pub struct Coverage {
     /// Number of functions whose declaration has errors; they were skipped.
     pub faulty: usize,
     /// The missing interfaces of the other functions.
-    pub waiting: Vec<Waiting>,
+    pub waiting: Vec<UncheckedCodels>,
     /// Unknown modules and types, which agree with any type of a parameter.
     pub assumed: Vec<Name>,
 }
 
 /// Codels with parameters from an unknown interface.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Waiting {
+pub struct UncheckedCodels {
     /// The unknown interface.
     #[serde(rename = "for")]
     pub missing: Name,
@@ -38,7 +38,7 @@ pub struct Waiting {
 
 impl Coverage {
     /// Adds the codels of a component.
-    pub fn add(&mut self, expected: &Expected<'_>, trust: &Trust) {
+    pub fn add(&mut self, expected: &Expected<'_>, trust: &Reliability) {
         for function in &expected.functions {
             self.codels += 1;
             if trust.is_faulty(expected, function) {
@@ -55,7 +55,7 @@ impl Coverage {
             for name in &function.awaits.interfaces {
                 match self.waiting.iter_mut().find(|it| it.missing == *name) {
                     Some(known) => known.codels += 1,
-                    None => self.waiting.push(Waiting {
+                    None => self.waiting.push(UncheckedCodels {
                         missing: name.clone(),
                         codels: 1,
                     }),

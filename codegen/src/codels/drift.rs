@@ -19,12 +19,12 @@ pub use dotgen_analysis::diagnostic::Severity;
 use dotgen_analysis::model::{CodelRef, Name, Owner, Src, TypeId};
 use rustc_hash::FxHashSet;
 
-use self::finding::Differing;
+use self::finding::Difference;
 use super::{
     expected::{Expected, ExpectedFunction},
     files::{IndexedFile, Sources},
+    reliability::Reliability,
     source::Function,
-    trust::Trust,
 };
 
 /// Kinds of drift.
@@ -68,22 +68,24 @@ impl DriftCode {
     ];
 
     /// The kind of a difference.
-    pub fn of(kind: &Differing) -> DriftCode {
+    pub fn of(kind: &Difference) -> DriftCode {
         match kind {
-            Differing::Missing { .. } => DriftCode::MissingDefinition,
-            Differing::Signature { .. } => DriftCode::SignatureMismatch,
-            Differing::ReturnsOk { .. }
-            | Differing::HasNoStates { .. }
-            | Differing::NotYielded { .. } => DriftCode::UndeclaredYield,
-            Differing::NeverReturned { .. } => DriftCode::NeverYielded,
-            Differing::NotThrown { .. } | Differing::NoException { .. } => {
+            Difference::Missing { .. } => DriftCode::MissingDefinition,
+            Difference::Signature { .. } => DriftCode::SignatureMismatch,
+            Difference::ReturnsOk { .. }
+            | Difference::HasNoStates { .. }
+            | Difference::NotYielded { .. } => DriftCode::UndeclaredYield,
+            Difference::NeverReturned { .. } => DriftCode::NeverYielded,
+            Difference::NotThrown { .. } | Difference::NoException { .. } => {
                 DriftCode::UndeclaredThrow
             }
-            Differing::Orphan { .. } | Differing::Renamed { .. } => DriftCode::Orphan,
-            Differing::StaleComment { .. } => DriftCode::StaleComment,
-            Differing::NoMember { .. } | Differing::FormerMember { .. } => DriftCode::UnknownMember,
-            Differing::NoName { .. } => DriftCode::UndeclaredName,
-            Differing::ConstantWrite { .. } => DriftCode::ConstantWrite,
+            Difference::Orphan { .. } | Difference::Renamed { .. } => DriftCode::Orphan,
+            Difference::StaleComment { .. } => DriftCode::StaleComment,
+            Difference::NoMember { .. } | Difference::FormerMember { .. } => {
+                DriftCode::UnknownMember
+            }
+            Difference::NoName { .. } => DriftCode::UndeclaredName,
+            Difference::ConstantWrite { .. } => DriftCode::ConstantWrite,
         }
     }
 
@@ -130,7 +132,7 @@ pub struct Drift {
     /// The severity.
     pub severity: Severity,
     /// The details.
-    pub kind: Differing,
+    pub kind: Difference,
     /// Component: index into the components of the specification.
     pub component: u32,
     /// Places in the specification: the codel's name, or the state that is never returned.
@@ -212,12 +214,12 @@ pub enum Repair {
         /// The state, without `pause::`.
         state: String,
         /// The new return value of its function.
-        returns: Respelling,
+        returns: NameReplacement,
     },
     /// Let a function return a declared event in place of an undeclared one.
-    ReturnDeclared(Respelling),
+    ReturnDeclared(NameReplacement),
     /// Let a function raise a declared exception in place of an undeclared one.
-    RaiseDeclared(Respelling),
+    RaiseDeclared(NameReplacement),
     /// Rename a member to its present name in the specification, everywhere in the sources, with the
     /// parameters of codels that are named after it.
     FollowMember {
@@ -282,7 +284,7 @@ impl Repair {
 
 /// A new name at some places of a source.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct Respelling {
+pub struct NameReplacement {
     /// The function around them.
     pub function: Name,
     /// The file.
@@ -301,7 +303,7 @@ pub struct DriftOptions {
     /// True if a parameter with another name and the right type is a mismatch.
     pub parameter_names: bool,
     /// The reliable part of the specification.
-    pub trust: Arc<Trust>,
+    pub trust: Arc<Reliability>,
 }
 
 /// Compares components with the sources they share. Findings are by component, in order of codels, then
@@ -426,7 +428,7 @@ impl<'a> Check<'a> {
         uses.map(|&at| component.codel(at).src).collect()
     }
 
-    fn drift(&self, kind: Differing) -> Drift {
+    fn drift(&self, kind: Difference) -> Drift {
         let code = DriftCode::of(&kind);
         Drift {
             code,
@@ -464,7 +466,7 @@ impl<'a> Check<'a> {
             return None;
         }
         let folder = self.sources.folder.file_name().unwrap_or_default();
-        let mut drift = self.drift(Differing::Missing {
+        let mut drift = self.drift(Difference::Missing {
             folder: folder.into(),
             codel: name.clone(),
         });
@@ -490,7 +492,7 @@ impl<'a> Check<'a> {
 
     fn renamed(&self, orphan: FunctionIn<'_>) -> Drift {
         let (from, to) = (&orphan.function.name, &self.function.name);
-        let mut drift = self.drift(Differing::Renamed {
+        let mut drift = self.drift(Difference::Renamed {
             function: from.as_str().into(),
             codel: to.clone(),
         });

@@ -57,7 +57,7 @@ pub struct ExpectedFunction {
     /// The missing declarations of its parameters in any use: see [`Spec::unknown_dependencies`].
     pub awaits: UnknownDependencies,
     /// True if in some use it may throw exceptions that are unknown.
-    pub throws_more: bool,
+    pub may_throw_more: bool,
 }
 
 /// The language of a component, which selects the file suffix and the mapping.
@@ -265,7 +265,7 @@ impl<'a> Expected<'a> {
             };
             let throws = self.throws_of(at.owner);
             let awaits = self.spec.unknown_dependencies(self.component, codel);
-            let throws_more = self.spec.lacks_exceptions(self.component, at.owner);
+            let may_throw_more = self.spec.lacks_exceptions(self.component, at.owner);
             let known = self.functions.iter_mut().find(|it| it.name == codel.name);
             let function = match known {
                 Some(known) => known,
@@ -279,7 +279,7 @@ impl<'a> Expected<'a> {
                         returns: FxHashSet::default(),
                         throws: FxHashSet::default(),
                         awaits: UnknownDependencies::default(),
-                        throws_more: false,
+                        may_throw_more: false,
                     });
                     let last = self.functions.len() - 1;
                     &mut self.functions[last]
@@ -288,7 +288,7 @@ impl<'a> Expected<'a> {
             function.uses.push(at);
             function.returns.extend(returns);
             function.throws.extend(throws);
-            function.throws_more |= throws_more;
+            function.may_throw_more |= may_throw_more;
             for (all, more) in [
                 (&mut function.awaits.interfaces, awaits.interfaces),
                 (&mut function.awaits.types, awaits.types),

@@ -219,14 +219,14 @@ pub trait Files {
     /// Files below a folder, subfolders included, relative to it; `None` if the folder does not exist.
     fn list(&self, folder: &Utf8Path) -> Option<Vec<Utf8PathBuf>>;
     /// The time of the last change of a file; `None` if it is unknown.
-    fn changed(&self, _path: &Utf8Path) -> Option<Changed> {
+    fn changed(&self, _path: &Utf8Path) -> Option<ModificationTime> {
         None
     }
 }
 
 /// The time of the last change of a file. A later time is greater.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Changed {
+pub enum ModificationTime {
     /// The time of its last commit, or of its time stamp if it differs from that commit.
     At(SystemTime),
     /// The file is open in an editor, with unsaved changes.
@@ -304,7 +304,7 @@ impl Sources {
     }
 
     /// True if a function returns an event in the spelling of C++.
-    pub fn speak_cxx(&self) -> bool {
+    pub fn uses_cxx(&self) -> bool {
         let mut functions = self.sources.iter().flat_map(|it| &it.index.functions);
         functions.any(|it| it.result.base == "genom::event")
     }

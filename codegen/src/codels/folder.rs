@@ -12,14 +12,14 @@ use dotgen_analysis::source_map::Locations;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{
-    allow::{allowances, is_allowed},
+    allowances::{allowances, is_allowed},
     coverage::Coverage,
     diagnostics::{Side, diagnostics},
     drift::{self, Drift, DriftCode, DriftOptions},
     expected::Expected,
     files::{IndexedFile, Sources},
+    reliability::Reliability,
     source::Function,
-    trust::Trust,
 };
 use crate::lang::Language;
 
@@ -36,7 +36,7 @@ pub struct Folder {
     /// Names of codels of other specifications in the same folder.
     pub also_named: FxHashSet<Name>,
     /// The reliable part of the specification.
-    pub trust: Arc<Trust>,
+    pub trust: Arc<Reliability>,
     /// True if the unit is of an earlier text, because the present one has syntax errors.
     pub is_earlier: bool,
 }
@@ -57,7 +57,7 @@ impl Folder {
             .map(|&it| {
                 // The language of a missing interface is read from the sources.
                 let unsaid = spec.gaps_of(it).any(|gap| *gap == Missing::Language);
-                match unsaid && self.sources.speak_cxx() {
+                match unsaid && self.sources.uses_cxx() {
                     true => Expected::in_language(spec, it, Language::Cxx),
                     false => Expected::new(spec, it),
                 }
@@ -115,9 +115,9 @@ impl Folder {
 }
 
 /// The folders of codels of all components that a unit declares. `sources` reads the folder of a `.gen`. In a
-/// unit with errors, the declarations without errors are compared: see [`Trust`].
+/// unit with errors, the declarations without errors are compared: see [`Reliability`].
 pub fn folders(unit: &UnitResult, sources: &mut dyn FnMut(&Utf8Path) -> Sources) -> Vec<Folder> {
-    let trust = Arc::new(Trust::of(unit));
+    let trust = Arc::new(Reliability::of(unit));
     let mut by_file: BTreeMap<Utf8PathBuf, Vec<u32>> = BTreeMap::new();
     for (index, component) in (0u32..).zip(&unit.spec.components) {
         let location = unit.locations.locate(component.src);

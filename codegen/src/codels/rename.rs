@@ -30,7 +30,7 @@ use super::{
     },
 };
 
-pub use names::NoNames;
+pub use names::MissingNames;
 
 /// Edits of sources and build files for a rename.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -38,12 +38,12 @@ pub struct Renaming {
     /// The certain edits.
     pub edit: Edit,
     /// The ambiguous places, which are unchanged, by file and line.
-    pub left: Vec<Left>,
+    pub left: Vec<UnchangedPlace>,
 }
 
 /// A place that may have to be changed by hand.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Left {
+pub struct UnchangedPlace {
     /// The file.
     pub path: Utf8PathBuf,
     /// Line, from 1.
@@ -51,12 +51,12 @@ pub struct Left {
     /// The old name at this place.
     pub name: SmolStr,
     /// The reason why it is unchanged.
-    pub why: Why,
+    pub why: UnchangedReason,
 }
 
 /// A reason why a mention is unchanged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Why {
+pub enum UnchangedReason {
     /// A member of a value whose type is unknown.
     Receiver,
     /// The sources have another declaration of that name.
@@ -71,15 +71,15 @@ pub enum Why {
     Build,
 }
 
-impl fmt::Display for Left {
+impl fmt::Display for UnchangedPlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let why = match self.why {
-            Why::Receiver => "a member of something whose type is not known",
-            Why::Homonym => "may be the one that the sources declare",
-            Why::Macro => "in a macro",
-            Why::String => "in a string",
-            Why::Comment => "in a comment",
-            Why::Build => "in a file of the build",
+            UnchangedReason::Receiver => "a member of something whose type is not known",
+            UnchangedReason::Homonym => "may be the one that the sources declare",
+            UnchangedReason::Macro => "in a macro",
+            UnchangedReason::String => "in a string",
+            UnchangedReason::Comment => "in a comment",
+            UnchangedReason::Build => "in a file of the build",
         };
         write!(f, "{}:{}: `{}` {why}", self.path, self.line, self.name)
     }
@@ -87,9 +87,9 @@ impl fmt::Display for Left {
 
 /// A reason why the sources cannot be renamed.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Refused {
+pub enum RenameRefusal {
     /// The new names cannot be determined.
-    Names(NoNames),
+    Names(MissingNames),
     /// The sources already declare a new name.
     Taken {
         /// The name.
@@ -99,11 +99,11 @@ pub enum Refused {
     },
 }
 
-impl fmt::Display for Refused {
+impl fmt::Display for RenameRefusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Refused::Names(why) => write!(f, "The codels cannot follow: {why}"),
-            Refused::Taken { name, path } => write!(
+            RenameRefusal::Names(why) => write!(f, "The codels cannot follow: {why}"),
+            RenameRefusal::Taken { name, path } => write!(
                 f,
                 "`{name}` exists already, in {path}; choose another name, or rename that one first"
             ),
@@ -111,24 +111,28 @@ impl fmt::Display for Refused {
     }
 }
 
-impl std::error::Error for Refused {}
+impl std::error::Error for RenameRefusal {}
 
 /// The edits of the sources of a folder, whose unit is going to be `after`. Empty if no name in the sources
 /// changes.
 ///
 /// # Errors
 /// The sources cannot be renamed. The rename should then not be made at all.
-pub fn rename(folder: &Folder, after: &UnitResult, texts: &dyn Files) -> Result<Renaming, Refused> {
+pub fn rename(
+    folder: &Folder,
+    after: &UnitResult,
+    texts: &dyn Files,
+) -> Result<Renaming, RenameRefusal> {
     let mut out = Renaming::default();
     if !folder.sources.exists {
         return Ok(out);
     }
     for before in folder.expected() {
         if after.spec.components.len() != folder.unit.spec.components.len() {
-            return Err(Refused::Names(NoNames::Structure));
+            return Err(RenameRefusal::Names(MissingNames::Structure));
         }
         let new = Expected::in_language(&after.spec, before.component, before.language);
-        let names = Names::new(&before, &new).map_err(Refused::Names)?;
+        let names = Names::new(&before, &new).map_err(RenameRefusal::Names)?;
         if names.is_empty() {
             continue;
         }
@@ -157,7 +161,7 @@ pub fn rename(folder: &Folder, after: &UnitResult, texts: &dyn Files) -> Result<
 }
 
 /// Checks that no source declares one of the new names.
-fn check_free(folder: &Folder, names: &Names) -> Result<(), Refused> {
+fn check_free(folder: &Folder, names: &Names) -> Result<(), RenameRefusal> {
     for ((scopes, _), to) in &names.globals {
         let free = |file: &&IndexedFile| {
             !file.index.names.contains(to) && !file.index.macros.iter().any(|it| it.name == *to)
@@ -167,7 +171,7 @@ fn check_free(folder: &Folder, names: &Names) -> Result<(), Refused> {
             && !given_up
             && let Some(file) = folder.sources.all().find(|it| !free(it))
         {
-            return Err(Refused::Taken {
+            return Err(RenameRefusal::Taken {
                 name: to.clone(),
                 path: file.path.clone(),
             });
@@ -221,9 +225,9 @@ impl<'a> File<'a> {
         self.out.edit.replace(&self.file.path, span, to);
     }
 
-    fn leave(&mut self, at: usize, name: &str, why: Why) {
+    fn leave(&mut self, at: usize, name: &str, why: UnchangedReason) {
         let before = self.file.text.get(..at).unwrap_or_default();
-        self.out.left.push(Left {
+        self.out.left.push(UnchangedPlace {
             path: self.file.path.clone(),
             line: 1 + before.matches('\n').count(),
             name: name.into(),
@@ -241,7 +245,7 @@ impl<'a> File<'a> {
             }
             "preproc_arg" => self.macro_text(&span),
             "string_literal" | "raw_string_literal" | "char_literal" => {
-                self.prose(&span, Why::String);
+                self.prose(&span, UnchangedReason::String);
                 return false;
             }
             "comment" => {
@@ -252,7 +256,7 @@ impl<'a> File<'a> {
                     // The comment of a codel stands alone if its function is in another file.
                     match comment::generated(&self.file.text, &span) {
                         Some(generated) => self.generated(&generated),
-                        None => self.prose(&span, Why::Comment),
+                        None => self.prose(&span, UnchangedReason::Comment),
                     }
                 }
             }
@@ -264,7 +268,7 @@ impl<'a> File<'a> {
                     let bare = qualifiers(node, &self.file.text).is_empty();
                     let homonym = bare && self.declares(name);
                     match homonym {
-                        true => self.leave(span.start, name, Why::Homonym),
+                        true => self.leave(span.start, name, UnchangedReason::Homonym),
                         false => self.edit(span, &to),
                     }
                 }
@@ -351,7 +355,7 @@ impl<'a> File<'a> {
                     self.edit(span, &to);
                 }
             }
-            None => self.leave(span.start, &name, Why::Receiver),
+            None => self.leave(span.start, &name, UnchangedReason::Receiver),
         }
     }
 
@@ -412,22 +416,22 @@ impl<'a> File<'a> {
                     it.1.starts_with(name.as_str()) || it.1.ends_with(name.as_str())
                 };
                 if name.len() > 1 && self.names.globals.keys().any(|it| part(&it)) {
-                    self.leave(at, &name, Why::Macro);
+                    self.leave(at, &name, UnchangedReason::Macro);
                 }
             } else if reached {
                 if self.names.members.keys().any(|it| it.1 == name) {
-                    self.leave(at, &name, Why::Macro);
+                    self.leave(at, &name, UnchangedReason::Macro);
                 }
             } else if let Some(to) = self.names.globals.get(&(Vec::new(), name.clone())).cloned() {
                 self.edit(at..at + name.len(), &to);
             } else if self.names.globals.keys().any(|it| it.1 == name) {
-                self.leave(at, &name, Why::Macro);
+                self.leave(at, &name, UnchangedReason::Macro);
             }
         }
     }
 
     /// Names of the mapping in strings and comments.
-    fn prose(&mut self, span: &Span, why: Why) {
+    fn prose(&mut self, span: &Span, why: UnchangedReason) {
         let text = self.text(span);
         for (at, word) in spelled(text) {
             let is_name = word.contains('_') || word.contains("::");
@@ -498,8 +502,8 @@ fn spelled(text: &str) -> impl Iterator<Item = (usize, &str)> {
 }
 
 /// The lines that list the unchanged places, at most `most` of them.
-pub fn listed(left: &[Left], most: usize, root: &Utf8Path) -> String {
-    let short = |it: &Left| Left {
+pub fn listed(left: &[UnchangedPlace], most: usize, root: &Utf8Path) -> String {
+    let short = |it: &UnchangedPlace| UnchangedPlace {
         path: it.path.strip_prefix(root).unwrap_or(&it.path).to_owned(),
         ..it.clone()
     };

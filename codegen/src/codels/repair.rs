@@ -5,14 +5,14 @@ mod signature;
 mod source;
 mod specification;
 
-pub use signature::{ByHand, Unfollowed};
+pub use signature::{ManualChange, UnadaptedUse};
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::model::{CodelRef, Owner};
 use dotgen_analysis::source_map::Locations;
 
 use super::{
-    drift::{Drift, Repair, Respelling},
+    drift::{Drift, NameReplacement, Repair},
     edit::Edit,
     expected::{Expected, owner_words},
     files::{Files, IndexedFile, Sources},
@@ -35,7 +35,7 @@ pub struct Repairs<'a> {
 }
 
 /// The edit for new names in a source.
-fn respelled(names: &Respelling) -> Edit {
+fn respelled(names: &NameReplacement) -> Edit {
     let mut edit = Edit::default();
     for (range, text) in &names.places {
         edit.replace(&names.path, range.clone(), text.as_str());
@@ -170,7 +170,7 @@ impl Repairs<'_> {
     }
 
     /// Codels of one task or service without a function.
-    pub fn missing_of(&self, owner: Owner) -> Vec<CodelRef> {
+    pub fn missing_codels_of(&self, owner: Owner) -> Vec<CodelRef> {
         let mut all = self.missing();
         all.retain(|it| it.owner == owner);
         all

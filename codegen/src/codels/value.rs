@@ -23,14 +23,14 @@ pub(super) const DEPTH: usize = 64;
 
 /// An error in a value.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Wrong {
+pub struct ValueError {
     /// The place in the value: `.pos[2].x`.
     pub at: String,
     /// The error, as a predicate: `has to be a number`.
     pub what: String,
 }
 
-impl std::fmt::Display for Wrong {
+impl std::fmt::Display for ValueError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self.at.is_empty() {
             true => write!(f, "the value {}", self.what),
@@ -39,18 +39,18 @@ impl std::fmt::Display for Wrong {
     }
 }
 
-impl std::error::Error for Wrong {}
+impl std::error::Error for ValueError {}
 
-pub(super) fn wrong<T>(at: &str, wanted: impl Into<String>) -> Result<T, Wrong> {
-    Err(Wrong {
+pub(super) fn wrong<T>(at: &str, wanted: impl Into<String>) -> Result<T, ValueError> {
+    Err(ValueError {
         at: at.to_owned(),
         what: format!("has to be {}", wanted.into()),
     })
 }
 
 /// The error for an unknown name, with the most similar known name, or else all known names.
-fn unknown<T>(at: &str, what: &str, name: &str, known: &[&str]) -> Result<T, Wrong> {
-    Err(Wrong {
+fn unknown<T>(at: &str, what: &str, name: &str, known: &[&str]) -> Result<T, ValueError> {
+    Err(ValueError {
         at: at.to_owned(),
         what: format!("is not {what}; {}", advice(name, known)),
     })
@@ -73,8 +73,12 @@ impl<'s> Values<'s> {
     ///
     /// # Errors
     /// A value does not fit its parameter, or the parameter does not exist.
-    pub fn inputs(&self, service: &Service, given: &Map<String, Value>) -> Result<Vec<u8>, Wrong> {
-        let inputs = || service.params.iter().filter(|it| goes_in(it));
+    pub fn inputs(
+        &self,
+        service: &Service,
+        given: &Map<String, Value>,
+    ) -> Result<Vec<u8>, ValueError> {
+        let inputs = || service.params.iter().filter(|it| is_input(it));
         if let Some(unknown) = given
             .keys()
             .find(|key| !inputs().any(|it| it.name == key.as_str()))
@@ -96,10 +100,10 @@ impl<'s> Values<'s> {
     ///
     /// # Errors
     /// The bytes are not outputs of the service.
-    pub fn outputs(&self, service: &Service, bytes: &[u8]) -> Result<Value, Wrong> {
+    pub fn outputs(&self, service: &Service, bytes: &[u8]) -> Result<Value, ValueError> {
         let mut reader = Reader { bytes };
         let mut out = Map::new();
-        let outputs = service.params.iter().filter(|it| goes_out(it));
+        let outputs = service.params.iter().filter(|it| is_output(it));
         for param in outputs {
             let value = self.read(param.ty, &mut reader, DEPTH)?;
             out.insert(param.name.to_string(), value);
@@ -111,7 +115,7 @@ impl<'s> Values<'s> {
     ///
     /// # Errors
     /// The bytes are not a value of the type.
-    pub fn decode(&self, ty: TypeId, bytes: &[u8]) -> Result<Value, Wrong> {
+    pub fn decode(&self, ty: TypeId, bytes: &[u8]) -> Result<Value, ValueError> {
         self.read(ty, &mut Reader { bytes }, DEPTH)
     }
 
@@ -119,7 +123,7 @@ impl<'s> Values<'s> {
     ///
     /// # Errors
     /// The value is not of the type.
-    pub fn encode(&self, ty: TypeId, value: &Value) -> Result<Vec<u8>, Wrong> {
+    pub fn encode(&self, ty: TypeId, value: &Value) -> Result<Vec<u8>, ValueError> {
         let mut out = Vec::new();
         self.write(ty, value, "", DEPTH, &mut out)?;
         Ok(out)
@@ -287,7 +291,7 @@ impl<'s> Values<'s> {
         }
     }
 
-    fn read(&self, ty: TypeId, from: &mut Reader<'_>, depth: usize) -> Result<Value, Wrong> {
+    fn read(&self, ty: TypeId, from: &mut Reader<'_>, depth: usize) -> Result<Value, ValueError> {
         let Some(depth) = depth.checked_sub(1) else {
             return wrong("", "a value that is less deep");
         };
@@ -361,7 +365,7 @@ impl<'s> Values<'s> {
         at: &str,
         depth: usize,
         out: &mut Vec<u8>,
-    ) -> Result<(), Wrong> {
+    ) -> Result<(), ValueError> {
         let Some(depth) = depth.checked_sub(1) else {
             return wrong(at, "a value that is less deep");
         };
@@ -482,16 +486,16 @@ impl<'s> Values<'s> {
 }
 
 /// True if a request has a value for a parameter.
-pub fn goes_in(param: &Param) -> bool {
+pub fn is_input(param: &Param) -> bool {
     matches!(param.dir, ParamDir::In | ParamDir::Inout)
 }
 
 /// True if an answer has a value for a parameter.
-pub fn goes_out(param: &Param) -> bool {
+pub fn is_output(param: &Param) -> bool {
     matches!(param.dir, ParamDir::Out | ParamDir::Inout)
 }
 
-fn length(count: usize, at: &str, out: &mut Vec<u8>) -> Result<(), Wrong> {
+fn length(count: usize, at: &str, out: &mut Vec<u8>) -> Result<(), ValueError> {
     match u32::try_from(count) {
         Ok(count) => out.extend(count.to_ne_bytes()),
         Err(_) => return wrong(at, "something shorter"),
@@ -499,7 +503,11 @@ fn length(count: usize, at: &str, out: &mut Vec<u8>) -> Result<(), Wrong> {
     Ok(())
 }
 
-fn whole<T: TryFrom<i128> + Default>(value: &Value, at: &str, range: &str) -> Result<T, Wrong> {
+fn whole<T: TryFrom<i128> + Default>(
+    value: &Value,
+    at: &str,
+    range: &str,
+) -> Result<T, ValueError> {
     let number = match value {
         Value::Null => return Ok(T::default()),
         it => it.as_i64().map(i128::from).or(it.as_u64().map(i128::from)),
@@ -511,14 +519,14 @@ fn whole<T: TryFrom<i128> + Default>(value: &Value, at: &str, range: &str) -> Re
     }
 }
 
-fn number(value: &Value, at: &str) -> Result<f64, Wrong> {
+fn number(value: &Value, at: &str) -> Result<f64, ValueError> {
     match value {
         Value::Null => Ok(0.),
         it => it.as_f64().map_or_else(|| wrong(at, "a number"), Ok),
     }
 }
 
-fn list<'v>(value: &'v Value, at: &str) -> Result<&'v [Value], Wrong> {
+fn list<'v>(value: &'v Value, at: &str) -> Result<&'v [Value], ValueError> {
     match value {
         Value::Null => Ok(&[]),
         Value::Array(it) => Ok(it),
@@ -526,7 +534,7 @@ fn list<'v>(value: &'v Value, at: &str) -> Result<&'v [Value], Wrong> {
     }
 }
 
-fn object<'v>(value: &'v Value, at: &str) -> Result<Option<&'v Map<String, Value>>, Wrong> {
+fn object<'v>(value: &'v Value, at: &str) -> Result<Option<&'v Map<String, Value>>, ValueError> {
     match value {
         Value::Null => Ok(None),
         Value::Object(it) => Ok(Some(it)),
@@ -540,7 +548,7 @@ pub(super) struct Reader<'b> {
 }
 
 impl<'b> Reader<'b> {
-    pub(super) fn some(&mut self, count: usize) -> Result<&'b [u8], Wrong> {
+    pub(super) fn some(&mut self, count: usize) -> Result<&'b [u8], ValueError> {
         match self.bytes.split_at_checked(count) {
             Some((taken, rest)) => {
                 self.bytes = rest;
@@ -550,7 +558,7 @@ impl<'b> Reader<'b> {
         }
     }
 
-    pub(super) fn take<const N: usize>(&mut self) -> Result<[u8; N], Wrong> {
+    pub(super) fn take<const N: usize>(&mut self) -> Result<[u8; N], ValueError> {
         let bytes = self.some(N)?;
         bytes.try_into().or_else(|_| wrong("", "a value"))
     }

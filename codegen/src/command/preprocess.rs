@@ -50,7 +50,7 @@ impl Preprocessor {
         };
         self.open.push(path.to_owned());
         let raw = lex(&text);
-        let mut inside = Inside {
+        let mut inside = FileHost {
             outer: self,
             texts: Vec::new(),
         };
@@ -79,12 +79,12 @@ impl Preprocessor {
 }
 
 /// The host of one file, which collects the texts of its included files.
-struct Inside<'p> {
+struct FileHost<'p> {
     outer: &'p mut Preprocessor,
     texts: Vec<String>,
 }
 
-impl Host for Inside<'_> {
+impl Host for FileHost<'_> {
     fn include(
         &mut self,
         request: &IncludeRequest,

@@ -4,7 +4,7 @@ use dotgen_analysis::model::{TypeId, TypeKind};
 
 use dotgen_analysis::release::Change;
 
-use super::{LangError, LangResult, Mapper, Passing, length_of};
+use super::{LangError, LangResult, Mapper, PassingMode, length_of};
 
 /// Returns true for kinds that C passes by pointer to constant.
 fn is_aggregate(kind: &TypeKind) -> bool {
@@ -127,11 +127,11 @@ pub(super) fn address(m: &Mapper<'_>, ty: TypeId, var: &str) -> String {
     }
 }
 
-pub(super) fn dereference(m: &Mapper<'_>, ty: TypeId, passing: Passing, var: &str) -> String {
+pub(super) fn dereference(m: &Mapper<'_>, ty: TypeId, passing: PassingMode, var: &str) -> String {
     let kind = m.final_kind(ty);
     let pointer = match passing {
-        Passing::Value => is_aggregate(kind),
-        Passing::Reference => !is_array_like(kind),
+        PassingMode::Value => is_aggregate(kind),
+        PassingMode::Reference => !is_array_like(kind),
     };
     if pointer {
         format!("*({var})")
@@ -140,28 +140,33 @@ pub(super) fn dereference(m: &Mapper<'_>, ty: TypeId, passing: Passing, var: &st
     }
 }
 
-pub(super) fn argument(m: &Mapper<'_>, ty: TypeId, passing: Passing, var: &str) -> LangResult {
+pub(super) fn argument(m: &Mapper<'_>, ty: TypeId, passing: PassingMode, var: &str) -> LangResult {
     let kind = m.final_kind(ty);
     match passing {
-        Passing::Value if is_aggregate(kind) => {
+        PassingMode::Value if is_aggregate(kind) => {
             Ok(format!("const {}", declarator(m, ty, &format!("*{var}"))?))
         }
-        Passing::Value => match kind {
+        PassingMode::Value => match kind {
             TypeKind::String { .. } | TypeKind::Array { .. } | TypeKind::Native => {
                 Ok(format!("const {}", declarator(m, ty, var)?))
             }
             _ => declarator(m, ty, var),
         },
-        Passing::Reference if is_array_like(kind) => declarator(m, ty, var),
-        Passing::Reference => declarator(m, ty, &format!("*{var}")),
+        PassingMode::Reference if is_array_like(kind) => declarator(m, ty, var),
+        PassingMode::Reference => declarator(m, ty, &format!("*{var}")),
     }
 }
 
-pub(super) fn return_value(m: &Mapper<'_>, ty: TypeId, passing: Passing, var: &str) -> LangResult {
+pub(super) fn return_value(
+    m: &Mapper<'_>,
+    ty: TypeId,
+    passing: PassingMode,
+    var: &str,
+) -> LangResult {
     if m.has(Change::ReturnValueVariables) {
         let constant = match passing {
-            Passing::Value => "const ",
-            Passing::Reference => "",
+            PassingMode::Value => "const ",
+            PassingMode::Reference => "",
         };
         return match m.final_kind(ty) {
             TypeKind::String { bound: Some(_) } => Ok(format!("{constant}char *{var}")),
@@ -173,18 +178,18 @@ pub(super) fn return_value(m: &Mapper<'_>, ty: TypeId, passing: Passing, var: &s
         };
     }
     match (passing, m.final_kind(ty)) {
-        (Passing::Reference, TypeKind::String { bound: Some(_) }) => Ok("char *".into()),
-        (Passing::Reference, TypeKind::Array { element, .. }) => declarator(m, *element, "*"),
+        (PassingMode::Reference, TypeKind::String { bound: Some(_) }) => Ok("char *".into()),
+        (PassingMode::Reference, TypeKind::Array { element, .. }) => declarator(m, *element, "*"),
         _ => argument(m, ty, passing, ""),
     }
 }
 
-pub(super) fn pass(m: &Mapper<'_>, ty: TypeId, passing: Passing, var: &str) -> LangResult {
+pub(super) fn pass(m: &Mapper<'_>, ty: TypeId, passing: PassingMode, var: &str) -> LangResult {
     let kind = m.final_kind(ty);
     Ok(match (passing, kind) {
         // A pointer to arrays converts to a pointer to constant arrays with a cast only
         // (http://c-faq.com/ansi/constmismatch.html).
-        (Passing::Value, TypeKind::Array { element, .. })
+        (PassingMode::Value, TypeKind::Array { element, .. })
             if matches!(
                 m.final_kind(*element),
                 TypeKind::Array { .. } | TypeKind::String { .. }
@@ -192,9 +197,9 @@ pub(super) fn pass(m: &Mapper<'_>, ty: TypeId, passing: Passing, var: &str) -> L
         {
             format!("((const {}){var})", declarator(m, *element, "(*)")?)
         }
-        (Passing::Value, kind) if is_aggregate(kind) => format!("&({var})"),
-        (Passing::Value, _) => var.to_owned(),
-        (Passing::Reference, kind) if is_array_like(kind) => var.to_owned(),
-        (Passing::Reference, _) => format!("&({var})"),
+        (PassingMode::Value, kind) if is_aggregate(kind) => format!("&({var})"),
+        (PassingMode::Value, _) => var.to_owned(),
+        (PassingMode::Reference, kind) if is_array_like(kind) => var.to_owned(),
+        (PassingMode::Reference, _) => format!("&({var})"),
     })
 }

@@ -5,7 +5,7 @@ use dotgen_analysis::release::Change;
 
 use super::c::declarator;
 use super::text::c_name;
-use super::{LangResult, MapObject, Mapper, Passing, value_text};
+use super::{LangResult, MapObject, Mapper, PassingMode, value_text};
 
 pub(super) fn mapping(m: &Mapper<'_>, objects: &[MapObject], locations: bool) -> LangResult {
     let writer = Writer { m, locations };
@@ -278,7 +278,7 @@ impl Writer<'_, '_> {
             TypeKind::Sequence { .. } => self.anonymous(port.data)?,
             _ => String::new(),
         };
-        let data = self.m.return_value(port.data, Passing::Reference, "")?;
+        let data = self.m.return_value(port.data, PassingMode::Reference, "")?;
         let arguments = if port.multiple {
             "const char *id, genom_context self"
         } else {
@@ -307,8 +307,8 @@ impl Writer<'_, '_> {
         let mut arguments = Vec::new();
         for param in &remote.params {
             let passing = match param.dir {
-                ParamDir::In => Passing::Value,
-                ParamDir::Out | ParamDir::Inout => Passing::Reference,
+                ParamDir::In => PassingMode::Value,
+                ParamDir::Out | ParamDir::Inout => PassingMode::Reference,
                 ParamDir::Local => continue,
             };
             arguments.push(self.m.argument(param.ty, passing, &param.name)?);

@@ -2,7 +2,7 @@
 
 use dotgen_analysis::model::{Codel, ParamDir, ParamSource};
 
-use super::{Anchor, LangError, LangResult, Language, Mapper, Passing, param_types, text};
+use super::{Anchor, LangError, LangResult, Language, Mapper, PassingMode, param_types, text};
 
 impl Mapper<'_> {
     /// The prototype of a codel. `separator` is between the return type and the name; `location` puts a
@@ -83,9 +83,9 @@ impl Mapper<'_> {
         for param in &codel.params {
             let remote = matches!(param.source, ParamSource::Port(_) | ParamSource::Remote(_));
             let passing = match param.dir {
-                _ if remote => Passing::Value,
-                ParamDir::In => Passing::Value,
-                ParamDir::Out | ParamDir::Inout => Passing::Reference,
+                _ if remote => PassingMode::Value,
+                ParamDir::In => PassingMode::Value,
+                ParamDir::Out | ParamDir::Inout => PassingMode::Reference,
                 ParamDir::Local => {
                     arguments.push(String::new());
                     continue;

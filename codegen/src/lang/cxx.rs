@@ -2,7 +2,7 @@
 
 use dotgen_analysis::model::{TypeId, TypeKind};
 
-use super::{LangError, LangResult, Mapper, Passing, c::with_dimension};
+use super::{LangError, LangResult, Mapper, PassingMode, c::with_dimension};
 
 pub(super) fn declarator(m: &Mapper<'_>, ty: TypeId, var: &str) -> LangResult {
     let abstract_declarator = match m.kind(ty) {
@@ -86,11 +86,11 @@ pub(super) fn address(m: &Mapper<'_>, ty: TypeId, var: &str) -> String {
     }
 }
 
-pub(super) fn argument(m: &Mapper<'_>, ty: TypeId, passing: Passing, var: &str) -> LangResult {
+pub(super) fn argument(m: &Mapper<'_>, ty: TypeId, passing: PassingMode, var: &str) -> LangResult {
     let by_reference = || declarator(m, ty, &format!("&{var}"));
     match (passing, m.final_kind(ty)) {
         (
-            Passing::Value,
+            PassingMode::Value,
             TypeKind::Sequence { .. }
             | TypeKind::Optional { .. }
             | TypeKind::Struct { .. }
@@ -100,14 +100,14 @@ pub(super) fn argument(m: &Mapper<'_>, ty: TypeId, passing: Passing, var: &str) 
             | TypeKind::Unknown,
         ) => Ok(format!("const {}", by_reference()?)),
         (
-            Passing::Value,
+            PassingMode::Value,
             TypeKind::String { bound: Some(_) } | TypeKind::Array { .. } | TypeKind::Native,
         ) => Ok(format!("const {}", declarator(m, ty, var)?)),
-        (Passing::Value, TypeKind::Port { .. } | TypeKind::Remote { .. }) => by_reference(),
-        (Passing::Value, _) => declarator(m, ty, var),
-        (Passing::Reference, TypeKind::String { bound: Some(_) } | TypeKind::Array { .. }) => {
+        (PassingMode::Value, TypeKind::Port { .. } | TypeKind::Remote { .. }) => by_reference(),
+        (PassingMode::Value, _) => declarator(m, ty, var),
+        (PassingMode::Reference, TypeKind::String { bound: Some(_) } | TypeKind::Array { .. }) => {
             declarator(m, ty, var)
         }
-        (Passing::Reference, _) => by_reference(),
+        (PassingMode::Reference, _) => by_reference(),
     }
 }

@@ -5,7 +5,7 @@ use dotgen_analysis::model::{ParamDir, PortDir, ScopeKind, TypeId, TypeKind, Val
 use super::c_types::{literal, mentions_sized_integer};
 use super::cxx::declarator;
 use super::text::cxx_name;
-use super::{LangError, LangResult, MapObject, Mapper, Passing};
+use super::{LangError, LangResult, MapObject, Mapper, PassingMode};
 
 const EVENT_HEADER: &str = "\n#include \"genom3/c++/event.h\"";
 
@@ -258,7 +258,7 @@ impl Writer<'_, '_> {
 
     fn port(&self, ty: TypeId, component: u32, port: u32) -> LangResult {
         let port = &self.m.spec.components[component as usize].ports[port as usize];
-        let data = self.m.return_value(port.data, Passing::Reference, "")?;
+        let data = self.m.return_value(port.data, PassingMode::Reference, "")?;
         let arguments = if port.multiple {
             "const char *id"
         } else {
@@ -290,8 +290,8 @@ impl Writer<'_, '_> {
         let mut arguments = Vec::new();
         for param in &remote.params {
             let passing = match param.dir {
-                ParamDir::In => Passing::Value,
-                ParamDir::Out | ParamDir::Inout => Passing::Reference,
+                ParamDir::In => PassingMode::Value,
+                ParamDir::Out | ParamDir::Inout => PassingMode::Reference,
                 ParamDir::Local => continue,
             };
             arguments.push(self.m.argument(param.ty, passing, &param.name)?);

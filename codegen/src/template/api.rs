@@ -45,7 +45,7 @@ impl Answer {
     }
 }
 
-type Result_ = Result<Answer, Failure>;
+type AnswerResult = Result<Answer, Failure>;
 
 impl From<LangError> for Failure {
     fn from(error: LangError) -> Failure {
@@ -64,7 +64,7 @@ impl Model<'_> {
         object: &Object,
         words: &[String],
         lambda: &mut Lambda<'_>,
-    ) -> Result_ {
+    ) -> AnswerResult {
         match object {
             Object::Type(ty) => types::call(self, *ty, words, lambda),
             Object::Component(index) => component::call(self, *index, words, lambda),
@@ -188,7 +188,7 @@ impl Model<'_> {
         filters: &[String],
         words: &[&str],
         matches: impl Fn(&'p Param, &str) -> bool,
-    ) -> Result_ {
+    ) -> AnswerResult {
         let mut kept = Vec::new();
         for (index, param) in params.iter().enumerate() {
             let mut keep = filters.is_empty();
@@ -256,7 +256,7 @@ pub(crate) fn closure(
     object: &Object,
     arguments: &[String],
     lambda: &mut Lambda<'_>,
-) -> Result_ {
+) -> AnswerResult {
     if what == "types" {
         component::types(model, object, arguments, lambda)
     } else {

@@ -29,25 +29,25 @@ pub trait Console {
 #[derive(Debug)]
 pub struct StdConsole {
     /// The standard output, if it is a terminal.
-    shown: Option<Harmless>,
+    shown: Option<TerminalFilter>,
 }
 
 impl Default for StdConsole {
     fn default() -> StdConsole {
         let terminal = std::io::stdout().is_terminal();
         StdConsole {
-            shown: terminal.then(Harmless::default),
+            shown: terminal.then(TerminalFilter::default),
         }
     }
 }
 
 /// Bytes made safe for a terminal. An incomplete character at the end of a call is kept until the next one.
 #[derive(Debug, Default)]
-struct Harmless {
+struct TerminalFilter {
     kept: Vec<u8>,
 }
 
-impl Harmless {
+impl TerminalFilter {
     fn text(&mut self, bytes: &[u8]) -> String {
         let bytes = [&std::mem::take(&mut self.kept), bytes].concat();
         let mut whole = bytes.len();
@@ -104,7 +104,7 @@ impl Console for StdConsole {
 
 /// Keeps the output; standard input is a given text.
 #[derive(Debug, Default)]
-pub struct Captured {
+pub struct CapturedConsole {
     /// Printed on standard output.
     pub out: Vec<u8>,
     /// Printed on the error output.
@@ -114,17 +114,17 @@ pub struct Captured {
     input: std::io::Cursor<Vec<u8>>,
 }
 
-impl Captured {
+impl CapturedConsole {
     /// A console whose standard input is a text.
-    pub fn with_input(input: &str) -> Captured {
-        Captured {
+    pub fn with_input(input: &str) -> CapturedConsole {
+        CapturedConsole {
             input: std::io::Cursor::new(input.as_bytes().to_vec()),
-            ..Captured::default()
+            ..CapturedConsole::default()
         }
     }
 }
 
-impl Console for Captured {
+impl Console for CapturedConsole {
     fn out(&mut self, bytes: &[u8]) {
         self.out.extend_from_slice(bytes);
     }
@@ -159,7 +159,7 @@ mod tests {
 
     #[test]
     fn a_terminal_gets_no_control_characters() {
-        let mut shown = Harmless::default();
+        let mut shown = TerminalFilter::default();
         assert_eq!(
             shown.text(b"a\x1b]0;x\x07\tb\r\n"),
             "a\\u{1b}]0;x\\u{7}\tb\\u{d}\n"

@@ -120,7 +120,7 @@ impl Host {
         let tclsh = find_tclsh()?;
         // If a template writes files itself, the system limits the size of each file, not their number.
         let folders = access.as_ref().map(|it| it.write.clone());
-        let space = (limits.output.zip(folders)).map(|(most, folders)| Space {
+        let space = (limits.output.zip(folders)).map(|(most, folders)| DiskQuota {
             most,
             used: processes.meter(folders),
         });
@@ -263,7 +263,7 @@ pub(crate) fn why_stopped(ended: &AtomicU8) -> Option<&'static str> {
 }
 
 /// The folders a process may write to, and their size limit.
-pub(crate) struct Space {
+pub(crate) struct DiskQuota {
     most: u64,
     used: Meter,
 }
@@ -271,7 +271,7 @@ pub(crate) struct Space {
 /// Kills the process on timeout, on cancellation, or if it has written too much.
 pub(crate) fn watch(
     limits: &Limits,
-    space: Option<Space>,
+    space: Option<DiskQuota>,
     child: &Arc<Mutex<Process>>,
     ended: &Arc<AtomicU8>,
 ) -> Option<mpsc::Sender<()>> {

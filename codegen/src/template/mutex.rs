@@ -7,7 +7,7 @@ use rustc_hash::FxHashSet;
 
 /// The other side of a comparison: a codel's parameters, or a service's inputs and outputs.
 #[derive(Clone, Copy, PartialEq)]
-enum Against {
+enum MutexOperand {
     Codel,
     Service,
 }
@@ -25,7 +25,8 @@ pub(crate) fn codel_mutex(
         Owner::Task(_) => None,
     };
     let mut found = SeenCodels::new(component);
-    let conflict = |other: &Codel| conflicts(spec, &codel.params, &other.params, Against::Codel);
+    let conflict =
+        |other: &Codel| conflicts(spec, &codel.params, &other.params, MutexOperand::Codel);
     for other in (0..component.tasks.len() as u32).filter(|it| Some(*it) != task) {
         found.add_state_machine(Owner::Task(other), conflict);
     }
@@ -49,7 +50,7 @@ pub(crate) fn codel_mutex(
     let services = component.services.iter().enumerate();
     let services = services
         .filter(|(_, other)| other.task != task)
-        .filter(|(_, other)| conflicts(spec, &codel.params, &other.params, Against::Service))
+        .filter(|(_, other)| conflicts(spec, &codel.params, &other.params, MutexOperand::Service))
         .map(|(index, _)| index as u32);
     (found.codels, services.collect())
 }
@@ -59,7 +60,7 @@ pub(crate) fn service_mutex(spec: &Spec, component: &Component, service: u32) ->
     let service = &component.services[service as usize];
     let mut found = SeenCodels::new(component);
     let conflict =
-        |other: &Codel| conflicts(spec, &other.params, &service.params, Against::Service);
+        |other: &Codel| conflicts(spec, &other.params, &service.params, MutexOperand::Service);
     for other in (0..component.tasks.len() as u32).filter(|it| Some(*it) != service.task) {
         found.add_state_machine(Owner::Task(other), conflict);
     }
@@ -112,12 +113,12 @@ impl<'a> SeenCodels<'a> {
     }
 }
 
-fn conflicts(spec: &Spec, left: &[Param], right: &[Param], against: Against) -> bool {
+fn conflicts(spec: &Spec, left: &[Param], right: &[Param], against: MutexOperand) -> bool {
     left.iter()
         .any(|p| right.iter().any(|q| conflict(spec, p, q, against)))
 }
 
-fn conflict(spec: &Spec, p: &Param, q: &Param, against: Against) -> bool {
+fn conflict(spec: &Spec, p: &Param, q: &Param, against: MutexOperand) -> bool {
     match (p.source, q.source) {
         (ParamSource::Port(a), ParamSource::Port(b)) => return a == b,
         (ParamSource::Remote(a), ParamSource::Remote(b)) if a == b => {}
@@ -127,8 +128,8 @@ fn conflict(spec: &Spec, p: &Param, q: &Param, against: Against) -> bool {
     }
     // An input of a service is written to the ids by an attribute.
     let harmless = match against {
-        Against::Codel => ParamDir::In,
-        Against::Service => ParamDir::Out,
+        MutexOperand::Codel => ParamDir::In,
+        MutexOperand::Service => ParamDir::Out,
     };
     if p.dir == ParamDir::In && q.dir == harmless {
         return false;

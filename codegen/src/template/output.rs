@@ -13,10 +13,10 @@ use dotgen_syntax::encoding;
 
 use super::console::Console;
 use super::merge::{self, Choice, Conflict};
-use super::{Confined, Confirmed, Failure, reach};
+use super::{Confinement, Confirmation, Failure, readable_files};
 use crate::disk::{Disk, WriteError};
 use crate::process::{Channels, Processes, Program, Resources};
-pub(crate) use staged::Staged;
+pub(crate) use staged::StagedFiles;
 
 /// A file written by a template in a run that writes nothing to disk.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -27,7 +27,7 @@ pub struct PreviewFile {
     pub after: Vec<u8>,
     /// Unix permissions, if the template sets any.
     pub mode: Option<u32>,
-    /// The reason why the user must review the file: see [`Confirmed::Shown`].
+    /// The reason why the user must review the file: see [`Confirmation::Shown`].
     pub concern: Option<&'static str>,
 }
 
@@ -44,7 +44,7 @@ fn concern(
 ) -> Option<&'static str> {
     let had = || disk.status(path).map_or(0, |it| it.mode);
     let executable = mode.is_some_and(|it| it & EXECUTABLE & !had() != 0);
-    match (reach::is_hidden(disk, path, folders), executable) {
+    match (readable_files::is_hidden(disk, path, folders), executable) {
         (true, true) => Some("hidden and executable"),
         (true, false) => Some("hidden"),
         (false, true) => Some("executable"),
@@ -73,7 +73,7 @@ impl OutputSink {
     /// Returns the first file that cannot be written, and the reason.
     pub(crate) fn write_out(self, disk: &dyn Disk) -> Result<(), WriteError> {
         match self {
-            OutputSink::Preview(files) => Staged::direct(files).finish(disk, false).1,
+            OutputSink::Preview(files) => StagedFiles::direct(files).finish(disk, false).1,
             OutputSink::Direct => Ok(()),
         }
     }
@@ -172,13 +172,13 @@ pub(crate) struct Output {
     /// Base directory of relative paths; empty for the current one.
     pub(crate) base: PathBuf,
     /// The files written so far.
-    pub(crate) files: Staged,
+    pub(crate) files: StagedFiles,
     /// The disk before the run.
     pub(crate) disk: Arc<dyn Disk>,
     /// Name of the template, for messages.
     pub(crate) template: String,
     /// The folders for results, if the run is confined; a confined run starts no program.
-    pub(crate) confined: Option<Confined>,
+    pub(crate) confined: Option<Confinement>,
 }
 
 impl Output {
@@ -195,7 +195,7 @@ impl Output {
             merge_tool: "interactive".into(),
             dir: String::new(),
             base,
-            files: Staged::new(sink),
+            files: StagedFiles::new(sink),
             disk,
             template,
             confined: None,
@@ -233,8 +233,8 @@ impl Output {
         let Some(confined) = &self.confined else {
             return Ok(());
         };
-        if reach::is_below(&*self.disk, path, &confined.results) {
-            let Confirmed::Only(confirmed) = &confined.confirmed else {
+        if readable_files::is_below(&*self.disk, path, &confined.results) {
+            let Confirmation::Only(confirmed) = &confined.confirmed else {
                 return Ok(());
             };
             let mode = match permissions.is_empty() {
@@ -243,7 +243,7 @@ impl Output {
             };
             let concern = concern(&*self.disk, path, mode, &confined.results);
             return match concern {
-                Some(what) if !confirmed.contains(&reach::plain(&*self.disk, path)) => {
+                Some(what) if !confirmed.contains(&readable_files::plain(&*self.disk, path)) => {
                     Err(Failure::Error(format!(
                         "{shown} is {what}, and a confined template writes such a file only if you name \
                          the file: --allow {shown}"
@@ -280,7 +280,7 @@ impl Output {
         self.check(&shown, &path, permissions)?;
         self.put(&shown, &path, permissions, text, env)?;
         if let Some(confined) = &self.confined
-            && confined.confirmed == Confirmed::Shown
+            && confined.confirmed == Confirmation::Shown
         {
             self.files.mark(&*self.disk, &path, &confined.results);
         }

@@ -59,7 +59,7 @@ pub(crate) fn subst_flaws(text: &str) -> Vec<Flaw> {
 }
 
 /// The error for a missing end; its flaw is already recorded.
-struct Open;
+struct UnclosedError;
 
 struct Reader<'a> {
     text: &'a [u8],
@@ -96,9 +96,9 @@ impl<'a> Reader<'a> {
     }
 
     /// Records a word without an end that begins at `start`, with an opening of this many characters.
-    fn open(&mut self, start: usize, length: usize, kind: FlawKind) -> Open {
+    fn open(&mut self, start: usize, length: usize, kind: FlawKind) -> UnclosedError {
         self.note(start..start + length, kind);
-        Open
+        UnclosedError
     }
 
     /// Skips a backslash and the character after it.
@@ -114,7 +114,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Reads commands up to the end, or, in a substitution, up to its `]`. Returns true if the `]` was found.
-    fn script(&mut self, nested: bool) -> Result<bool, Open> {
+    fn script(&mut self, nested: bool) -> Result<bool, UnclosedError> {
         loop {
             match self.peek() {
                 None => return Ok(false),
@@ -130,7 +130,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn comment(&mut self) -> Result<(), Open> {
+    fn comment(&mut self) -> Result<(), UnclosedError> {
         let start = self.at;
         while let Some(c) = self.peek() {
             match c {
@@ -150,7 +150,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn command(&mut self, nested: bool) -> Result<(), Open> {
+    fn command(&mut self, nested: bool) -> Result<(), UnclosedError> {
         let mut words = Vec::new();
         loop {
             match self.peek() {
@@ -181,7 +181,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn word(&mut self, nested: bool) -> Result<Word, Open> {
+    fn word(&mut self, nested: bool) -> Result<Word, UnclosedError> {
         let rest = &self.text[self.at..self.end];
         if rest.starts_with(b"{*}")
             && !matches!(rest.get(3), None | Some(b' ' | b'\t' | b'\n' | b';'))
@@ -218,7 +218,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    fn braces(&mut self) -> Result<(), Open> {
+    fn braces(&mut self) -> Result<(), UnclosedError> {
         let start = self.at;
         let mut depth = 0usize;
         while let Some(c) = self.peek() {
@@ -240,7 +240,10 @@ impl<'a> Reader<'a> {
     }
 
     /// Reads text with substitutions, until `ends`. Returns true if the end was found.
-    fn substituted(&mut self, ends: impl Fn(&Reader<'_>) -> bool + Copy) -> Result<bool, Open> {
+    fn substituted(
+        &mut self,
+        ends: impl Fn(&Reader<'_>) -> bool + Copy,
+    ) -> Result<bool, UnclosedError> {
         while let Some(c) = self.peek() {
             if ends(self) {
                 return Ok(true);
@@ -261,7 +264,7 @@ impl<'a> Reader<'a> {
         Ok(ends(self))
     }
 
-    fn variable(&mut self) -> Result<(), Open> {
+    fn variable(&mut self) -> Result<(), UnclosedError> {
         let start = self.at;
         self.at += 1;
         if self.peek() == Some(b'{') {
@@ -292,7 +295,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Checks the words of a command that are scripts.
-    fn bodies(&mut self, words: &[Word]) -> Result<(), Open> {
+    fn bodies(&mut self, words: &[Word]) -> Result<(), UnclosedError> {
         let Some((name, arguments)) = words.split_first() else {
             return Ok(());
         };

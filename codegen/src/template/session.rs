@@ -10,12 +10,12 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use dotgen_syntax::encoding::latin1;
 
 use super::api::Answer;
-use super::blame::{self, Script};
 use super::console::Console;
+use super::error_location::{self, Script};
 use super::host::Host;
 use super::object::Registry;
 use super::output::{Environment, Output, posix};
-use super::reach::Reach;
+use super::readable_files::ReadableFiles;
 use super::{Failure, Outcome, Run, tcl};
 use crate::frontend::{Compiled, Frontend};
 use crate::lang::Language;
@@ -34,7 +34,7 @@ pub(super) struct Session<'a> {
     output: Output,
     tmpdir: PathBuf,
     /// The readable files, if the run is confined.
-    reach: Option<Reach>,
+    reach: Option<ReadableFiles>,
     temporaries: u32,
     scripts: Vec<Script>,
     deps: Vec<String>,
@@ -44,7 +44,7 @@ pub(super) struct Session<'a> {
 }
 
 /// The end of the template, as the interpreter reports it.
-struct Done {
+struct ScriptEnd {
     failed: bool,
     status: i32,
     message: String,
@@ -62,7 +62,7 @@ pub(super) fn run(
 ) -> Outcome {
     let name = run.name();
     let reach = run.confined.map(|_| {
-        Reach::new(
+        ReadableFiles::new(
             &*run.disk, &run.dir, run.search, &run.base, &run.args, &tmpdir,
         )
     });
@@ -83,7 +83,7 @@ pub(super) fn run(
         &run.base,
         // Error output of a confined template is data, which the console makes harmless.
         !console.is_terminal() || reach.is_some(),
-        reach.as_ref().map(Reach::access),
+        reach.as_ref().map(ReadableFiles::access),
     );
     let host = match host {
         Ok(host) => host,
@@ -125,7 +125,7 @@ pub(super) fn run(
         Ok(done) => {
             session.host.finish();
             if done.failed {
-                place = blame::place(&*run.disk, &run.dir, &done.message, &done.trace);
+                place = error_location::place(&*run.disk, &run.dir, &done.message, &done.trace);
             }
             let shown = if run.verbose {
                 &done.trace
@@ -169,13 +169,13 @@ impl Session<'_> {
     ///
     /// # Errors
     /// Fails if the run cannot continue.
-    fn serve(&mut self) -> Result<Done, String> {
+    fn serve(&mut self) -> Result<ScriptEnd, String> {
         loop {
             let words = self.host.receive()?;
             if words.first().is_some_and(|it| it == b"done") {
                 let word = |index: usize| words.get(index).map(|it| String::from_utf8_lossy(it));
                 let word = |index: usize| word(index).unwrap_or_default().into_owned();
-                return Ok(Done {
+                return Ok(ScriptEnd {
                     failed: word(1) != "0",
                     status: word(2).parse().unwrap_or(2),
                     message: word(3),

@@ -1,6 +1,6 @@
 //! Small cases of what is drift and what is not.
 
-use dotgen_codegen::codels::codes::{self, Corrected};
+use dotgen_codegen::codels::codes::{self, Correction};
 use dotgen_codegen::codels::drift::{DriftCode, Repair};
 use dotgen_codegen::codels::edit::apply;
 use dotgen_codegen::codels::repair::Repairs;
@@ -492,8 +492,8 @@ fn every_code_of_the_manual_is_found_in_its_example_and_nothing_else() {
         let found: Vec<_> = fixture.check().iter().map(|it| it.code).collect();
         assert_eq!(found, [code], "{:?}", fixture.report());
         let (specification, source) = match entry.corrected {
-            Corrected::Specification(text) => (text, entry.source),
-            Corrected::Source(text) => (entry.specification, text),
+            Correction::Specification(text) => (text, entry.source),
+            Correction::Source(text) => (entry.specification, text),
         };
         let fixture = Fixture::new(specification, &[("c_codels.c", source)]);
         let found: Vec<_> = fixture.check().iter().map(|it| it.code).collect();

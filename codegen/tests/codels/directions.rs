@@ -6,7 +6,7 @@ use std::time::{Duration, SystemTime};
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_codegen::codels::command::{Project, SyncOptions, sync};
 use dotgen_codegen::codels::edit::apply;
-use dotgen_codegen::codels::files::{Changed, Files, FilesConfig};
+use dotgen_codegen::codels::files::{Files, FilesConfig, ModificationTime};
 use dotgen_codegen::codels::repair::Repairs;
 use dotgen_codegen::codels::stub::StubOptions;
 
@@ -31,9 +31,9 @@ impl Files for Dated<'_> {
         self.files.list(folder)
     }
 
-    fn changed(&self, path: &Utf8Path) -> Option<Changed> {
+    fn changed(&self, path: &Utf8Path) -> Option<ModificationTime> {
         let seconds = if path == self.last { 2 } else { 1 };
-        Some(Changed::At(
+        Some(ModificationTime::At(
             SystemTime::UNIX_EPOCH + Duration::from_secs(seconds),
         ))
     }

@@ -10,7 +10,7 @@ use dotgen_analysis::model::{ParamDir, Spec, TypeId, TypeKind};
 use dotgen_codegen::codels::expected::Expected;
 use dotgen_codegen::codels::files::Files;
 use dotgen_codegen::codels::stub::{StubOptions, Stubs};
-use dotgen_codegen::lang::{Language, Passing, param_types};
+use dotgen_codegen::lang::{Language, PassingMode, param_types};
 
 use crate::codels::support::{shared, workspace};
 
@@ -148,8 +148,8 @@ pub(crate) fn codels(expected: &Expected<'_>) -> BTreeMap<Utf8PathBuf, String> {
             for param in &codel.params {
                 let ty = param_types(expected.spec, expected.component, param).1;
                 let passing = match param.dir {
-                    ParamDir::Out | ParamDir::Inout => Passing::Reference,
-                    _ => Passing::Value,
+                    ParamDir::Out | ParamDir::Inout => PassingMode::Reference,
+                    _ => PassingMode::Value,
                 };
                 let Ok(value) = expected.mapper().dereference(ty, passing, &param.name) else {
                     continue;

@@ -13,7 +13,7 @@ use dotgen_codegen::codels::expected::Expected;
 use dotgen_codegen::codels::files::{Files, FilesConfig, Sources};
 use dotgen_codegen::codels::folder::{Folder, folders};
 use dotgen_codegen::codels::headers::headers;
-use dotgen_codegen::codels::rename::{Refused, Renaming, rename};
+use dotgen_codegen::codels::rename::{RenameRefusal, Renaming, rename};
 use dotgen_codegen::lang::Language;
 
 use crate::codels::project::{Overlay, Random, examples, host_over, published};
@@ -82,7 +82,7 @@ impl Before {
     }
 
     /// Renames what stands at an offset of the specification; `None` when analysis refuses.
-    fn rename(&self, offset: usize, to: &str) -> Option<Result<After, Refused>> {
+    fn rename(&self, offset: usize, to: &str) -> Option<Result<After, RenameRefusal>> {
         let host = self.host();
         let analysis = host.analysis();
         let at = FilePosition {

@@ -8,9 +8,9 @@ use dotgen_codegen::process::{
     Channels, Folder, Gap, Group, Meter, Process, Processes, Program, Resources,
 };
 
-pub(crate) struct Plain;
+pub(crate) struct ShellProcesses;
 
-impl Processes for Plain {
+impl Processes for ShellProcesses {
     fn start(&self, program: &Program) -> io::Result<Process> {
         let mut command = Command::new("/bin/sh");
         let limit = program
@@ -33,7 +33,7 @@ impl Processes for Plain {
         }
         Ok(Process {
             child: command.spawn()?,
-            group: Box::new(Alone),
+            group: Box::new(SingleProcess),
         })
     }
 
@@ -57,9 +57,9 @@ impl Processes for Plain {
     }
 }
 
-struct Alone;
+struct SingleProcess;
 
-impl Group for Alone {
+impl Group for SingleProcess {
     fn kill(&self, child: &mut Child) {
         let _ = child.kill();
     }

@@ -1,15 +1,15 @@
 //! Orders each rank so that few edges cross.
 
-use super::ranked::Ranked;
+use super::ranked::RankedGraph;
 
 /// Number of sweeps of the median heuristic without improvement before it stops.
-const PATIENCE: usize = 4;
+const MAX_IDLE_SWEEPS: usize = 4;
 /// Maximum number of sweeps.
 const SWEEPS: usize = 24;
 
 /// Orders the ranks: weighted medians, sweeping down and up, with exchanges of neighbours
 /// (Gansner, Koutsofios, North and Vo, "A technique for drawing directed graphs", 1993).
-pub(super) fn order(graph: &mut Ranked) {
+pub(super) fn order(graph: &mut RankedGraph) {
     for rank in 0..graph.layers.len() {
         graph.gather(rank);
     }
@@ -19,7 +19,7 @@ pub(super) fn order(graph: &mut Ranked) {
     let mut fewest = crossings(graph, &position);
     let mut idle = 0;
     for sweep in 0..SWEEPS {
-        if fewest == 0 || idle >= PATIENCE {
+        if fewest == 0 || idle >= MAX_IDLE_SWEEPS {
             break;
         }
         let ranks = graph.layers.len();
@@ -40,7 +40,7 @@ pub(super) fn order(graph: &mut Ranked) {
     graph.layers = best;
 }
 
-fn positions(graph: &Ranked) -> Vec<usize> {
+fn positions(graph: &RankedGraph) -> Vec<usize> {
     let mut position = vec![0; graph.rank.len()];
     for layer in &graph.layers {
         for (i, &vertex) in layer.iter().enumerate() {
@@ -51,7 +51,7 @@ fn positions(graph: &Ranked) -> Vec<usize> {
 }
 
 fn sort_by_median(
-    graph: &mut Ranked,
+    graph: &mut RankedGraph,
     rank: usize,
     down: bool,
     later_first: bool,
@@ -120,7 +120,7 @@ fn median(near: &[usize]) -> Option<f64> {
 }
 
 /// Exchanges neighbours as long as that removes crossings.
-fn transpose(graph: &mut Ranked, position: &mut [usize]) {
+fn transpose(graph: &mut RankedGraph, position: &mut [usize]) {
     for _ in 0..8 {
         let mut improved = false;
         for rank in 0..graph.layers.len() {
@@ -145,7 +145,7 @@ fn transpose(graph: &mut Ranked, position: &mut [usize]) {
 }
 
 /// Crossings between the edges of two neighbours when `left` stands left of `right`.
-fn crossings_of(graph: &Ranked, left: usize, right: usize, position: &[usize]) -> usize {
+fn crossings_of(graph: &RankedGraph, left: usize, right: usize, position: &[usize]) -> usize {
     let mut count = 0;
     for side in [&graph.up, &graph.down] {
         for &a in &side[left] {
@@ -157,7 +157,7 @@ fn crossings_of(graph: &Ranked, left: usize, right: usize, position: &[usize]) -
     count
 }
 
-fn crossings(graph: &Ranked, position: &[usize]) -> usize {
+fn crossings(graph: &RankedGraph, position: &[usize]) -> usize {
     let mut count = 0;
     let mut ends: Vec<usize> = Vec::new();
     for layer in &graph.layers {

@@ -7,16 +7,16 @@
 
 use rustc_hash::FxHashSet;
 
-use super::ranked::Ranked;
+use super::ranked::RankedGraph;
 use super::{FRAME_PADDING, LABEL_HEIGHT};
 
 const NONE: usize = usize::MAX;
 /// Minimum distance of two edges that pass through a column next to each other, in pixels.
-const PASSING: f64 = 4.0;
+const EDGE_GAP: f64 = 4.0;
 
 /// The x coordinate of the anchor of each vertex. `gap` is the minimum distance of two nodes. All are in
 /// pixels.
-pub(super) fn positions(graph: &Ranked, gap: f64) -> Vec<f64> {
+pub(super) fn positions(graph: &RankedGraph, gap: f64) -> Vec<f64> {
     let conflicts = conflicts(graph);
     let mut candidates: Vec<Vec<f64>> = Vec::with_capacity(4);
     for upward in [false, true] {
@@ -46,7 +46,7 @@ fn oriented(layers: &[Vec<usize>], upward: bool, rightward: bool) -> Vec<Vec<usi
 }
 
 /// Segments that cross the inner segment of a long edge: long edges win and stay straight.
-fn conflicts(graph: &Ranked) -> FxHashSet<(usize, usize)> {
+fn conflicts(graph: &RankedGraph) -> FxHashSet<(usize, usize)> {
     let mut position = vec![0; graph.rank.len()];
     for layer in &graph.layers {
         for (i, &v) in layer.iter().enumerate() {
@@ -128,7 +128,7 @@ fn alignment(
 
 /// Packs the runs to the left.
 fn compaction(
-    graph: &Ranked,
+    graph: &RankedGraph,
     layers: &[Vec<usize>],
     root: &[usize],
     gap: f64,
@@ -148,7 +148,7 @@ fn compaction(
             (left, right)
         };
         let space = match (graph.is_dummy(left), graph.is_dummy(right)) {
-            (true, true) if graph.columns => PASSING,
+            (true, true) if graph.columns => EDGE_GAP,
             (true, true) => 14.0,
             (false, false) if graph.group_of(left) != graph.group_of(right) => {
                 gap + FRAME_PADDING + LABEL_HEIGHT
@@ -205,7 +205,7 @@ fn compaction(
 }
 
 /// Aligns the four candidates with the narrowest and takes the mean of the two middle values.
-fn balance(graph: &Ranked, candidates: &mut [Vec<f64>]) -> Vec<f64> {
+fn balance(graph: &RankedGraph, candidates: &mut [Vec<f64>]) -> Vec<f64> {
     let bounds = |x: &[f64]| {
         x.iter()
             .enumerate()
@@ -242,7 +242,7 @@ fn balance(graph: &Ranked, candidates: &mut [Vec<f64>]) -> Vec<f64> {
 }
 
 /// Moves the nodes of each group together, `gap` apart, as near as possible to where they are.
-pub(super) fn pack_groups(graph: &Ranked, gap: f64, x: &mut [f64]) {
+pub(super) fn pack_groups(graph: &RankedGraph, gap: f64, x: &mut [f64]) {
     // Many columns keep the picture low: all of them are packed, and none is lower than another.
     let wrapped = graph.columns && graph.layers.len() > 3;
     for layer in &graph.layers {
@@ -260,7 +260,7 @@ pub(super) fn pack_groups(graph: &Ranked, gap: f64, x: &mut [f64]) {
                 false => FRAME_PADDING + LABEL_HEIGHT,
             };
             let passing = graph.is_dummy(left) && graph.is_dummy(right);
-            let gap = if passing { PASSING } else { gap };
+            let gap = if passing { EDGE_GAP } else { gap };
             let between = graph.extent[left].1 + graph.extent[right].0 + gap + frame;
             offset[i] = offset[i - 1] + between;
         }

@@ -10,7 +10,7 @@ use super::{acyclic, size::Loops};
 const EDGE_LENGTH: usize = 2;
 
 /// A graph whose edges join neighbouring ranks only. Real nodes come first and keep their index.
-pub(super) struct Ranked {
+pub(super) struct RankedGraph {
     /// Number of real nodes.
     pub(super) real: usize,
     /// True if the ranks are the columns of the nodes.
@@ -25,7 +25,7 @@ pub(super) struct Ranked {
     pub(super) group: Vec<Option<usize>>,
     /// Neighbours on the next and previous rank.
     pub(super) down: Vec<Vec<usize>>,
-    /// See [`Ranked::down`].
+    /// See [`RankedGraph::down`].
     pub(super) up: Vec<Vec<usize>>,
     /// For each edge of the graph, its vertices from the upper to the lower end (empty for self loops and
     /// edges to unknown nodes).
@@ -36,14 +36,14 @@ pub(super) struct Ranked {
     pub(super) label_at: Vec<Option<usize>>,
 }
 
-impl Ranked {
+impl RankedGraph {
     pub(super) fn new(
         graph: &Graph,
         ends: &[Option<(usize, usize)>],
         boxes: &[(f64, f64)],
         labels: &[(f64, f64)],
         loops: &Loops,
-    ) -> Ranked {
+    ) -> RankedGraph {
         let real = boxes.len();
         let columns = columns(graph, ends);
         let begins = graph.nodes.iter().any(|it| it.shape == Shape::Initial);
@@ -70,7 +70,7 @@ impl Ranked {
                 Some((upper, lower, EDGE_LENGTH, weight))
             })
             .collect();
-        let mut it = Ranked {
+        let mut it = RankedGraph {
             real,
             columns: columns.is_some(),
             rank: match columns {

@@ -1,6 +1,6 @@
 //! Vertical coordinates, and the curves of edges.
 
-use super::ranked::Ranked;
+use super::ranked::RankedGraph;
 use super::{EdgePath, Point, Rect};
 
 /// The top and bottom of each rank, in pixels.
@@ -17,7 +17,7 @@ impl Bands {
 }
 
 /// Stacks the ranks, as high as their highest vertex, with a gap between them.
-pub(super) fn rank_bands(graph: &Ranked, gap: f64) -> Bands {
+pub(super) fn rank_bands(graph: &RankedGraph, gap: f64) -> Bands {
     let mut bands = Vec::with_capacity(graph.layers.len());
     let mut y = 0.0;
     for layer in &graph.layers {
@@ -66,7 +66,7 @@ const PORT_GAP: f64 = 16.0;
 
 /// The curves of all edges except self loops.
 pub(super) fn edges(
-    graph: &Ranked,
+    graph: &RankedGraph,
     x: &[f64],
     bands: &Bands,
     nodes: &[Rect],
@@ -132,7 +132,7 @@ pub(super) fn edges(
 
 /// The points at which each edge meets its upper and its lower node: spread along the side in the order of
 /// the next vertices, so that edges do not cross at the node.
-fn ports(graph: &Ranked, x: &[f64], nodes: &[Rect]) -> Vec<(f64, f64)> {
+fn ports(graph: &RankedGraph, x: &[f64], nodes: &[Rect]) -> Vec<(f64, f64)> {
     let mut out: Vec<(f64, f64)> = vec![(0.0, 0.0); graph.chains.len()];
     let mut bottom: Vec<Vec<(f64, usize)>> = vec![Vec::new(); graph.real];
     let mut top: Vec<Vec<(f64, usize)>> = vec![Vec::new(); graph.real];

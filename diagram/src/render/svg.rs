@@ -265,7 +265,7 @@ impl Svg {
         let (first, last) = (path.points[0], path.points[path.points.len() - 1]);
         let (after, before) = (path.points[1], path.points[path.points.len() - 2]);
         let curve = curve(&path.points, edge.both_ways);
-        let mask = self.cut_out(path);
+        let mask = self.clip_edge(path);
         self.line(&format!("<path class=\"line\"{mask} d=\"{curve}\"/>"));
         let mut heads = head(last, before);
         if edge.both_ways {
@@ -286,7 +286,7 @@ impl Svg {
 impl Svg {
     /// Defines the part of an edge that is visible next to its label; returns the attribute that refers to
     /// it.
-    fn cut_out(&mut self, path: &EdgePath) -> String {
+    fn clip_edge(&mut self, path: &EdgePath) -> String {
         let (Some((w, h)), Some(label)) = (self.cut, path.label) else {
             return String::new();
         };
@@ -310,9 +310,9 @@ const HEAD: (f64, f64) = (9.0, 3.8);
 fn curve(points: &[Point], both_ways: bool) -> String {
     let last = points.len() - 1;
     let mut points = points.to_vec();
-    points[last] = shorten(points[last], points[last - 1]);
+    points[last] = shorten_for_arrow(points[last], points[last - 1]);
     if both_ways {
-        points[0] = shorten(points[0], points[1]);
+        points[0] = shorten_for_arrow(points[0], points[1]);
     }
     let n = |p: &Point| format!("{} {}", number(p.x), number(p.y));
     let mut out = format!("M{}", n(&points[0]));
@@ -323,7 +323,7 @@ fn curve(points: &[Point], both_ways: bool) -> String {
 }
 
 /// The end of a line that has an arrow head before `tip`.
-fn shorten(tip: Point, behind: Point) -> Point {
+fn shorten_for_arrow(tip: Point, behind: Point) -> Point {
     let (dx, dy) = (tip.x - behind.x, tip.y - behind.y);
     let length = dx.hypot(dy).max(1e-9);
     let by = (HEAD.0 - 1.0).min(length * 0.9);

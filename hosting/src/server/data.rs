@@ -1,7 +1,7 @@
 //! Values of ports and of inputs, as clients see them.
 
 use dotgen_analysis::model::{Service, Spec};
-use dotgen_codegen::codels::value::{Values, goes_in};
+use dotgen_codegen::codels::value::{Values, is_input};
 use serde_json::{Map, Value, json};
 
 use super::{Shared, State};
@@ -27,7 +27,7 @@ pub(super) fn newest(
 /// The message for inputs that are not an object, with an object that would do.
 pub(super) fn not_an_object(spec: &Spec, service: &Service) -> String {
     let values = Values::new(spec);
-    let inputs = service.params.iter().filter(|it| goes_in(it));
+    let inputs = service.params.iter().filter(|it| is_input(it));
     let example: Map<String, Value> = inputs
         .map(|it| {
             let default = values.default_of(it);

@@ -9,8 +9,8 @@ use serde_json::{Value, json};
 
 use super::find::input;
 use super::{Place, Shared, State};
-use crate::children::Newest;
-use crate::known::CONNECT;
+use crate::children::InputSlot;
+use crate::components::CONNECT;
 
 /// Maximum number of instances of an input port that clients may write, or connect.
 const INSTANCES: usize = 256;
@@ -69,7 +69,7 @@ pub(super) fn connect(shared: &Shared, at: usize, input: Option<&Value>) -> Resu
         ));
     }
     state.connected.insert(place, source);
-    match shared.door.bring(Message::Connect(connection)) {
+    match shared.inbox.bring(Message::Connect(connection)) {
         true => Ok(json!({"event": "done", "output": {}})),
         false => Err(ENDED.to_owned()),
     }
@@ -126,9 +126,9 @@ pub(super) fn write(shared: &Shared, path: &str, request: &Value) -> Result<Valu
             "`{path}` has {INSTANCES} instances; write one of them"
         ));
     }
-    let new = || Arc::new(Newest::new(at, number, instance.to_owned()));
+    let new = || Arc::new(InputSlot::new(at, number, instance.to_owned()));
     let newest = state.written.entry(place).or_insert_with(new);
-    match shared.door.feed(newest, bytes) {
+    match shared.inbox.feed(newest, bytes) {
         true => Ok(json!({"event": "written"})),
         // Clients that write until the end tell it from a value that is refused.
         false => Ok(json!({"event": "lost", "message": ENDED})),

@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use crate::places;
-use dotgen_platform::files::disk::Passing;
+use crate::sockets;
+use dotgen_platform::files::disk::TemporaryFile;
 
 /// See the [module](self).
 pub(super) struct Token {
@@ -23,14 +23,14 @@ impl Token {
     ///
     /// # Errors
     /// The folder of this user's runs, or the file, cannot be made.
-    pub(super) fn new(port: u16) -> io::Result<(Token, Passing)> {
+    pub(super) fn new(port: u16) -> io::Result<(Token, TemporaryFile)> {
         let mut bytes = [0; 16];
         File::open("/dev/urandom")?.read_exact(&mut bytes)?;
         let text = bytes.iter().fold(String::new(), |mut text, byte| {
             let _ = write!(text, "{byte:02x}");
             text
         });
-        let path = places::token(port)?;
+        let path = sockets::token(port)?;
         // A run that was killed leaves its file behind, but not its port.
         let _ = std::fs::remove_file(&path);
         let mut options = OpenOptions::new();
@@ -40,7 +40,7 @@ impl Token {
             .mode(0o600)
             .open(&path)?;
         file.write_all(text.as_bytes())?;
-        let file = Passing::new(path.clone());
+        let file = TemporaryFile::new(path.clone());
         Ok((Token { text, path }, file))
     }
 

@@ -13,7 +13,7 @@ use super::{Settings, schema};
 
 /// Settings, and the errors in their source.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Read {
+pub struct LoadedSettings {
     /// The valid settings.
     pub settings: Settings,
     /// The errors.
@@ -73,7 +73,7 @@ impl ProblemKind {
 const CLIENT_ONLY: [&str; 4] = ["server", "trace", "files", "trusted"];
 
 /// Reads the text of a `dotgen.toml`.
-pub fn from_toml(text: &str) -> Read {
+pub fn from_toml(text: &str) -> LoadedSettings {
     let table = match DeTable::parse(text) {
         Ok(table) => table,
         Err(error) => {
@@ -82,9 +82,9 @@ pub fn from_toml(text: &str) -> Read {
                 message: format!("not a valid TOML file: {}", error.message().trim()),
                 range: Some(error.span().unwrap_or(0..0)),
             };
-            return Read {
+            return LoadedSettings {
                 problems: vec![problem],
-                ..Read::default()
+                ..LoadedSettings::default()
             };
         }
     };
@@ -101,16 +101,16 @@ pub fn from_toml(text: &str) -> Read {
     });
     let mut problems: Vec<Problem> = problems.collect();
     problems.sort_by_key(|it| it.range.as_ref().map(|range| range.start));
-    Read { settings, problems }
+    LoadedSettings { settings, problems }
 }
 
 /// Reads the settings of an editor: the section itself, an object with the member `dotgen`, or dotted keys
 /// (`"dotgen.includePaths"`). Names may be in camel case, as editors prefer.
-pub fn from_editor(value: &Value) -> Read {
+pub fn from_editor(value: &Value) -> LoadedSettings {
     let object = editor_section(value);
     let name = |key: &str| format!("dotgen.{}", camel(key));
     let (settings, problems) = read_object(&object, &CLIENT_ONLY, &name);
-    Read {
+    LoadedSettings {
         settings: settings.chosen_by(ReleaseOrigin::Editor),
         problems: problems.into_iter().map(|(_, problem)| problem).collect(),
     }

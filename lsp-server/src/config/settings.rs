@@ -538,7 +538,7 @@ impl Settings {
     }
 
     /// Resolves relative directories against `base`, so that sources with different bases can be combined.
-    pub fn anchored(mut self, base: &camino::Utf8Path) -> Settings {
+    pub fn resolved_against(mut self, base: &camino::Utf8Path) -> Settings {
         let paths = self.include_paths.iter_mut().chain(&mut self.package_paths);
         for path in paths.chain(&mut self.template_paths) {
             *path = super::resolve(path, base).into_string();

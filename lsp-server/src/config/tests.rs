@@ -2,7 +2,7 @@ use serde_json::json;
 
 use super::*;
 
-fn problems(read: &Read, text: &str) -> Vec<String> {
+fn problems(read: &LoadedSettings, text: &str) -> Vec<String> {
     let show = |it: &Problem| {
         let at = it.range.clone().map_or("-", |range| &text[range]);
         format!("{} `{at}`: {}", it.kind.code(), it.message)
@@ -126,7 +126,11 @@ fn every_shape_that_editors_send_is_read() {
         json!({}),
         json!({ "dotgen": null }),
     ] {
-        assert_eq!(from_editor(&nothing), Read::default(), "{nothing}");
+        assert_eq!(
+            from_editor(&nothing),
+            LoadedSettings::default(),
+            "{nothing}"
+        );
     }
 }
 

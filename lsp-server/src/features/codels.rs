@@ -7,7 +7,7 @@
 
 pub(crate) mod actions;
 pub mod headers;
-pub(crate) mod judged;
+pub(crate) mod judged_actions;
 pub(crate) mod lenses;
 pub(crate) mod navigation;
 pub mod standins;
@@ -25,7 +25,7 @@ use dotgen_codegen::codels::diagnostics::{Side, diagnostics};
 use dotgen_codegen::codels::drift::{Drift, Repair};
 use dotgen_codegen::codels::expected::Expected;
 use dotgen_codegen::codels::files::{
-    Changed, Files, FilesConfig, IndexedFile, Sources as SourceFiles,
+    Files, FilesConfig, IndexedFile, ModificationTime, Sources as SourceFiles,
 };
 use dotgen_codegen::codels::folder::{self, Folder};
 use dotgen_codegen::codels::repair::Repairs;
@@ -33,7 +33,7 @@ use dotgen_codegen::codels::stub::StubOptions;
 use dotgen_codegen::template::notice;
 use rustc_hash::FxHasher;
 
-use crate::workspace::codels::{Compared, Good, lock};
+use crate::workspace::codels::{ComparedFolders, ValidUnit, lock};
 use crate::workspace::snapshot::{DocumentKind, Snapshot};
 use dotgen_platform::files::{history, vfs};
 
@@ -61,8 +61,8 @@ impl Files for Disk {
         })
     }
 
-    fn changed(&self, path: &Utf8Path) -> Option<Changed> {
-        history::changed(path).map(Changed::At)
+    fn changed(&self, path: &Utf8Path) -> Option<ModificationTime> {
+        history::changed(path).map(ModificationTime::At)
     }
 }
 
@@ -111,10 +111,10 @@ impl Files for Texts<'_> {
         }
     }
 
-    fn changed(&self, path: &Utf8Path) -> Option<Changed> {
+    fn changed(&self, path: &Utf8Path) -> Option<ModificationTime> {
         let is_saved = || self.read(path).as_deref() == Disk.read(path).as_deref();
         match self.snapshot.open.contains_key(path) && !is_saved() {
-            true => Some(Changed::Unsaved),
+            true => Some(ModificationTime::Unsaved),
             false => Disk.changed(path),
         }
     }
@@ -122,7 +122,10 @@ impl Files for Texts<'_> {
 
 /// The folders of the unit that serves a specification, or of the units whose codels are in the folder of a
 /// source. Empty for any other file.
-pub(crate) fn around(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Arc<Compared>>> {
+pub(crate) fn around(
+    snapshot: &Snapshot,
+    path: &Utf8Path,
+) -> Cancellable<Vec<Arc<ComparedFolders>>> {
     if !snapshot.is_code(path) {
         return Ok(vec![of_unit(snapshot, &snapshot.analysis.root_of(path)?)?]);
     }
@@ -152,8 +155,8 @@ pub(crate) fn roots_around(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<
 }
 
 /// The folders of the unit of a root, compared.
-fn of_unit(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<Arc<Compared>> {
-    let nothing = || Compared {
+fn of_unit(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<Arc<ComparedFolders>> {
+    let nothing = || ComparedFolders {
         revision: snapshot.revision,
         folders: Vec::new(),
     };
@@ -207,7 +210,7 @@ fn differences(folder: &Folder) -> Vec<Drift> {
 }
 
 /// The unit of a root with which codels are compared, and its texts if these are earlier ones.
-fn serving(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<(UnitResult, Option<Good>)> {
+fn serving(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<(UnitResult, Option<ValidUnit>)> {
     let unit = snapshot.analysis.root_unit(root)?;
     if unit.has_syntax_errors() {
         let good = lock(&snapshot.codels.good).get(root).cloned();
@@ -222,7 +225,7 @@ fn serving(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<(UnitResult, Opt
             texts.insert(path.clone(), text);
         }
     }
-    let good = Good {
+    let good = ValidUnit {
         unit: unit.clone(),
         texts: Arc::new(texts),
     };
@@ -232,7 +235,11 @@ fn serving(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<(UnitResult, Opt
 
 /// Adapts folders of an earlier unit to the present texts: moves places to where they are now, and removes
 /// codels with changed text.
-fn bring_up(snapshot: &Snapshot, folders: &mut [Folder], earlier: &Good) -> Cancellable<()> {
+fn adapt_folders(
+    snapshot: &Snapshot,
+    folders: &mut [Folder],
+    earlier: &ValidUnit,
+) -> Cancellable<()> {
     let mut now: BTreeMap<Utf8PathBuf, Arc<str>> = BTreeMap::new();
     for path in earlier.texts.keys() {
         if let Some(text) = snapshot.analysis.text(path)? {
@@ -265,7 +272,7 @@ fn bring_up(snapshot: &Snapshot, folders: &mut [Folder], earlier: &Good) -> Canc
 
 /// True if there can be findings about a specification and its codels: a folder of codels exists, or a
 /// comment allows findings. Does not compile the specification.
-fn is_concerned(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<bool> {
+fn may_have_findings(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<bool> {
     let text = snapshot.analysis.text(path)?;
     if snapshot.config.codels_of(path).is_some() && text.is_some_and(|it| it.contains("allow(")) {
         return Ok(true);
@@ -298,7 +305,7 @@ fn folders(snapshot: &Snapshot, config: &FilesConfig, root: &Utf8Path) -> Cancel
     };
     let mut found = folder::folders(&unit, &mut sources);
     if let Some(earlier) = &earlier {
-        bring_up(snapshot, &mut found, earlier)?;
+        adapt_folders(snapshot, &mut found, earlier)?;
     }
     texts.check()?;
     let mut out = Vec::new();
@@ -349,7 +356,7 @@ pub(crate) fn file_diagnostics(
     path: &Utf8Path,
 ) -> Cancellable<Vec<Diagnostic>> {
     let mut out: Vec<Diagnostic> = Vec::new();
-    if !snapshot.is_code(path) && !is_concerned(snapshot, path)? {
+    if !snapshot.is_code(path) && !may_have_findings(snapshot, path)? {
         return Ok(out);
     }
     for compared in around(snapshot, path)? {
@@ -369,7 +376,10 @@ pub(crate) fn file_diagnostics(
 }
 
 /// The findings about a specification that its codels do not disprove.
-pub(crate) fn founded(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
+pub(crate) fn unrefuted_findings(
+    snapshot: &Snapshot,
+    path: &Utf8Path,
+) -> Cancellable<Vec<Diagnostic>> {
     let mut all = snapshot.analysis.diagnostics(path)?;
     if all.iter().any(|it| it.code == folder::NEVER_THROWN)
         && let Some(text) = snapshot.analysis.text(path)?
@@ -391,7 +401,7 @@ pub(crate) fn unused_in(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec
 /// Diagnostics for comments that allow findings which do not occur.
 fn unused_allowances(
     snapshot: &Snapshot,
-    compared: &[Arc<Compared>],
+    compared: &[Arc<ComparedFolders>],
 ) -> Cancellable<Vec<Diagnostic>> {
     let folders = compared.iter().flat_map(|it| &it.folders);
     let folders: Vec<_> = folders.map(|it| (&it.0, it.1.as_slice())).collect();
@@ -409,7 +419,7 @@ pub(crate) fn sources_with_findings(snapshot: &Snapshot) -> Cancellable<Vec<Utf8
         if snapshot.analysis.root_of(root)? != *root && !config.folder_of(root).is_dir() {
             continue;
         }
-        if !is_concerned(snapshot, root)? {
+        if !may_have_findings(snapshot, root)? {
             continue;
         }
         for found in

@@ -16,10 +16,10 @@ use dotgen_timing::scn;
 use serde::{Deserialize, Serialize};
 
 use crate::features::codels::Texts;
-use crate::features::codels::judged::private_host;
+use crate::features::codels::judged_actions::private_host;
 use crate::protocol::convert::uri;
-use crate::protocol::refusable::Refusable;
 use crate::protocol::types::Uri;
+use crate::protocol::user_result::UserResult;
 use crate::workspace::snapshot::{Snapshot, Subject};
 use dotgen_views::verification::problem::EXTENSION;
 
@@ -246,9 +246,9 @@ pub(crate) fn interfaces(
 pub(crate) fn new_component(
     snapshot: &Snapshot,
     params: &NewComponentParams,
-) -> Cancellable<Refusable<NewFiles>> {
+) -> Cancellable<UserResult<NewFiles>> {
     let Some(folder) = &params.folder else {
-        return Ok(Refusable(Err(
+        return Ok(UserResult(Err(
             "a component needs a folder: name one".to_owned()
         )));
     };
@@ -275,7 +275,7 @@ pub(crate) fn new_component(
     let texts = Texts::new(snapshot);
     let made = files(&mut host, &texts, &folder, &answers);
     texts.check()?;
-    Ok(Refusable(made.map(|made| {
+    Ok(UserResult(made.map(|made| {
         let file = |(path, text): (Utf8PathBuf, String)| {
             Some(NewFile {
                 uri: uri::from_path(&path)?,

@@ -18,7 +18,7 @@ use serde_json::{Value, json};
 
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
-use dotgen_views::pictures::{self, Around, Form, Kind, Wish};
+use dotgen_views::pictures::{self, Form, Kind, PictureRequest, SystemContext};
 use dotgen_views::verification::view::View;
 
 /// Parameters of `dotgen/diagram`.
@@ -32,7 +32,7 @@ pub(crate) struct DiagramParams {
     pub(crate) position: Option<Position>,
     /// The subject of the picture.
     #[serde(flatten)]
-    pub(crate) wish: Wish,
+    pub(crate) wish: PictureRequest,
     /// Colours.
     #[serde(default = "editor_theme")]
     pub(crate) theme: Theme,
@@ -102,7 +102,7 @@ pub(crate) fn handle(
         return Ok(Some(last));
     }
     let units = units(snapshot, subject, &wish)?;
-    let around = Around {
+    let around = SystemContext {
         connections: snapshot.config.connections.clone(),
         chains: match wish.kind == Kind::System && wish.chains {
             true => chains(snapshot, &units),
@@ -176,7 +176,11 @@ pub(crate) fn text(
 }
 
 /// The units that a picture is drawn from.
-fn units(snapshot: &Snapshot, subject: &Subject, wish: &Wish) -> Cancellable<Vec<UnitResult>> {
+fn units(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    wish: &PictureRequest,
+) -> Cancellable<Vec<UnitResult>> {
     if wish.kind != Kind::System {
         return Ok(vec![snapshot.analysis.unit(&subject.path)?]);
     }
@@ -233,7 +237,7 @@ fn said(view: View, written: &std::ops::Range<usize>) -> Option<String> {
 
 /// Sets the names in a wish to the declaration around an offset. Without a declaration there, the names are
 /// unchanged.
-fn around(symbols: &[DocumentSymbol], offset: usize, wish: &mut Wish) {
+fn around(symbols: &[DocumentSymbol], offset: usize, wish: &mut PictureRequest) {
     for symbol in symbols.iter().filter(|it| it.range.contains(&offset)) {
         match symbol.kind {
             SymbolKind::Component if wish.component.as_deref() != Some(&symbol.name) => {
@@ -318,7 +322,7 @@ pub(crate) fn hover_image(
     let Some(targets) = snapshot.analysis.goto_definition(at)? else {
         return Ok(None);
     };
-    let mut wish = Wish::default();
+    let mut wish = PictureRequest::default();
     let symbols = snapshot.analysis.document_symbols(&subject.path)?;
     around(&symbols, at.offset, &mut wish);
     let fits = targets.info.iter().any(|it| match it.kind {
@@ -333,7 +337,7 @@ pub(crate) fn hover_image(
         return Ok(None);
     }
     let units = units(snapshot, subject, &wish)?;
-    let drawn = pictures::draw(&units, &Around::default(), &wish);
+    let drawn = pictures::draw(&units, &SystemContext::default(), &wish);
     let Some(picture) = drawn.first() else {
         return Ok(None);
     };

@@ -5,8 +5,8 @@ use camino::Utf8Path;
 use dotgen_analysis::diagnostic::Diagnostic;
 use dotgen_analysis::host::Cancellable;
 
-use crate::protocol::refusable::Refusable;
 use crate::protocol::types::*;
+use crate::protocol::user_result::UserResult;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
 /// Declares [`Language`]: features by parameters and answer. The default answer of every feature is empty.
@@ -71,9 +71,9 @@ language! {
     /// The parameters of the call at a place.
     signature: SignatureHelpParams => Option<SignatureHelp>;
     /// The range of a name that can be renamed.
-    prepare_rename: TextDocumentPositionParams => Refusable<PrepareRenameResponse>;
+    prepare_rename: TextDocumentPositionParams => UserResult<PrepareRenameResponse>;
     /// The edits that rename a declaration.
-    rename: RenameParams => Refusable<WorkspaceEdit>;
+    rename: RenameParams => UserResult<WorkspaceEdit>;
     /// The edits that format a document.
     format: DocumentFormattingParams => Option<Vec<TextEdit>>;
     /// The edits that format a part of a document.

@@ -23,8 +23,8 @@ use super::specification::{
 use super::verification::problems;
 use crate::protocol::convert::Lines;
 use crate::protocol::convert::symbol::{Symbol, response};
-use crate::protocol::refusable::Refusable;
 use crate::protocol::types::{self, *};
+use crate::protocol::user_result::UserResult;
 use crate::workspace::snapshot::{Snapshot, Subject};
 use dotgen_views::verification::Problem;
 use dotgen_views::verification::problem;
@@ -49,8 +49,8 @@ impl Language for Scenario {
         highlights: DocumentHighlightParams => Option<Vec<DocumentHighlight>> = highlights;
         hover: HoverParams => Option<Hover> = hover;
         completion: CompletionParams => Option<CompletionResponse> = completion;
-        prepare_rename: TextDocumentPositionParams => Refusable<PrepareRenameResponse> = prepare_rename;
-        rename: RenameParams => Refusable<WorkspaceEdit> = rename;
+        prepare_rename: TextDocumentPositionParams => UserResult<PrepareRenameResponse> = prepare_rename;
+        rename: RenameParams => UserResult<WorkspaceEdit> = rename;
         format: DocumentFormattingParams => Option<Vec<TextEdit>> = format;
         lenses: CodeLensParams => Option<Vec<CodeLens>> = super::runs::scenario_lenses;
         // Features that need only the text.
@@ -462,12 +462,12 @@ fn prepare_rename(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &TextDocumentPositionParams,
-) -> Cancellable<Refusable<PrepareRenameResponse>> {
+) -> Cancellable<UserResult<PrepareRenameResponse>> {
     let found = declared_at(snapshot, subject, params.position)?;
     let Some((at, range, placeholder)) = found.filter(|it| !is_scenario(&it.0.path)) else {
-        return Ok(Refusable::default());
+        return Ok(UserResult::default());
     };
-    Ok(Refusable(match snapshot.analysis.prepare_rename(&at)? {
+    Ok(UserResult(match snapshot.analysis.prepare_rename(&at)? {
         Ok(_) => Ok(Some(PrepareRenameResponse::RangeWithPlaceholder {
             range,
             placeholder,
@@ -481,10 +481,10 @@ fn rename(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &RenameParams,
-) -> Cancellable<Refusable<WorkspaceEdit>> {
+) -> Cancellable<UserResult<WorkspaceEdit>> {
     let found = declared_at(snapshot, subject, params.text_document_position.position)?;
     match found.filter(|it| !is_scenario(&it.0.path)) {
         Some((at, ..)) => rename::rename_at(snapshot, &at, &params.new_name),
-        None => Ok(Refusable::default()),
+        None => Ok(UserResult::default()),
     }
 }

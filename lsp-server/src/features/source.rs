@@ -38,7 +38,7 @@ impl Language for Sources {
 }
 
 /// A name in a source, and the places of its declarations in specifications.
-struct Declared {
+struct DeclaredName {
     range: Option<Range>,
     places: Vec<FilePosition>,
 }
@@ -48,11 +48,11 @@ fn declared(
     snapshot: &Snapshot,
     subject: &Subject,
     position: Position,
-) -> Cancellable<Option<Declared>> {
+) -> Cancellable<Option<DeclaredName>> {
     let Some(at) = snapshot.cursor(subject, position)? else {
         return Ok(None);
     };
-    let mut out: Option<Declared> = None;
+    let mut out: Option<DeclaredName> = None;
     for compared in codels::around(snapshot, &at.path)? {
         for folder in compared.folders() {
             for expected in folder.expected() {
@@ -61,7 +61,7 @@ fn declared(
                 };
                 let range = snapshot.location(&at.path, &it.range)?.map(|it| it.range);
                 let places = &mut out
-                    .get_or_insert(Declared {
+                    .get_or_insert(DeclaredName {
                         range,
                         places: Vec::new(),
                     })

@@ -25,8 +25,8 @@ use dotgen_analysis::host::Cancellable;
 
 use super::language::{Language, answered_by};
 use super::{codels, verification};
-use crate::protocol::refusable::Refusable;
 use crate::protocol::types::*;
+use crate::protocol::user_result::UserResult;
 use crate::workspace::snapshot::Snapshot;
 
 /// Specifications and the files they include.
@@ -34,7 +34,7 @@ pub(crate) struct Specification;
 
 impl Language for Specification {
     fn diagnostics(&self, snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
-        let mut all = codels::founded(snapshot, path)?;
+        let mut all = codels::unrefuted_findings(snapshot, path)?;
         all.extend(verification::in_specification(snapshot, path)?);
         all.extend(codels::file_diagnostics(snapshot, path)?);
         Ok(all)
@@ -60,8 +60,8 @@ impl Language for Specification {
         hover: HoverParams => Option<Hover> = hover::handle;
         completion: CompletionParams => Option<CompletionResponse> = completion::handle;
         signature: SignatureHelpParams => Option<SignatureHelp> = signature_help::handle;
-        prepare_rename: TextDocumentPositionParams => Refusable<PrepareRenameResponse> = rename::prepare;
-        rename: RenameParams => Refusable<WorkspaceEdit> = rename::rename;
+        prepare_rename: TextDocumentPositionParams => UserResult<PrepareRenameResponse> = rename::prepare;
+        rename: RenameParams => UserResult<WorkspaceEdit> = rename::rename;
         format: DocumentFormattingParams => Option<Vec<TextEdit>> = formatting::document;
         format_range: DocumentRangeFormattingParams => Option<Vec<TextEdit>> = formatting::range;
         format_typed: DocumentOnTypeFormattingParams => Option<Vec<TextEdit>> = formatting::on_type;

@@ -18,7 +18,7 @@ use dotgen_timing::report::TaskId;
 use dotgen_timing::scn::names::Names;
 use serde_json::{Value, json};
 
-use crate::features::codels::judged::Offers;
+use crate::features::codels::judged_actions::JudgedActions;
 use crate::features::commands::SHOW_VERIFICATION;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
@@ -28,24 +28,24 @@ pub(crate) use answer::{Question, VerificationParams, VerificationResult, prepar
 pub(crate) use diagnostics::{in_scenario, in_specification};
 pub(crate) use lens::{hover, lenses, scenario_lenses};
 pub(crate) use sensitivity::{SensitivityParams, SensitivityResult, ask, shown};
-pub(crate) use trace::{TraceShown, trace};
+pub(crate) use trace::{TraceResult, trace};
 
 /// A task of a document: its name and place.
-struct TaskAt {
+struct TaskLocation {
     id: TaskId,
     range: Range<usize>,
 }
 
 /// The tasks that a file of a problem declares.
-fn tasks(problem: &Problem, path: &Utf8Path) -> Vec<TaskAt> {
-    let mut out: Vec<TaskAt> = Vec::new();
+fn tasks(problem: &Problem, path: &Utf8Path) -> Vec<TaskLocation> {
+    let mut out: Vec<TaskLocation> = Vec::new();
     let specs = problem.specs();
     for (c, member) in Names::new(&specs).components.iter().enumerate() {
         let unit = &problem.units[member.spec_index];
         for (t, task) in (0..).zip(&member.component.tasks) {
             let place = unit.locations.locate(task.src);
             if let Some(place) = place.filter(|it| it.path == path) {
-                out.push(TaskAt {
+                out.push(TaskLocation {
                     id: (c, t),
                     range: place.range,
                 });
@@ -74,7 +74,7 @@ pub(crate) fn actions(
     snapshot: &Snapshot,
     subject: &Subject,
     range: &Range<usize>,
-    offers: &mut Offers<'_, '_, '_>,
+    offers: &mut JudgedActions<'_, '_, '_>,
 ) -> Cancellable<Vec<CodeActionOrCommand>> {
     let mut out = Vec::new();
     if snapshot.client.verification_status {

@@ -68,7 +68,7 @@ impl Outbox {
     }
 
     /// Runs a conversation with the client (requests that await answers) in the background.
-    pub(crate) fn converse<F>(&self, conversation: impl FnOnce(Client) -> F)
+    pub(crate) fn run_conversation<F>(&self, conversation: impl FnOnce(Client) -> F)
     where
         F: Future<Output = ()> + Send + 'static,
     {

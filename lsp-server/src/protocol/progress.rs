@@ -10,7 +10,7 @@ use crate::protocol::types::{
 
 /// The progress shown by the client, and the functions that cancel the work.
 #[derive(Clone)]
-pub(crate) struct Shown {
+pub(crate) struct ProgressReporter {
     client: Client,
     inner: Arc<Mutex<Inner>>,
 }
@@ -24,13 +24,13 @@ struct Inner {
 
 /// One progress that is shown. The owner must call `end`.
 pub(crate) struct Running {
-    shown: Shown,
+    shown: ProgressReporter,
     name: String,
 }
 
-impl Shown {
-    pub(crate) fn new(client: Client) -> Shown {
-        Shown {
+impl ProgressReporter {
+    pub(crate) fn new(client: Client) -> ProgressReporter {
+        ProgressReporter {
             client,
             inner: Arc::default(),
         }

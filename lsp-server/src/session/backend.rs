@@ -135,7 +135,7 @@ impl Backend {
     pub(crate) async fn trace(
         &self,
         params: verification::VerificationParams,
-    ) -> Result<Option<verification::TraceShown>> {
+    ) -> Result<Option<verification::TraceResult>> {
         self.verified(params, verification::trace).await
     }
 

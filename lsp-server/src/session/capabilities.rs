@@ -191,18 +191,18 @@ pub(crate) fn registrations(client: &ClientCaps) -> Vec<Registration> {
 }
 
 /// A registration for documents in other languages: its id and method.
-type Registered = (&'static str, &'static str);
+type DocumentRegistration = (&'static str, &'static str);
 
 /// Synchronization of documents. One registration covers codels and templates: a document that matches two
 /// registrations may be sent twice.
-const SENT: [Registered; 3] = [
+const NOTIFICATION_REGISTRATIONS: [DocumentRegistration; 3] = [
     ("dotgen-documents-open", "textDocument/didOpen"),
     ("dotgen-documents-change", "textDocument/didChange"),
     ("dotgen-documents-close", "textDocument/didClose"),
 ];
 
 /// Requests about sources of codels.
-const ASKED: [Registered; 5] = [
+const REQUEST_REGISTRATIONS: [DocumentRegistration; 5] = [
     ("dotgen-codels-action", "textDocument/codeAction"),
     ("dotgen-codels-lens", "textDocument/codeLens"),
     ("dotgen-codels-definition", "textDocument/definition"),
@@ -244,12 +244,14 @@ pub(crate) struct ForeignDocuments {
 }
 
 impl ForeignDocuments {
-    fn registered(&self) -> Vec<Registered> {
+    fn registered(&self) -> Vec<DocumentRegistration> {
         let asked = (!self.codels.is_empty())
-            .then_some(ASKED)
+            .then_some(REQUEST_REGISTRATIONS)
             .into_iter()
             .flatten();
-        let sent = SENT.into_iter().filter(|_| *self != Self::default());
+        let sent = NOTIFICATION_REGISTRATIONS
+            .into_iter()
+            .filter(|_| *self != Self::default());
         sent.chain(asked).collect()
     }
 
@@ -274,7 +276,7 @@ impl ForeignDocuments {
             .iter()
             .flat_map(|glob| TEMPLATE_LANGUAGES.map(|it| selector(it, glob)));
         let sent: Vec<Value> = codels.iter().cloned().chain(templates).collect();
-        let registration = |(id, method): Registered| {
+        let registration = |(id, method): DocumentRegistration| {
             let mut options = json!({ "documentSelector": codels });
             match method {
                 "textDocument/codeAction" => {
@@ -299,7 +301,7 @@ impl ForeignDocuments {
 
     /// Reverses [`ForeignDocuments::registrations`].
     pub(crate) fn unregistrations(&self) -> Vec<Unregistration> {
-        let one = |(id, method): Registered| Unregistration {
+        let one = |(id, method): DocumentRegistration| Unregistration {
             id: id.to_owned(),
             method: method.to_owned(),
         };

@@ -18,7 +18,7 @@ use tokio::sync::{Notify, Semaphore, oneshot};
 use crate::features::language::Language;
 use crate::features::language_of;
 use crate::protocol::outbox::Outbox;
-use crate::protocol::progress::Shown;
+use crate::protocol::progress::ProgressReporter;
 use crate::protocol::types::{self, MessageType, Uri};
 use crate::session::post::Post;
 use crate::workspace::snapshot::{Snapshot, Subject};
@@ -26,16 +26,16 @@ use dotgen_platform::panic;
 
 /// Maximum number of attempts of a request. At the start the list of files and the settings arrive shortly
 /// after one another. More attempts would make the client wait too long if other files change often.
-const ATTEMPTS: u32 = 4;
+const MAX_ATTEMPTS: u32 = 4;
 
 /// Interval at which the progress of an answer is read.
 const TICK: Duration = Duration::from_millis(100);
 
 /// Number of ticks after which progress is shown.
-const PATIENCE: u32 = 5;
+const TICKS_BEFORE_PROGRESS: u32 = 5;
 
 /// A request on its way to the writer.
-pub(crate) struct Read {
+pub(crate) struct ReadRequest {
     /// The document of the request; `None` for the workspace.
     pub(crate) subject: Option<Uri>,
     /// True if the request reads many files.
@@ -100,13 +100,13 @@ impl Drop for CancelOnDrop {
 
 /// The state of the work, for the waiting handler.
 #[derive(Default)]
-struct Seen {
+struct HandlerState {
     progress: Arc<Progress>,
     /// The work has begun, and the client can show progress.
     wanted: AtomicBool,
 }
 
-impl Seen {
+impl HandlerState {
     fn percent(&self) -> u32 {
         let (done, known) = self.progress.parts();
         u32::try_from(done * 100 / known.max(1)).unwrap_or(100)
@@ -123,7 +123,7 @@ enum Outcome<R> {
 
 /// The scope of a request, in addition to its document.
 #[derive(Debug, Clone, Copy, Default)]
-struct About {
+struct RequestScope {
     /// Many files.
     bulk: bool,
     /// All of the workspace.
@@ -133,20 +133,20 @@ struct About {
 /// Sends requests to the writer and waits for their results.
 #[derive(Clone)]
 pub(crate) struct Dispatcher {
-    reads: Post<Read>,
+    reads: Post<ReadRequest>,
     background: Arc<Semaphore>,
     panic_shown: Arc<AtomicBool>,
     outbox: Outbox,
-    running: Shown,
+    running: ProgressReporter,
 }
 
 impl Dispatcher {
-    pub(crate) fn new(reads: Post<Read>, outbox: Outbox) -> Dispatcher {
+    pub(crate) fn new(reads: Post<ReadRequest>, outbox: Outbox) -> Dispatcher {
         Dispatcher {
             reads,
             background: Arc::new(Semaphore::new(2)),
             panic_shown: Arc::default(),
-            running: Shown::new(outbox.client().clone()),
+            running: ProgressReporter::new(outbox.client().clone()),
             outbox,
         }
     }
@@ -157,7 +157,7 @@ impl Dispatcher {
     }
 
     /// The progress shown by the client.
-    pub(crate) fn running(&self) -> &Shown {
+    pub(crate) fn running(&self) -> &ProgressReporter {
         &self.running
     }
 
@@ -168,7 +168,7 @@ impl Dispatcher {
 
     /// Asks the client to show a place.
     pub(crate) fn show(&self, place: types::Location) {
-        self.outbox.converse(|client| async move {
+        self.outbox.run_conversation(|client| async move {
             let params = types::ShowDocumentParams {
                 uri: place.uri,
                 external: None,
@@ -199,8 +199,14 @@ impl Dispatcher {
             }
             _ => Ok(R::default()),
         };
-        self.run(Some(uri), About::default(), params, Arc::default(), work)
-            .await
+        self.run(
+            Some(uri),
+            RequestScope::default(),
+            params,
+            Arc::default(),
+            work,
+        )
+        .await
     }
 
     /// A request that the language of the document answers.
@@ -221,8 +227,14 @@ impl Dispatcher {
             }
             None => Ok(R::default()),
         };
-        self.run(Some(uri), About::default(), params, Arc::default(), work)
-            .await
+        self.run(
+            Some(uri),
+            RequestScope::default(),
+            params,
+            Arc::default(),
+            work,
+        )
+        .await
     }
 
     /// A request whose answer is wrong if a part of the workspace is unknown: an edit of every place. It
@@ -243,11 +255,11 @@ impl Dispatcher {
         let work = move |snapshot: &Snapshot, subject: Option<&Subject>, params: &P| {
             handler(snapshot, subject, params)
         };
-        let about = About {
+        let about = RequestScope {
             whole: true,
             bulk: true,
         };
-        let seen = Arc::new(Seen::default());
+        let seen = Arc::new(HandlerState::default());
         let answer = pin!(self.run(uri, about, params, seen.clone(), work));
         self.shown(title, &seen, answer).await
     }
@@ -256,12 +268,12 @@ impl Dispatcher {
     async fn shown<R>(
         &self,
         title: &str,
-        seen: &Seen,
+        seen: &HandlerState,
         mut answer: Pin<&mut impl Future<Output = types::Result<R>>>,
     ) -> types::Result<R> {
         let mut ticks = tokio::time::interval(TICK);
         ticks.tick().await;
-        for _ in 0..PATIENCE {
+        for _ in 0..TICKS_BEFORE_PROGRESS {
             tokio::select! {
                 answer = &mut answer => return answer,
                 _ = ticks.tick() => {}
@@ -314,7 +326,7 @@ impl Dispatcher {
     {
         let work =
             move |snapshot: &Snapshot, _: Option<&Subject>, params: &P| handler(snapshot, params);
-        self.run(None, About::default(), params, Arc::default(), work)
+        self.run(None, RequestScope::default(), params, Arc::default(), work)
             .await
     }
 
@@ -332,9 +344,9 @@ impl Dispatcher {
         let _permit = self.background.acquire().await;
         let work =
             move |snapshot: &Snapshot, _: Option<&Subject>, params: &P| handler(snapshot, params);
-        let about = About {
+        let about = RequestScope {
             bulk: true,
-            ..About::default()
+            ..RequestScope::default()
         };
         self.run(None, about, params, Arc::default(), work).await
     }
@@ -342,9 +354,9 @@ impl Dispatcher {
     async fn run<P, R, F>(
         &self,
         uri: Option<Uri>,
-        about: About,
+        about: RequestScope,
         params: P,
-        seen: Arc<Seen>,
+        seen: Arc<HandlerState>,
         work: F,
     ) -> types::Result<R>
     where
@@ -356,10 +368,10 @@ impl Dispatcher {
         let control = Arc::new(Control::default());
         let _guard = CancelOnDrop(control.clone());
         let mut expected = None;
-        for _attempt in 0..ATTEMPTS {
+        for _attempt in 0..MAX_ATTEMPTS {
             let (reply, answer) = oneshot::channel();
             let (params, seen) = (params.clone(), seen.clone());
-            self.reads.send(Read {
+            self.reads.send(ReadRequest {
                 subject: uri.clone(),
                 bulk: about.bulk,
                 whole: about.whole,
@@ -398,7 +410,7 @@ impl Dispatcher {
 fn attempt<P, R>(
     admission: Admission,
     params: &P,
-    seen: &Seen,
+    seen: &HandlerState,
     work: impl Fn(&Snapshot, Option<&Subject>, &P) -> Cancellable<R>,
 ) -> Outcome<R> {
     let (snapshot, subject) = match admission {

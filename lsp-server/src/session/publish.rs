@@ -28,7 +28,7 @@ use dotgen_platform::panic;
 /// The pause in typing before a computation.
 const DEBOUNCE: Duration = Duration::from_millis(60);
 /// Maximum delay of diagnostics while the user types without a pause.
-const PATIENCE: Duration = Duration::from_millis(1000);
+const MAX_DELAY: Duration = Duration::from_millis(1000);
 
 /// Messages to the writer.
 pub(crate) enum News {
@@ -68,7 +68,7 @@ pub(crate) struct Publisher {
     push: bool,
     regions: bool,
     dirty_since: Option<Instant>,
-    sent: FxHashMap<Utf8PathBuf, Sent>,
+    sent: FxHashMap<Utf8PathBuf, SentDiagnostics>,
     codels: Option<u64>,
     /// The revision of the present or last computation.
     started: Option<u64>,
@@ -77,7 +77,7 @@ pub(crate) struct Publisher {
 }
 
 #[derive(Default)]
-struct Sent {
+struct SentDiagnostics {
     diagnostics: Vec<Diagnostic>,
     regions: Vec<Range>,
 }
@@ -102,7 +102,7 @@ impl Publisher {
     /// True if the pause is over: nothing changed since, or the maximum delay has passed.
     pub(crate) fn is_due(&mut self, revision: u64, current: u64) -> bool {
         let since = self.dirty_since;
-        let due = revision == current || since.is_some_and(|it| it.elapsed() > PATIENCE);
+        let due = revision == current || since.is_some_and(|it| it.elapsed() > MAX_DELAY);
         if due {
             self.dirty_since = None;
         }
@@ -195,7 +195,7 @@ impl Publisher {
 
     /// Handles the opening of a document: its diagnostics are sent again, under the URI that the client uses
     /// now.
-    pub(crate) fn reopen(&mut self, path: &Utf8Path) {
+    pub(crate) fn resend_diagnostics(&mut self, path: &Utf8Path) {
         self.sent.remove(path);
     }
 
@@ -257,7 +257,7 @@ impl Run {
     fn compute(&mut self, snapshot: &Snapshot, events: &Post<News>) -> Cancellable<()> {
         let Some(left) = &mut self.left else {
             let open = snapshot.open.keys().cloned().collect();
-            self.look_at(open, snapshot, events)?;
+            self.compute_files(open, snapshot, events)?;
             let mut left = match self.push {
                 true => diagnostics::listing(snapshot, &())?.rest,
                 false => Vec::new(),
@@ -268,13 +268,13 @@ impl Run {
         };
         if !left.is_empty() {
             let next = left.split_off(left.len().saturating_sub(BATCH));
-            return self.look_at(next, snapshot, events);
+            return self.compute_files(next, snapshot, events);
         }
         let sources = survived(
             "sources".into(),
             panic::isolate(|| sources_with_findings(snapshot)),
         )?;
-        self.look_at(sources.unwrap_or_default(), snapshot, events)?;
+        self.compute_files(sources.unwrap_or_default(), snapshot, events)?;
         let codels = survived("codels".into(), panic::isolate(|| fingerprint(snapshot)))?;
         events.send(News::Computed(Computed::Finished {
             files: std::mem::take(&mut self.files),
@@ -285,7 +285,7 @@ impl Run {
     }
 
     /// Computes the diagnostics of some files, each separately.
-    fn look_at(
+    fn compute_files(
         &mut self,
         mut paths: Vec<Utf8PathBuf>,
         snapshot: &Snapshot,

@@ -32,7 +32,7 @@ use spelling::Spelling;
 /// Maximum number of requests in progress; the input is not read beyond that.
 const CONCURRENCY: usize = 256;
 /// Timeout for writing the last answers after `exit`.
-const PARTING: Duration = Duration::from_secs(5);
+const FINAL_WRITE_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// The phase of the session, as the protocol defines it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -75,7 +75,7 @@ pub(crate) async fn serve(
         Ok(()) = gone => return,
     }
     // A client may not read its last answers.
-    let _ = tokio::time::timeout(PARTING, writing).await;
+    let _ = tokio::time::timeout(FINAL_WRITE_TIMEOUT, writing).await;
 }
 
 struct Session {
@@ -123,7 +123,7 @@ impl Session {
                         match message::parse(&body) {
                             Ok(parsed) => {
                                 if !parsed.rest.is_empty() {
-                                    frames.give_back(&parsed.rest);
+                                    frames.unread(&parsed.rest);
                                 }
                                 let incoming = message::classify(parsed.value);
                                 let call = self.take(incoming, parsed.mended, &mut responses).await;
@@ -131,7 +131,7 @@ impl Session {
                             }
                             Err(error) => {
                                 if let Some(at) = frame::header_at_end(&body) {
-                                    frames.give_back(&body[at..]);
+                                    frames.unread(&body[at..]);
                                 }
                                 let message = format!("this message is no JSON: {error}");
                                 self.refuse(&Value::Null, code::PARSE_ERROR, &message);
@@ -187,9 +187,9 @@ impl Session {
             }
             return None;
         }
-        let params = request.params().cloned_if(&method);
+        let params = request.params().clone_params(&method);
         if let Some(params) = &params {
-            lock(&self.spelling).learn(&method, params);
+            lock(&self.spelling).store_uris(&method, params);
         }
         if method == "initialize"
             && let Some(params) = params
@@ -265,12 +265,12 @@ impl Session {
 }
 
 /// Clones parameters that the transport needs itself.
-trait ClonedIf {
-    fn cloned_if(self, method: &str) -> Option<Value>;
+trait CloneParams {
+    fn clone_params(self, method: &str) -> Option<Value>;
 }
 
-impl ClonedIf for Option<&Value> {
-    fn cloned_if(self, method: &str) -> Option<Value> {
+impl CloneParams for Option<&Value> {
+    fn clone_params(self, method: &str) -> Option<Value> {
         match method {
             "initialize" | "workspace/didChangeWorkspaceFolders" => self.cloned(),
             "textDocument/didOpen" => {

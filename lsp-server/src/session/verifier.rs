@@ -14,20 +14,20 @@ use std::time::Duration;
 use camino::{Utf8Path, Utf8PathBuf};
 
 use crate::config::Verification as Settings;
-use crate::features::verification::problems::Wanted;
+use crate::features::verification::problems::VerificationRequest;
 use crate::protocol::messages::{VerificationStatus, VerificationStatusParams};
 use crate::protocol::outbox::Outbox;
 use crate::session::post::Post;
 use dotgen_views::verification::results::{Answer, Entry, Results, Status};
 use dotgen_views::verification::run::Interim;
 
-pub(crate) use job::Verified;
+pub(crate) use job::JobResult;
 
 /// The pause in typing before a verification.
 pub(crate) const DEBOUNCE: Duration = Duration::from_millis(200);
 
 /// Maximum number of old answers that are kept, in case an edit is undone.
-const REMEMBERED: usize = 24;
+const MAX_CACHED_ANSWERS: usize = 24;
 
 /// The verifications of the open documents.
 #[derive(Default)]
@@ -35,7 +35,7 @@ pub(crate) struct Verifier {
     results: Arc<Results>,
     remembered: VecDeque<Arc<Answer>>,
     jobs: u64,
-    told: Told,
+    told: SentStatuses,
 }
 
 /// Messages to the writer.
@@ -43,13 +43,13 @@ pub(crate) enum News {
     /// The pause for this revision is over.
     Due(u64),
     /// The problems to verify.
-    Wanted(Vec<Wanted>),
+    VerificationRequest(Vec<VerificationRequest>),
     /// A verification has a result.
-    Verified(Box<Verified>),
+    JobResult(Box<JobResult>),
 }
 
 /// The last status sent to the client, by document; `None` if the client does not support it.
-type Told = Option<BTreeMap<Utf8PathBuf, VerificationStatusParams>>;
+type SentStatuses = Option<BTreeMap<Utf8PathBuf, VerificationStatusParams>>;
 
 impl Verifier {
     /// Sets if the client wants the status of verifications.
@@ -85,7 +85,7 @@ impl Verifier {
     /// Starts new verifications, cancels those no longer wanted, and uses known answers again.
     pub(crate) fn start(
         &mut self,
-        wanted: Vec<Wanted>,
+        wanted: Vec<VerificationRequest>,
         settings: &Settings,
         outbox: &Outbox,
         events: &Post<News>,
@@ -100,7 +100,7 @@ impl Verifier {
             }
             stays
         });
-        for Wanted {
+        for VerificationRequest {
             path,
             version,
             problem,
@@ -175,7 +175,7 @@ impl Verifier {
     }
 
     /// Stores a result. Returns true if the result was awaited.
-    pub(crate) fn finish(&mut self, it: Verified, outbox: &Outbox) -> bool {
+    pub(crate) fn finish(&mut self, it: JobResult, outbox: &Outbox) -> bool {
         let Some(entry) = self.results.get(&it.path) else {
             return false;
         };
@@ -196,7 +196,7 @@ impl Verifier {
                     !it.problem.is_same(&answer.problem) || it.options != answer.options
                 });
                 self.remembered.push_front(answer.clone());
-                self.remembered.truncate(REMEMBERED);
+                self.remembered.truncate(MAX_CACHED_ANSWERS);
                 entry.status = answer.status();
                 (entry.answer, entry.holds) = (Some(answer), true);
             }
@@ -213,7 +213,7 @@ impl Drop for Verifier {
     }
 }
 
-fn notify(told: &mut Told, path: &Utf8Path, entry: &Entry, outbox: &Outbox) {
+fn notify(told: &mut SentStatuses, path: &Utf8Path, entry: &Entry, outbox: &Outbox) {
     let (Some(uri), Some(told)) = (crate::protocol::convert::uri::from_path(path), told) else {
         return;
     };

@@ -6,10 +6,10 @@
 
 mod changes;
 mod flush;
-mod mended;
 mod readers;
 mod session;
 mod settings;
+mod surrogates;
 mod verification;
 
 use std::collections::BTreeSet;
@@ -27,7 +27,7 @@ use crate::protocol::client::ClientCaps;
 use crate::protocol::outbox::Outbox;
 use crate::protocol::types::*;
 use crate::session::capabilities::ForeignDocuments;
-use crate::session::dispatch::Read;
+use crate::session::dispatch::ReadRequest;
 use crate::session::post::Post;
 use crate::session::publish::{self, Publisher};
 use crate::session::verifier::{self, Verifier};
@@ -55,16 +55,16 @@ pub(crate) enum Event {
     /// A change.
     Mutation(Mutation),
     /// A request.
-    Read(Read),
+    ReadRequest(ReadRequest),
     /// A message of the computation of diagnostics.
     Diagnostics(publish::News),
     /// A message of the verification of open documents.
     Verification(verifier::News),
 }
 
-impl From<Read> for Event {
-    fn from(it: Read) -> Event {
-        Event::Read(it)
+impl From<ReadRequest> for Event {
+    fn from(it: ReadRequest) -> Event {
+        Event::ReadRequest(it)
     }
 }
 
@@ -122,7 +122,7 @@ pub(crate) struct State {
     /// The number of the last requested listing.
     last_listing: u64,
     /// Requests that wait for the listing.
-    waiting: Vec<Read>,
+    waiting: Vec<ReadRequest>,
 }
 
 impl State {
@@ -173,22 +173,22 @@ impl State {
             while let Ok(event) = events.try_recv() {
                 self.serve(event);
             }
-            self.guarded(State::flush);
+            self.isolate_panic(State::flush);
         }
     }
 
     fn serve(&mut self, event: Event) {
-        self.guarded(|state| match event {
+        self.isolate_panic(|state| match event {
             Event::Initialize(params, raw, reply) => {
                 // The client may have disconnected.
                 let _ = reply.send(state.initialize(&params, &raw));
             }
             Event::Initialized => state.initialized(),
             Event::Mutation(mutation) => state.mutate(mutation),
-            Event::Read(read) => state.admit(read),
+            Event::ReadRequest(read) => state.admit(read),
             Event::Diagnostics(news) => match news {
                 publish::News::Due(revision) => state.publish(revision),
-                publish::News::Step(run) => state.go_on(*run),
+                publish::News::Step(run) => state.continue_run(*run),
                 publish::News::Computed(computed) => {
                     let open = state.documents.open_files();
                     if state.publisher.publish(computed, open, &state.outbox) {
@@ -198,12 +198,12 @@ impl State {
             },
             Event::Verification(news) => match news {
                 verifier::News::Due(revision) => state.verify(revision),
-                verifier::News::Wanted(wanted) => {
+                verifier::News::VerificationRequest(wanted) => {
                     let (settings, post) = (&state.config.verification, Post::new(&state.events));
                     state.verifier.start(wanted, settings, &state.outbox, &post);
                     state.show_verification();
                 }
-                verifier::News::Verified(it) => {
+                verifier::News::JobResult(it) => {
                     if state.verifier.finish(*it, &state.outbox) {
                         state.show_verification();
                     }
@@ -213,7 +213,7 @@ impl State {
     }
 
     /// Serves one event. A panic in it does not end the writer.
-    fn guarded(&mut self, work: impl FnOnce(&mut State)) {
+    fn isolate_panic(&mut self, work: impl FnOnce(&mut State)) {
         if let Err(message) = panic::isolate(|| work(self)) {
             tracing::error!("the writer panicked: {message}");
         }

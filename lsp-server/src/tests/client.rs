@@ -10,7 +10,7 @@ use tokio::io::{
 use tokio::task::JoinHandle;
 
 /// Timeout of a test: a test that takes longer has lost a message.
-const PATIENCE: Duration = Duration::from_secs(30);
+const TEST_TIMEOUT: Duration = Duration::from_secs(30);
 
 pub(super) struct Client {
     to: Option<WriteHalf<DuplexStream>>,
@@ -186,7 +186,7 @@ impl Client {
                 .expect("a whole message");
             Some(serde_json::from_slice(&body).expect("JSON"))
         };
-        tokio::time::timeout(PATIENCE, read)
+        tokio::time::timeout(TEST_TIMEOUT, read)
             .await
             .expect("a message within the time limit")
     }
@@ -241,14 +241,14 @@ impl Client {
 
     /// Waits for the server to end while the pipe is open. Returns true if it received `shutdown`.
     pub(super) async fn ended(&mut self) -> bool {
-        tokio::time::timeout(PATIENCE, &mut self.server)
+        tokio::time::timeout(TEST_TIMEOUT, &mut self.server)
             .await
             .expect("the server ends")
             .expect("the server does not panic")
     }
 
     /// Closes the client's end of the pipe.
-    pub(super) async fn hang_up(&mut self) {
+    pub(super) async fn disconnect(&mut self) {
         if let Some(mut to) = self.to.take() {
             to.shutdown().await.expect("the pipe closes");
         }

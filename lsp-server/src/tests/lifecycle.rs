@@ -13,7 +13,7 @@ async fn shutdown_and_exit_end_the_server_with_the_pipe_open() {
 #[tokio::test(flavor = "multi_thread")]
 async fn the_end_of_input_ends_the_server() {
     let mut client = Client::start(json!({ "capabilities": pulling() })).await;
-    client.hang_up().await;
+    client.disconnect().await;
     assert!(!client.ended().await, "shutdown was not said");
 }
 
@@ -36,7 +36,7 @@ async fn the_end_of_input_ends_a_server_with_a_waiting_client() {
             json!({ "previousResultIds": known }),
         )
         .await;
-    client.hang_up().await;
+    client.disconnect().await;
     assert!(!client.ended().await);
 }
 

@@ -16,20 +16,20 @@ use rustc_hash::FxHashMap;
 pub(crate) struct Cache {
     pub(crate) indexes: Mutex<Indexes>,
     /// The comparisons, by root of the unit.
-    pub(crate) compared: Mutex<FxHashMap<Utf8PathBuf, Arc<Compared>>>,
+    pub(crate) compared: Mutex<FxHashMap<Utf8PathBuf, Arc<ComparedFolders>>>,
     /// The last state of a unit without syntax errors, by root. Used while the user types.
-    pub(crate) good: Mutex<FxHashMap<Utf8PathBuf, Good>>,
+    pub(crate) good: Mutex<FxHashMap<Utf8PathBuf, ValidUnit>>,
 }
 
 /// A unit without syntax errors, and its texts.
 #[derive(Clone)]
-pub(crate) struct Good {
+pub(crate) struct ValidUnit {
     pub(crate) unit: UnitResult,
     pub(crate) texts: Arc<BTreeMap<Utf8PathBuf, Arc<str>>>,
 }
 
 /// The folders of a unit, compared.
-pub(crate) struct Compared {
+pub(crate) struct ComparedFolders {
     /// Revision of the last snapshot that compared.
     pub(crate) revision: u64,
     /// Folders with their differences, before configuration and comments are applied.
@@ -74,7 +74,7 @@ pub(crate) fn home(config: &FilesConfig, source: &Utf8Path) -> Option<Utf8PathBu
     })
 }
 
-impl Compared {
+impl ComparedFolders {
     /// The folders.
     pub(crate) fn folders(&self) -> impl Iterator<Item = &Folder> {
         self.folders.iter().map(|it| &it.0)

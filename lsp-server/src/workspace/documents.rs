@@ -25,7 +25,7 @@ enum Text {
 
 /// The effect of an edit.
 #[derive(Debug, PartialEq, Eq)]
-pub(crate) enum Edited {
+pub(crate) enum EditEffect {
     /// The text has changed.
     Changed,
     /// An edit did not fit: the document is dropped.
@@ -54,12 +54,12 @@ impl Documents {
         version: i32,
         edits: Vec<TextDocumentContentChangeEvent>,
         encoding: Encoding,
-    ) -> Edited {
+    ) -> EditEffect {
         let (Some(text), Some(open)) = (
             self.texts.get_mut(path),
             Arc::make_mut(&mut self.open).get_mut(path),
         ) else {
-            return Edited::Ignored;
+            return EditEffect::Ignored;
         };
         open.version = version;
         let known_before = matches!(text, Text::Known(_));
@@ -83,9 +83,9 @@ impl Documents {
             }
         }
         match text {
-            Text::Known(_) => Edited::Changed,
-            Text::Lost if known_before => Edited::Lost,
-            Text::Lost => Edited::Ignored,
+            Text::Known(_) => EditEffect::Changed,
+            Text::Lost if known_before => EditEffect::Lost,
+            Text::Lost => EditEffect::Ignored,
         }
     }
 
@@ -145,7 +145,7 @@ mod tests {
         ];
         assert_eq!(
             documents.edit(&path, 2, edits, Encoding::Utf16),
-            Edited::Changed
+            EditEffect::Changed
         );
         assert_eq!(documents.text(&path).map(|it| &**it), Some("ab\n😀x\n"));
         assert_eq!(documents.open_files()[&path].version, 2);
@@ -156,12 +156,18 @@ mod tests {
         let (mut documents, path) = documents("ab\n");
         let encoding = Encoding::Utf16;
         let bad = vec![edit(Some((7, 0, 7, 0)), "x")];
-        assert_eq!(documents.edit(&path, 2, bad, encoding), Edited::Lost);
+        assert_eq!(documents.edit(&path, 2, bad, encoding), EditEffect::Lost);
         let good = vec![edit(Some((0, 0, 0, 0)), "x")];
-        assert_eq!(documents.edit(&path, 3, good, encoding), Edited::Ignored);
+        assert_eq!(
+            documents.edit(&path, 3, good, encoding),
+            EditEffect::Ignored
+        );
         assert!(documents.is_lost(&path));
         let whole = vec![edit(None, "new")];
-        assert_eq!(documents.edit(&path, 4, whole, encoding), Edited::Changed);
+        assert_eq!(
+            documents.edit(&path, 4, whole, encoding),
+            EditEffect::Changed
+        );
         assert_eq!(documents.text(&path).map(|it| &**it), Some("new"));
     }
 }

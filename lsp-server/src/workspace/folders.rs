@@ -242,8 +242,12 @@ impl Workspace {
                 .unwrap_or(&self.editor);
             // Paths in the editor's settings are relative to the workspace folder.
             let base = around.map_or(&project.path, |it| &it.path);
-            let own = project.file.settings.clone().anchored(&project.path);
-            let settings = editor.clone().anchored(base).over(own);
+            let own = project
+                .file
+                .settings
+                .clone()
+                .resolved_against(&project.path);
+            let settings = editor.clone().resolved_against(base).over(own);
             let own = Config::new(&settings, &project.path, self.trusted);
             all.with_project(&project.path, own)
         })

@@ -1,8 +1,8 @@
 //! The disk: the only module that reads and writes files of users.
 
-mod growing;
-mod passing;
+mod appended_file;
 mod stream;
+mod temporary_file;
 mod write;
 
 use std::io;
@@ -10,9 +10,9 @@ use std::path::{Path, PathBuf};
 
 use dotgen_codegen::disk::{Disk, Entry, Kind, NewContent, Status, WriteError};
 
-pub use growing::Growing;
-pub use passing::{Passing, leave};
+pub use appended_file::AppendedFile;
 pub use stream::Stream;
+pub use temporary_file::{TemporaryFile, leave};
 
 /// The files of the system.
 #[derive(Debug, Clone, Copy, Default)]
@@ -55,7 +55,7 @@ impl Disk for SystemDisk {
     }
 
     fn write(&self, files: &[NewContent]) -> Result<(), WriteError> {
-        write::write(files, &mut write::Promised::default(), &mut |_| Ok(()))
+        write::write(files, &mut write::WatchedMoves::default(), &mut |_| Ok(()))
     }
 
     #[cfg(unix)]

@@ -76,9 +76,9 @@ mod linux {
     use super::*;
 
     /// The requested version of Landlock.
-    const WANTED: ABI = ABI::V6;
+    const REQUESTED_ABI: ABI = ABI::V6;
     /// The minimum version of Landlock with which files count as confined: earlier versions allow truncation.
-    const LEAST: ABI = ABI::V3;
+    const MIN_ABI: ABI = ABI::V3;
 
     /// See [`super::super::System`].
     pub(in super::super) fn gaps() -> Vec<Gap> {
@@ -86,7 +86,7 @@ mod linux {
             let mut gaps = Vec::new();
             let files = Ruleset::default().set_compatibility(CompatLevel::HardRequirement);
             let files = files
-                .handle_access(AccessFs::from_all(LEAST))
+                .handle_access(AccessFs::from_all(MIN_ABI))
                 .and_then(Ruleset::create);
             if files.is_err() {
                 gaps.push(Gap::Files);
@@ -128,16 +128,16 @@ mod linux {
         let program = program.map(|it| it.canonicalize().unwrap_or_else(|_| it.to_owned()));
         let (libraries, data) = program.as_deref().map(needed).unwrap_or_default();
         Ruleset::default()
-            .handle_access(AccessFs::from_all(WANTED))?
-            .handle_access(AccessNet::from_all(WANTED))?
-            .scope(Scope::from_all(WANTED))?
+            .handle_access(AccessFs::from_all(REQUESTED_ABI))?
+            .handle_access(AccessNet::from_all(REQUESTED_ABI))?
+            .scope(Scope::from_all(REQUESTED_ABI))?
             .create()?
             // Missing paths need no rule.
             .add_rules(path_beneath_rules(&access.read, read))?
             .add_rules(path_beneath_rules(&data, read))?
             .add_rules(path_beneath_rules(["/dev/null"], read | AccessFs::WriteFile))?
             .add_rules(path_beneath_rules(program.iter().chain(&libraries), run))?
-            .add_rules(path_beneath_rules(&access.write, AccessFs::from_all(WANTED) & !AccessFs::Execute))?
+            .add_rules(path_beneath_rules(&access.write, AccessFs::from_all(REQUESTED_ABI) & !AccessFs::Execute))?
             .restrict_self()?;
         Ok(())
     }
@@ -244,7 +244,7 @@ mod linux {
 
     /// The refused calls.
     fn refused(programs: bool) -> io::Result<Rules> {
-        let mut rules = all(REFUSED);
+        let mut rules = all(FORBIDDEN_CALLS);
         #[cfg(target_arch = "x86_64")]
         rules.extend(all(&[
             libc::SYS_fork,
@@ -277,7 +277,7 @@ mod linux {
 
     /// Calls that no template needs: connections, other processes, the system itself, and owners and
     /// attributes of files.
-    const REFUSED: &[i64] = &[
+    const FORBIDDEN_CALLS: &[i64] = &[
         libc::SYS_socket,
         libc::SYS_socketpair,
         libc::SYS_connect,

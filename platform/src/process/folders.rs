@@ -7,11 +7,11 @@ use std::time::{Duration, SystemTime};
 
 use dotgen_codegen::process::Folder;
 
-use super::watcher::{Watched, Watcher};
+use super::watcher::{CleanupGuard, Watcher};
 
 const PREFIX: &str = "dotgen-";
 /// Minimum age of leftovers: a younger folder may not be locked yet.
-const YOUNG: Duration = Duration::from_secs(60);
+const MIN_LEFTOVER_AGE: Duration = Duration::from_secs(60);
 /// Minimum space of a file on usual file systems, in bytes.
 const BLOCK: u64 = 4096;
 
@@ -21,7 +21,7 @@ struct Temporary {
     path: PathBuf,
     /// The open file that holds the lock.
     _lock: Option<File>,
-    watched: Option<Watched>,
+    watched: Option<CleanupGuard>,
 }
 
 impl Folder for Temporary {
@@ -87,7 +87,7 @@ fn clean_up_in(parent: &Path) {
         }
         let changed = entry.metadata().and_then(|it| it.modified());
         let age = changed.map(|it| SystemTime::now().duration_since(it).unwrap_or_default());
-        if !age.is_ok_and(|it| it > YOUNG) {
+        if !age.is_ok_and(|it| it > MIN_LEFTOVER_AGE) {
             continue;
         }
         if let Some(_lock) = lock(&entry.path(), true) {
@@ -122,7 +122,7 @@ mod tests {
     #[test]
     fn what_nobody_uses_is_removed_some_time_later() {
         let parent = tempfile::tempdir().expect("a directory");
-        let old = SystemTime::now() - 2 * YOUNG;
+        let old = SystemTime::now() - 2 * MIN_LEFTOVER_AGE;
         let make = |name: &str, changed: SystemTime| {
             let path = parent.path().join(name);
             std::fs::create_dir(&path).expect("a folder");

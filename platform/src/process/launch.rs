@@ -67,7 +67,7 @@ fn limits(out: &mut Vec<OsString>, resources: Resources) {
 
 /// The parsed arguments.
 #[derive(Debug, Default, PartialEq, Eq)]
-struct Order {
+struct LaunchArguments {
     parent: Option<i32>,
     resources: Resources,
     access: Option<Access>,
@@ -75,9 +75,9 @@ struct Order {
     arguments: Vec<OsString>,
 }
 
-impl Order {
-    fn read(words: &[OsString]) -> Option<Order> {
-        let mut order = Order::default();
+impl LaunchArguments {
+    fn read(words: &[OsString]) -> Option<LaunchArguments> {
+        let mut order = LaunchArguments::default();
         let mut words = words.iter();
         loop {
             let option = words.next()?.to_str()?;
@@ -125,7 +125,7 @@ pub fn intercept() -> Option<ExitCode> {
         watcher::serve(std::io::stdin().lock());
         return Some(ExitCode::SUCCESS);
     }
-    let Some(order) = Order::read(words) else {
+    let Some(order) = LaunchArguments::read(words) else {
         say("`dotgen confined` is what dotgen starts programs through; it is not for people");
         return Some(ExitCode::from(2));
     };
@@ -143,11 +143,11 @@ fn say(message: &str) {
     let _ = writeln!(std::io::stderr(), "dotgen: {message}");
 }
 
-fn carry_out(order: &Order) -> Result<ExitCode, (u8, String)> {
+fn carry_out(order: &LaunchArguments) -> Result<ExitCode, (u8, String)> {
     let refused =
         |error: std::io::Error| (CANNOT_RUN, format!("cannot confine a program: {error}"));
     if let Some(parent) = order.parent {
-        bind_life(parent).map_err(refused)?;
+        die_with_parent(parent).map_err(refused)?;
     }
     let renders = order.program.as_os_str() == RENDER;
     confine::limit(&order.resources).map_err(refused)?;
@@ -176,7 +176,7 @@ fn carry_out(order: &Order) -> Result<ExitCode, (u8, String)> {
 
 /// Makes the system end this process when its parent ends. Remains in force after `exec`.
 #[cfg(target_os = "linux")]
-fn bind_life(parent: i32) -> std::io::Result<()> {
+fn die_with_parent(parent: i32) -> std::io::Result<()> {
     use rustix::process::{Signal, getppid, set_parent_process_death_signal};
     set_parent_process_death_signal(Some(Signal::KILL))?;
     // The parent may have ended before the call.
@@ -188,7 +188,7 @@ fn bind_life(parent: i32) -> std::io::Result<()> {
 
 /// Other systems rely on the helper.
 #[cfg(not(target_os = "linux"))]
-fn bind_life(_: i32) -> std::io::Result<()> {
+fn die_with_parent(_: i32) -> std::io::Result<()> {
     Ok(())
 }
 
@@ -230,7 +230,7 @@ mod tests {
         };
         let words = arguments(&program);
         assert_eq!(words[0], COMMAND);
-        let order = Order::read(&words[1..]).expect("it can be read");
+        let order = LaunchArguments::read(&words[1..]).expect("it can be read");
         assert_eq!(order.parent, i32::try_from(std::process::id()).ok());
         assert_eq!(order.resources, program.resources);
         assert_eq!(order.access, program.access);
@@ -245,7 +245,7 @@ mod tests {
             &["--"],
         ] {
             let words: Vec<OsString> = bad.iter().map(Into::into).collect();
-            assert_eq!(Order::read(&words), None, "{bad:?}");
+            assert_eq!(LaunchArguments::read(&words), None, "{bad:?}");
         }
     }
 }

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::{ChildStdin, Stdio};
 use std::sync::{LazyLock, Mutex, PoisonError};
 
-use super::{COMMAND, OWN};
+use super::{COMMAND, OWN_PATH};
 
 /// The arguments that start the helper.
 pub(super) const WORDS: [&str; 2] = [COMMAND, "watch"];
@@ -21,7 +21,7 @@ pub(super) struct Watcher {
 
 /// An item that the helper knows. Dropped when there is nothing left to clean up.
 #[derive(Debug)]
-pub(crate) struct Watched(Vec<u8>);
+pub(crate) struct CleanupGuard(Vec<u8>);
 
 /// A move or removal of a file, part of a group of moves.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -36,7 +36,7 @@ impl Watcher {
     /// The helper, started on first use. `None` if it cannot be started.
     pub(super) fn get() -> Option<&'static Watcher> {
         static WATCHER: LazyLock<Option<Watcher>> = LazyLock::new(|| {
-            let mut command = super::again(OWN.get()?);
+            let mut command = super::again(OWN_PATH.get()?);
             command.args(WORDS).stdin(Stdio::piped());
             command.stdout(Stdio::null()).stderr(Stdio::null());
             // The helper must not keep a folder in use, nor end with the terminal's group.
@@ -51,25 +51,25 @@ impl Watcher {
     }
 
     /// Registers a process group, which will be killed.
-    pub(super) fn group(&self, id: u32) -> Watched {
+    pub(super) fn group(&self, id: u32) -> CleanupGuard {
         self.tell(format!("g{id}").into_bytes())
     }
 
     /// Registers a folder, which will be removed.
-    pub(super) fn folder(&self, path: &Path) -> Watched {
+    pub(super) fn folder(&self, path: &Path) -> CleanupGuard {
         let mut item = b"f".to_vec();
         item.extend_from_slice(path.as_os_str().as_encoded_bytes());
         self.tell(item)
     }
 
     /// Registers a group of moves. The helper makes those that are not made yet.
-    pub(super) fn moves(&self, moves: &[Move]) -> Watched {
+    pub(super) fn moves(&self, moves: &[Move]) -> CleanupGuard {
         self.tell(packed(moves))
     }
 
-    fn tell(&self, item: Vec<u8>) -> Watched {
+    fn tell(&self, item: Vec<u8>) -> CleanupGuard {
         self.write(b'+', &item);
-        Watched(item)
+        CleanupGuard(item)
     }
 
     fn write(&self, sign: u8, item: &[u8]) {
@@ -80,7 +80,7 @@ impl Watcher {
     }
 }
 
-impl Drop for Watched {
+impl Drop for CleanupGuard {
     fn drop(&mut self) {
         if let Some(watcher) = Watcher::get() {
             watcher.write(b'-', &self.0);
@@ -106,7 +106,7 @@ pub(super) fn serve(mut pipe: impl Read) {
     for item in &items {
         match item.split_first() {
             Some((b'g', id)) => end_group(id),
-            Some((b'm', moves)) => carry_out(&unpacked(moves)),
+            Some((b'm', moves)) => carry_out(&unpack(moves)),
             _ => {}
         }
     }
@@ -143,7 +143,7 @@ fn packed(moves: &[Move]) -> Vec<u8> {
     item
 }
 
-fn unpacked(mut bytes: &[u8]) -> Vec<Move> {
+fn unpack(mut bytes: &[u8]) -> Vec<Move> {
     let mut paths = Vec::new();
     while let Some((path, rest)) = first_path(bytes) {
         paths.push(path);

@@ -1,7 +1,7 @@
 //! The parts of a system with real codels.
 
 use dotgen_analysis::model::{Name, Param, PortDir, Remote, ServiceKind};
-use dotgen_codegen::codels::value::{Values, goes_in, goes_out};
+use dotgen_codegen::codels::value::{Values, is_input, is_output};
 use dotgen_timing::scn::names::{Member, Names};
 use dotgen_timing::system::settings::Settings;
 use dotgen_timing::system::{FOREVER, TimedSystem, sources};
@@ -238,7 +238,7 @@ fn provider(names: &Names<'_>, asking: usize, remote: &Remote) -> Option<(usize,
     let mut services = (0u32..).zip(&member.component.services);
     let (number, service) = services.find(|it| it.1.name == remote.name)?;
     let shape = |spec, params: &[Param]| -> Vec<_> {
-        let crosses = params.iter().filter(|it| goes_in(it) || goes_out(it));
+        let crosses = params.iter().filter(|it| is_input(it) || is_output(it));
         let layout = |it: &Param| (it.dir, Values::new(spec).layout(it.ty));
         crosses.map(layout).collect()
     };

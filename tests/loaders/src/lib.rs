@@ -15,9 +15,9 @@ pub use shared::shared;
 
 /// No file is there; every package is installed, without flags.
 #[derive(Debug, Clone, Copy)]
-pub struct Nothing;
+pub struct EmptyLoader;
 
-impl Loader for Nothing {
+impl Loader for EmptyLoader {
     fn read(&self, _: &Utf8Path) -> FileContent {
         FileContent::Missing
     }
@@ -66,7 +66,7 @@ pub fn unit(text: &str) -> Result<UnitResult, String> {
         }],
         ..BatchInput::default()
     };
-    let host = AnalysisHost::new(Arc::new(Nothing));
+    let host = AnalysisHost::new(Arc::new(EmptyLoader));
     let unit = host.analysis().batch(&input).expect("nobody cancels");
     let mut errors = unit.diagnostics.iter();
     match errors.find(|it| it.severity == Severity::Error) {

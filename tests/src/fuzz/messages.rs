@@ -19,7 +19,7 @@ pub(super) const SESSION: &str = r#"{"jsonrpc":"2.0","method":"initialized","par
 "#;
 
 /// A session that takes longer has lost a message.
-const PATIENCE: Duration = Duration::from_secs(60);
+const SESSION_TIMEOUT: Duration = Duration::from_secs(60);
 
 /// A server is initialised and gets each line as one message; then its input ends. It must end too, and what
 /// it wrote must be frames of JSON.
@@ -54,10 +54,10 @@ pub(super) fn serve(input: &[u8]) {
             }
         }
         drop(to.shutdown().await);
-        let ended = tokio::time::timeout(PATIENCE, server).await;
+        let ended = tokio::time::timeout(SESSION_TIMEOUT, server).await;
         ended.expect("the server ends with its input").expect("the server does not panic");
         drop(to);
-        tokio::time::timeout(PATIENCE, reader).await.expect("its output ends").expect("the reader reads")
+        tokio::time::timeout(SESSION_TIMEOUT, reader).await.expect("its output ends").expect("the reader reads")
     });
     runtime.shutdown_background();
     frames(&output);

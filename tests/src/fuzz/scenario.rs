@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use dotgen_analysis::host::{AnalysisHost, BatchInput, Input};
-use dotgen_loaders::Nothing;
+use dotgen_loaders::EmptyLoader;
 use dotgen_syntax::encoding;
 use dotgen_timing::scn;
 
@@ -28,7 +28,7 @@ pub(super) fn read(input: &[u8]) {
         let twice = scn::format(&once).unwrap_or_else(|| once.clone());
         assert_eq!(once, twice, "formatted twice is not formatted once");
     }
-    let host = AnalysisHost::new(Arc::new(Nothing));
+    let host = AnalysisHost::new(Arc::new(EmptyLoader));
     let input_of = Input::Text {
         name: "/pump.gen".into(),
         text: COMPONENT.into(),

@@ -14,9 +14,9 @@ const INTERFACE: &str =
     "interface device { struct reading { double value; }; port out reading state; };\n";
 
 /// Finds one interface, and packages only where none is asked for.
-struct Few;
+struct InterfaceLoader;
 
-impl Loader for Few {
+impl Loader for InterfaceLoader {
     fn read(&self, path: &Utf8Path) -> FileContent {
         match path.as_str() {
             "/device.gen" => FileContent::Text(INTERFACE.into()),
@@ -36,7 +36,7 @@ impl Loader for Few {
 pub(super) fn analyse(input: &[u8]) {
     let text = encoding::decode(input.to_vec());
     let path = Utf8Path::new("/text.gen");
-    let mut host = AnalysisHost::new(Arc::new(Few));
+    let mut host = AnalysisHost::new(Arc::new(InterfaceLoader));
     host.apply(Change {
         files: vec![(path.to_owned(), Some(text.to_string()))],
         roots: Some(vec![path.to_owned()]),

@@ -182,7 +182,7 @@ impl Imports {
 }
 
 /// Modules of TypeScript that import each other in a circle, each with what it imports.
-pub(crate) fn circles_of_scripts(folder: &Path) -> Vec<(String, BTreeSet<String>)> {
+pub(crate) fn script_import_cycles(folder: &Path) -> Vec<(String, BTreeSet<String>)> {
     let mut graph: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for entry in walkdir::WalkDir::new(folder).into_iter().flatten() {
         let path = entry.path();

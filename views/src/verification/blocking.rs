@@ -14,7 +14,7 @@ use super::summary::Scale;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
     /// The codel.
-    pub codel: CodelAt,
+    pub codel: CodelLocation,
     /// The codels that exclude it, in order of declaration.
     pub by: Vec<Blocker>,
 }
@@ -23,14 +23,14 @@ pub struct Row {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Blocker {
     /// The codel.
-    pub codel: CodelAt,
+    pub codel: CodelLocation,
     /// The shared data, as text.
     pub through: Vec<String>,
 }
 
 /// A codel of the system.
 #[derive(Debug, Clone, PartialEq)]
-pub struct CodelAt {
+pub struct CodelLocation {
     /// `component.owner.state`
     pub path: String,
     /// Its function; for an attribute, the path.
@@ -57,7 +57,7 @@ pub fn table(problem: &Problem, options: &Options) -> Vec<Row> {
     let at = |codel: &Codel| {
         let time = system.unit * Ratio::from_integer(i128::from(codel.upper));
         let finite = codel.upper != FOREVER;
-        CodelAt {
+        CodelLocation {
             path: codel.path.clone(),
             function: match codel.site {
                 Some((c, it)) => names.components[c].component.codel(it).name.to_string(),

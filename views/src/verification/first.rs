@@ -54,7 +54,7 @@ pub fn answers(problem: &Problem, options: &Options, cancel: &Cancel) -> Vec<Fir
         if cancel.is_over() {
             break;
         }
-        let varied = requesting(problem, activity.as_deref());
+        let varied = with_repeated_request(problem, activity.as_deref());
         let report = varied.verify(&options, cancel, &|_| {});
         out.push(answer(assuming, &varied, &options, &report));
     }
@@ -100,7 +100,7 @@ fn activities(problem: &Problem) -> Vec<String> {
 /// The problem with a client that requests one activity repeatedly, each time after the end of the instance
 /// before, or with no client. Several instances at once are left to the check with any client, which seldom
 /// is quick.
-fn requesting(problem: &Problem, activity: Option<&str>) -> Problem {
+fn with_repeated_request(problem: &Problem, activity: Option<&str>) -> Problem {
     let mut out = problem.clone();
     let items = &mut out.scenario.items;
     items.retain(|it| !matches!(it, Item::Client(_)));

@@ -49,7 +49,7 @@ impl Problem {
 
 /// A file that a scenario uses.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Used {
+pub struct UsedFile {
     /// Its absolute path.
     pub path: Utf8PathBuf,
     /// The string in the scenario.
@@ -57,9 +57,9 @@ pub struct Used {
 }
 
 /// The files that a scenario uses. Relative paths start at its directory.
-pub fn used(scenario: &Scenario, path: &Utf8Path) -> Vec<Used> {
+pub fn used(scenario: &Scenario, path: &Utf8Path) -> Vec<UsedFile> {
     let directory = path.parent().unwrap_or(path);
-    let file = |it: &Spanned<String>| Used {
+    let file = |it: &Spanned<String>| UsedFile {
         path: vfs::normalize(&directory.join(&it.value)),
         range: it.range.clone(),
     };
@@ -161,12 +161,12 @@ impl Problem {
     }
 
     /// The default scenario over some specifications.
-    pub fn by_default(path: &Utf8Path, files: &[String], units: Vec<UnitResult>) -> Problem {
-        Problem::by_default_on(Platform::default(), path, files, units)
+    pub fn default_scenario(path: &Utf8Path, files: &[String], units: Vec<UnitResult>) -> Problem {
+        Problem::default_scenario_on(Platform::default(), path, files, units)
     }
 
     /// The default scenario over some specifications, on a platform.
-    pub fn by_default_on(
+    pub fn default_scenario_on(
         platform: Platform,
         path: &Utf8Path,
         files: &[String],

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::changes::Repairs;
 use super::summary::Scale;
 use super::view::View;
-use super::why::Why;
+use super::why::FailureCause;
 use super::{Problem, TaskBound};
 
 /// Verifications by their document.
@@ -85,7 +85,7 @@ pub struct Answer {
     pub report: Report,
     pub bounds: Arc<Vec<TaskBound>>,
     /// By check: the cause of its failure, and later the remedy.
-    pub(crate) why: Vec<Option<Why>>,
+    pub(crate) why: Vec<Option<FailureCause>>,
     /// The repairs of all missed deadlines and limits, found after the remedies.
     pub repairs: Repairs,
     /// The minimum number of cores, found last, if at all.

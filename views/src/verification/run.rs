@@ -18,10 +18,10 @@ use super::{Problem, TaskBound, quick_bounds, why};
 const QUICK_SECONDS: f64 = 1.0;
 
 /// Time limit of the search for repairs.
-const REPAIRS: Duration = Duration::from_secs(2);
+const REPAIR_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// One verification at a time: verifications compete for memory, and the editor needs the other cores.
-static TURN: Mutex<()> = Mutex::new(());
+static VERIFICATION_LOCK: Mutex<()> = Mutex::new(());
 
 /// An interim result.
 pub enum Interim {
@@ -41,7 +41,9 @@ pub fn run(
     cancel: &Cancel,
     tell: impl Fn(Interim) + Sync,
 ) {
-    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let _turn = VERIFICATION_LOCK
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner);
     if cancel.is_abandoned() {
         return;
     }
@@ -79,7 +81,7 @@ pub fn run(
         }
     }
     if report.seconds < QUICK_SECONDS && !cancel.is_over() {
-        let until = (cancel, Some(REPAIRS));
+        let until = (cancel, Some(REPAIR_TIMEOUT));
         let untold: Tell<'_, Repair> = (&|_| {}, &|_| {});
         let repairs = changes::repairs(&problem, &options, &report, until, untold);
         if !repairs.all.is_empty() && !cancel.is_abandoned() {

@@ -18,7 +18,7 @@ pub enum Ending<'t> {
 
 /// A run as a timeline. Links are indices into `events`.
 pub fn of_run(title: String, unit: &str, events: &[Event], ending: Ending) -> Timeline {
-    let (unit, factor) = drawn_in(unit, events);
+    let (unit, factor) = time_unit(unit, events);
     let at = |time: f64| (time * factor).round() as u64;
     let end = events.last().map_or(0, |it| at(it.time));
     let mut tasks = Lanes::default();
@@ -99,16 +99,16 @@ pub fn of_run(title: String, unit: &str, events: &[Event], ending: Ending) -> Ti
 
 /// Maximum number of events in a complete picture. Longer runs are shown from a moment on: thousands of bars
 /// are slow to draw and not readable.
-const LONGEST: usize = 800;
+const MAX_EVENTS: usize = 800;
 /// Number of events shown of a longer run, in addition to all events at the first moment.
-const LAST: usize = 500;
+const TAIL_EVENTS: usize = 500;
 
 /// The first event of a run that is shown.
-pub fn first_shown(events: &[Event]) -> usize {
-    if events.len() <= LONGEST {
+pub fn first_visible_event(events: &[Event]) -> usize {
+    if events.len() <= MAX_EVENTS {
         return 0;
     }
-    let from = events[events.len() - LAST].time;
+    let from = events[events.len() - TAIL_EVENTS].time;
     events.partition_point(|it| it.time < from)
 }
 
@@ -124,15 +124,15 @@ pub fn of_end(
     if first == 0 {
         return whole;
     }
-    let (_, factor) = drawn_in(unit, events);
+    let (_, factor) = time_unit(unit, events);
     let start = (events[first].time * factor).round() as u64;
     let mut out = whole.since(start);
-    out.notes.push(left_out(first));
+    out.notes.push(omitted_note(first));
     out
 }
 
 /// The note in place of the omitted events.
-pub fn left_out(events: usize) -> String {
+pub fn omitted_note(events: usize) -> String {
     format!("{events} steps before are not shown")
 }
 
@@ -146,7 +146,7 @@ fn instant(now: u64, unit: &str) -> String {
 
 /// The unit of a picture in which all times are whole, for the unit of a report (`ms`, `10 us`), and the
 /// factor between both.
-fn drawn_in<'u>(unit: &'u str, events: &[Event]) -> (&'u str, f64) {
+fn time_unit<'u>(unit: &'u str, events: &[Event]) -> (&'u str, f64) {
     let (count, unit) = match unit.split_once(' ') {
         Some((count, unit)) => (count.parse().unwrap_or(1.0), unit),
         None => (1.0, unit),
@@ -174,13 +174,13 @@ fn last_name(path: &str) -> String {
 }
 
 /// Begin, kind, label, event.
-type Open = (u64, BarKind, String, usize);
+type OpenBar = (u64, BarKind, String, usize);
 
 #[derive(Default)]
 struct Lanes {
     lanes: Vec<Lane>,
     /// The open bar of each lane.
-    open: BTreeMap<usize, Open>,
+    open: BTreeMap<usize, OpenBar>,
     /// The core of each task that has one.
     holders: BTreeMap<String, usize>,
 }
@@ -216,7 +216,7 @@ impl Lanes {
     }
 }
 
-fn bar((from, kind, label, event): Open, to: u64, events: &[Event]) -> Option<Bar> {
+fn bar((from, kind, label, event): OpenBar, to: u64, events: &[Event]) -> Option<Bar> {
     let it = &events[event];
     // Execution without duration is drawn, waiting without duration is not.
     (to > from || kind == BarKind::Run).then(|| Bar {
@@ -302,8 +302,8 @@ mod tests {
             event(time, task, kind, what)
         });
         let events: Vec<Event> = steps.collect();
-        assert_eq!(first_shown(&events[..LONGEST]), 0);
-        let first = first_shown(&events);
+        assert_eq!(first_visible_event(&events[..MAX_EVENTS]), 0);
+        let first = first_visible_event(&events);
         assert_eq!(first, 1500);
         let timeline = of_end("x".to_owned(), "ms", &events, first, Ending::Fine);
         assert_eq!((timeline.start, timeline.end), (375, 499));

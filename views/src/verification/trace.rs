@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-pub use make::{Told, of_run};
+pub use make::{TraceInput, of_run};
 
 /// Version of the form. It increases when a field is removed or changes its meaning.
 pub const FORMAT: u32 = 1;

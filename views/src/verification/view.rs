@@ -11,7 +11,7 @@ use dotgen_timing::verify::{Options, settings};
 
 use super::Problem;
 use super::summary::{Scale, percent};
-use super::why::Why;
+use super::why::FailureCause;
 
 /// The outcome of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -116,7 +116,7 @@ pub struct CheckView<'r> {
     /// A change with which the check holds, if one is known.
     pub remedy: Option<String>,
     /// The cause and the remedy, as data.
-    pub why: Option<&'r Why>,
+    pub why: Option<&'r FailureCause>,
     /// The range of the check in the scenario.
     pub written: Option<Range<usize>>,
     /// True if it is one of several answers to a check of all tasks.
@@ -135,7 +135,7 @@ impl<'r> View<'r> {
         problem: &Problem,
         options: &Options,
         report: &'r Report,
-        why: &'r [Option<Why>],
+        why: &'r [Option<FailureCause>],
     ) -> View<'r> {
         let scale = Scale::of(&settings(&problem.scenario, options));
         // Checks of the command line are not in the scenario.
@@ -162,7 +162,7 @@ impl<'r> CheckView<'r> {
         report: &'r CheckReport,
         scale: Scale,
         scenario: Option<&Scenario>,
-        why: Option<&'r Why>,
+        why: Option<&'r FailureCause>,
     ) -> CheckView<'r> {
         let outcome = Outcome::of(report);
         let bound = report.rounded || report.soundness == Soundness::UpperBound;

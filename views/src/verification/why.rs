@@ -16,7 +16,7 @@ const QUICK_SECONDS: f64 = 1.0;
 
 /// The cause of a task's failure, and the remedy.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Why {
+pub struct FailureCause {
     /// The longest wait of the job at the end of the run.
     pub(crate) cause: Cause,
     /// A simple change with which the check holds, if there is one. It was verified.
@@ -27,7 +27,7 @@ pub struct Why {
     function: Option<String>,
 }
 
-/// See [`Why::cause`].
+/// See [`FailureCause::cause`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct Cause {
     /// The late task: `component.task`.
@@ -54,7 +54,7 @@ pub fn of_report(
     options: &Options,
     report: &Report,
     remedies: Option<&Cancel>,
-) -> Vec<Option<Why>> {
+) -> Vec<Option<FailureCause>> {
     let refuted = |it: &&CheckReport| it.verdict == Verdict::Refuted && it.id.task.is_some();
     if !report.checks.iter().any(|it| refuted(&it)) {
         return vec![None; report.checks.len()];
@@ -73,7 +73,7 @@ pub fn of_report(
                 Some(Change::Wcet { codel, .. }) => Some(function(&table, codel)),
                 _ => None,
             };
-            Why {
+            FailureCause {
                 cause: cause(check, &table),
                 remedy,
                 function,
@@ -127,7 +127,7 @@ fn own_name(path: &str) -> &str {
     path.rsplit('.').next().unwrap_or(path)
 }
 
-impl Why {
+impl FailureCause {
     /// `` `control` waits 6 ms for `level` of the ids, held by `report_start` ``
     pub(crate) fn cause_in_words(&self, scale: Scale) -> String {
         let it = &self.cause;

@@ -10,7 +10,7 @@ use anyhow::{Context, Result, bail};
 use serde_json::{Value, json};
 
 /// Timeout, longer than any measured operation.
-const PATIENCE: Duration = Duration::from_secs(600);
+const REPLY_TIMEOUT: Duration = Duration::from_secs(600);
 
 /// A message of the server.
 pub(crate) struct Message {
@@ -157,7 +157,7 @@ impl Editor {
 
     /// The next message that is not a request of the server; those are answered with `null`.
     pub(crate) fn next(&mut self) -> Result<Message> {
-        self.next_within(PATIENCE)?
+        self.next_within(REPLY_TIMEOUT)?
             .context("the server says nothing any more")
     }
 

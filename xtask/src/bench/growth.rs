@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use serde_json::Value;
 
-use super::measure::{Job, Taken, alternate, announce};
+use super::measure::{Job, Measurement, alternate, announce};
 use super::{SECONDS, show};
 use crate::chart::{Chart, Line};
 use crate::run::step;
@@ -68,7 +68,7 @@ fn command<'a>(dotgen: &'a Path, arguments: &[&str]) -> Job<'a> {
 }
 
 /// Time, memory, states, and the number of checks that hold.
-fn cell(taken: &Taken) -> Result<String> {
+fn cell(taken: &Measurement) -> Result<String> {
     let report: Value = serde_json::from_str(&taken.output).context("dotgen wrote no JSON")?;
     let checks = report["checks"].as_array().context("no checks")?;
     let count = |verdict| checks.iter().filter(|it| it["verdict"] == verdict).count();

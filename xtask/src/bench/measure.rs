@@ -29,7 +29,7 @@ pub(crate) struct Job<'a> {
 }
 
 /// The medians of the runs.
-pub(crate) struct Taken {
+pub(crate) struct Measurement {
     pub(crate) seconds: f64,
     /// Wall-clock time from start to end.
     pub(crate) elapsed: f64,
@@ -42,8 +42,8 @@ pub(crate) struct Taken {
 /// Measures some jobs in alternation, so that disturbances affect all of them equally. `None`: the job
 /// exceeded [`LIMIT`]. Jobs of more than two seconds run at most three times, those of more than twenty
 /// seconds once.
-pub(crate) fn alternate(jobs: &[Job], runs: usize) -> Result<Vec<Option<Taken>>> {
-    let mut all: Vec<Option<Vec<Taken>>> = jobs.iter().map(|_| Some(Vec::new())).collect();
+pub(crate) fn alternate(jobs: &[Job], runs: usize) -> Result<Vec<Option<Measurement>>> {
+    let mut all: Vec<Option<Vec<Measurement>>> = jobs.iter().map(|_| Some(Vec::new())).collect();
     for run in 0..runs {
         for (job, taken) in std::iter::zip(jobs, &mut all) {
             let Some(list) = taken else { continue };
@@ -60,13 +60,13 @@ pub(crate) fn alternate(jobs: &[Job], runs: usize) -> Result<Vec<Option<Taken>>>
     Ok(all.into_iter().map(|it| it.map(medians)).collect())
 }
 
-fn medians(mut runs: Vec<Taken>) -> Taken {
+fn medians(mut runs: Vec<Measurement>) -> Measurement {
     let mut megabytes: Vec<f64> = runs.iter().map(|it| it.megabytes).collect();
     megabytes.sort_unstable_by(f64::total_cmp);
     let megabytes = megabytes[runs.len() / 2];
     runs.sort_unstable_by(|a, b| a.seconds.total_cmp(&b.seconds));
     let middle = runs.len() / 2;
-    Taken {
+    Measurement {
         megabytes,
         ..runs.swap_remove(middle)
     }
@@ -75,10 +75,10 @@ fn medians(mut runs: Vec<Taken>) -> Taken {
 /// Separates the shell's report of times from the program's error output. The shell is killed last.
 const SCRIPT: &str = "ulimit -S -t $0; TIMEFORMAT='%3U %3S'; time \"$@\" 2>/dev/null";
 /// Status of a process that has used up its time: 128, and the number of SIGXCPU.
-const USED_UP: i32 = 128 + 24;
+const CPU_TIME_STATUS: i32 = 128 + 24;
 
 /// One run. `None`: it exceeded [`LIMIT`].
-fn once(job: &Job) -> Result<Option<Taken>> {
+fn once(job: &Job) -> Result<Option<Measurement>> {
     static NEXT: AtomicUsize = AtomicUsize::new(0);
     let number = NEXT.fetch_add(1, Ordering::Relaxed);
     let report = target().join(format!("measured-{}-{number}", std::process::id()));
@@ -90,7 +90,7 @@ fn once(job: &Job) -> Result<Option<Taken>> {
     let started = Instant::now();
     let output = run::command(job.directory, "bash", &arguments).output()?;
     let elapsed = started.elapsed().as_secs_f64();
-    if output.status.code() == Some(USED_UP) {
+    if output.status.code() == Some(CPU_TIME_STATUS) {
         return Ok(None);
     }
     let text = std::fs::read_to_string(&*report).context("`time` wrote nothing")?;
@@ -99,7 +99,7 @@ fn once(job: &Job) -> Result<Option<Taken>> {
         .with_context(|| format!("{}: `time` wrote {text}", job.program))?;
     let times = String::from_utf8_lossy(&output.stderr);
     let times = times.split_whitespace().map(str::parse::<f64>);
-    Ok(Some(Taken {
+    Ok(Some(Measurement {
         seconds: times.sum::<Result<f64, _>>().context("bash told no time")?,
         elapsed,
         megabytes: kilobytes / 1024.0,

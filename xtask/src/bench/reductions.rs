@@ -8,14 +8,14 @@ use anyhow::{Context, Result};
 use serde_json::Value;
 
 use super::fischer::{self, Times};
-use super::measure::{Job, Taken, alternate, announce};
-use super::{periodic, rivals, show};
+use super::measure::{Job, Measurement, alternate, announce};
+use super::{competitors, periodic, show};
 use crate::run::step;
 use crate::shared::shared;
 use crate::{root, target};
 
 /// Maximum number of states.
-const MOST: &str = "3000000";
+const MAX_STATES: &str = "3000000";
 
 /// A system and its options.
 struct Subject {
@@ -67,7 +67,7 @@ fn subjects() -> Result<Vec<Subject>> {
         })
     };
     let periodic = |n| {
-        let (genom, scenario) = periodic::dotgen(&rivals::spread(n), true);
+        let (genom, scenario) = periodic::dotgen(&competitors::spread(n), true);
         [("periodic.gen", genom), ("scenario.scn", scenario)]
     };
     let fischer = |n, times| {
@@ -112,7 +112,7 @@ fn subjects() -> Result<Vec<Subject>> {
 fn arguments(subject: &Subject, more: &[&str]) -> Vec<String> {
     let scenario = subject.scenario.to_string_lossy();
     let all = [
-        &["verify", "--max-states", MOST],
+        &["verify", "--max-states", MAX_STATES],
         &subject.options[..],
         more,
         &[&scenario],
@@ -147,7 +147,7 @@ fn measure(dotgen: &Path, subject: &Subject, without: Option<&str>, runs: usize)
 }
 
 /// Time, memory, states, and the number of checks that gave up.
-fn cell(taken: &Taken) -> Result<String> {
+fn cell(taken: &Measurement) -> Result<String> {
     let report: Value = serde_json::from_str(&taken.output).context("dotgen wrote no JSON")?;
     let checks = report["checks"].as_array().context("no checks")?;
     let unknown = checks.iter().filter(|it| it["verdict"] == "unknown");

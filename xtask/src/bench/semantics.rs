@@ -13,7 +13,7 @@ use crate::shared::shared;
 use crate::{root, target};
 
 /// Maximum number of states. Results do not depend on a clock.
-const MOST: &str = "400000";
+const MAX_STATES: &str = "400000";
 
 /// Single points of the semantics: the keyword, the behaviour of the servers, the behaviour of the published
 /// models.
@@ -170,7 +170,7 @@ impl<'a> System<'a> {
         );
         std::fs::write(&self.file, text)?;
         let output = Command::new(self.dotgen)
-            .args(["verify", "--format", "json", "--max-states", MOST])
+            .args(["verify", "--format", "json", "--max-states", MAX_STATES])
             .args(["--semantics", preset, "--durations", "fixed"])
             .args(["--cores", &cores.to_string(), "--policy", self.policy])
             .arg("-I")

@@ -19,7 +19,7 @@ use crate::{root, target};
 /// Characters typed in a component and in the shared file.
 const TYPED: usize = 60;
 /// Time without messages after which the server is taken to be idle.
-const QUIET: Duration = Duration::from_millis(1500);
+const IDLE_TIME: Duration = Duration::from_millis(1500);
 
 /// Measured values of a workspace by name, in the order of the table, in seconds or megabytes.
 type Figures = Vec<(&'static str, f64)>;
@@ -108,7 +108,7 @@ fn serve(dotgen: &Path, folder: &Path, count: usize) -> Result<Figures> {
     let line = line_of(&text, "  task slow {")?;
     figures.push((
         "keystroke to diagnostics in a component, p95",
-        session.type_in(&mut component, line)?,
+        session.type_comment(&mut component, line)?,
     ));
     let text = workspace::shared();
     let mut shared = session.editor.open(workspace::SHARED, &text)?;
@@ -116,7 +116,7 @@ fn serve(dotgen: &Path, folder: &Path, count: usize) -> Result<Figures> {
     let line = line_of(&text, "// What all")?;
     figures.push((
         "keystroke to diagnostics in the shared file, p95",
-        session.type_in(&mut shared, line + 1)?,
+        session.type_comment(&mut shared, line + 1)?,
     ));
     session.settle()?;
 
@@ -248,7 +248,7 @@ impl Session {
 
     /// Types a comment, a character at a time, and requests diagnostics after each. Returns the 95th
     /// percentile in seconds.
-    fn type_in(&mut self, document: &mut Document, line: usize) -> Result<f64> {
+    fn type_comment(&mut self, document: &mut Document, line: usize) -> Result<f64> {
         self.editor.edit(document, line, [0, 0], "// \n")?;
         self.pull(document)?;
         let mut times = Vec::with_capacity(TYPED);
@@ -266,7 +266,7 @@ impl Session {
 
     /// Waits until the server is idle.
     fn settle(&mut self) -> Result<()> {
-        while self.editor.next_within(QUIET)?.is_some() {}
+        while self.editor.next_within(IDLE_TIME)?.is_some() {}
         Ok(())
     }
 

@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use serde_json::{Value, json};
 
 use super::Options;
-use super::compare::{Finding, Findings, Touched};
+use super::compare::{ChangedLines, Finding, Findings};
 use super::edits;
 use super::mutate::mutate;
 use super::report::Report;
@@ -16,7 +16,7 @@ use super::sets::{Set, is_specification};
 use super::workspace::Workspace;
 
 /// Findings of a mutated document at which actions are requested.
-const MOST_FINDINGS: usize = 6;
+const MAX_FINDINGS: usize = 6;
 
 /// The present case.
 struct Case<'c> {
@@ -93,7 +93,7 @@ fn mutated(
     workspace.set(path, new.clone())?;
     let before = workspace.findings()?;
     let findings = before.0.get(path).cloned().unwrap_or_default();
-    for it in findings.iter().take(MOST_FINDINGS) {
+    for it in findings.iter().take(MAX_FINDINGS) {
         at_finding(workspace, case, &before, path, it, Some("quickfix"))?;
     }
     everything(workspace, case, &before, path)?;
@@ -181,7 +181,7 @@ fn one(
             let title = &action["title"];
             let line = format!("{}:{}: {title}: {error:#}", path.display(), line + 1);
             case.report.count(case.group, "not applied", 1);
-            case.report.offend("not applied", &line);
+            case.report.report_offender("not applied", &line);
             return Ok(());
         }
     };
@@ -213,7 +213,7 @@ fn one(
         {
             case.report.count(case.group, "useless", 1);
             case.report.code("useless", &it.code);
-            case.report.offend(
+            case.report.report_offender(
                 "useless",
                 &format!("{head} keeps {}: {}", it.code, it.message),
             );
@@ -224,7 +224,7 @@ fn one(
             case.report.code("losing text", code);
             let lost = applied.lost.join(" ");
             case.report
-                .offend("losing text", &format!("{head} for {code} removes: {lost}"));
+                .report_offender("losing text", &format!("{head} for {code} removes: {lost}"));
         }
     }
     Ok(())
@@ -238,7 +238,7 @@ impl Case<'_> {
         head: &str,
         before: &Findings,
         after: &Findings,
-        touched: &Touched,
+        touched: &ChangedLines,
     ) {
         let (worse, revealed) = before.judged(after, touched);
         self.report.count(self.group, "judged", 1);
@@ -254,7 +254,7 @@ impl Case<'_> {
                 let message = it.message.replace(&format!("{}/", root.display()), "");
                 let added = format!("{head} adds {} at {shown}:{line}: {message}", it.code);
                 if kind == "worse" {
-                    self.report.offend(kind, &added);
+                    self.report.report_offender(kind, &added);
                 }
             }
         }
@@ -309,7 +309,7 @@ fn check_fix(
     let backwards = std::iter::zip(text.lines().rev(), fixed.lines().rev());
     let same = backwards.take_while(|it| !differs(it)).count();
     let last = fixed.lines().count().saturating_sub(same).max(first);
-    let touched = Touched::from([(path.to_owned(), vec![[first, last]])]);
+    let touched = ChangedLines::from([(path.to_owned(), vec![[first, last]])]);
     let root = &workspace.copy.root;
     let shown = path.strip_prefix(root).unwrap_or(path).display();
     let head = format!("{shown}: `check --fix`{}", case.context);

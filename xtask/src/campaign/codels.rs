@@ -13,7 +13,7 @@ use super::report::Report;
 use super::sets::{Set, is_specification};
 
 /// Codes that a compiler can confirm.
-const JUDGED: [&str; 2] = ["codel/unknown-member", "codel/signature-mismatch"];
+const CONFIRMABLE_CODES: [&str; 2] = ["codel/unknown-member", "codel/signature-mismatch"];
 
 /// Folder of the generated headers; the comparison of codels does not read it.
 const HEADERS: &str = ".campaign";
@@ -131,7 +131,7 @@ impl Folder<'_> {
                 let error = error.replace(&format!("{}/", self.root.display()), "");
                 let shown = self.shown(source);
                 report.code("no longer compiles", "codels sync");
-                report.offend(
+                report.report_offender(
                     "no longer compiles",
                     &format!("{shown}: `codels sync`{context}: {error}"),
                 );
@@ -152,7 +152,7 @@ impl Folder<'_> {
         let found: Value = serde_json::from_str(&output.0).with_context(|| output.1.clone())?;
         for it in found["diagnostics"].as_array().into_iter().flatten() {
             let finding = Finding::read(it);
-            if !JUDGED.contains(&finding.code.as_str()) || finding.severity > 2 {
+            if !CONFIRMABLE_CODES.contains(&finding.code.as_str()) || finding.severity > 2 {
                 continue;
             }
             let file = self.root.join(it["file"].as_str().unwrap_or_default());
@@ -174,7 +174,7 @@ impl Folder<'_> {
                         "{shown}:{line}: {}: {}{context}",
                         finding.code, finding.message
                     );
-                    report.offend("contradicted", &text);
+                    report.report_offender("contradicted", &text);
                 }
                 (true, true) => report.count(group, "confirmed by a warning", 1),
                 (false, _) if messages.contains("fatal error:") => {

@@ -44,7 +44,7 @@ impl Finding {
 pub(super) struct Findings(pub(super) BTreeMap<PathBuf, Vec<Finding>>);
 
 /// Documents' changed lines, in the texts after an edit.
-pub(super) type Touched = BTreeMap<PathBuf, Vec<[usize; 2]>>;
+pub(super) type ChangedLines = BTreeMap<PathBuf, Vec<[usize; 2]>>;
 
 /// A finding and its document.
 type Placed<'a> = (&'a Path, &'a Finding);
@@ -95,7 +95,7 @@ impl Findings {
     pub(super) fn judged<'a>(
         &self,
         after: &'a Findings,
-        touched: &Touched,
+        touched: &ChangedLines,
     ) -> (Vec<Placed<'a>>, Vec<Placed<'a>>) {
         let reveals = after.errors() < self.errors();
         let is_touched = |path: &Path, it: &Finding| {
@@ -124,7 +124,7 @@ mod tests {
 
     #[test]
     fn new_findings_are_worse_unless_a_mended_error_had_hidden_them() {
-        let touched = Touched::from([("a.gen".into(), vec![[3, 3]])]);
+        let touched = ChangedLines::from([("a.gen".into(), vec![[3, 3]])]);
         let before = findings(&[("e", 1, 3), ("w", 2, 9)]);
         let kinds = |after: &[(&str, u64, usize)]| {
             let after = findings(after);

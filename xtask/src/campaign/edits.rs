@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
 
-use super::compare::{Finding, Touched};
+use super::compare::{ChangedLines, Finding};
 
 /// Words of the comments above codels, which repairs rewrite.
 const SKELETON: [&str; 3] = ["Yields to", "Triggered by", "Throws"];
@@ -24,7 +24,7 @@ pub(super) struct Applied {
     /// New texts by file.
     pub(super) texts: BTreeMap<PathBuf, String>,
     /// Changed lines in the new texts.
-    pub(super) touched: Touched,
+    pub(super) touched: ChangedLines,
     /// Words that are removed away from findings, and appear nowhere else in the edit.
     pub(super) lost: Vec<String>,
 }

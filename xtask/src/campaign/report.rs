@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Kinds of offenders for which the campaign fails.
-const BAD: [&str; 6] = [
+const FAILING_KINDS: [&str; 6] = [
     "worse",
     "useless",
     "losing text",
@@ -37,7 +37,7 @@ impl Report {
     }
 
     /// Prints an offender at once, unless the same line was printed before.
-    pub(super) fn offend(&mut self, kind: &'static str, line: &str) {
+    pub(super) fn report_offender(&mut self, kind: &'static str, line: &str) {
         let line = format!("[{}] {line}", self.set);
         if self.offenders.insert((kind, line.clone())) {
             println!("{kind}: {line}");
@@ -52,7 +52,7 @@ impl Report {
 
     /// Number of offenders of the kinds for which the campaign fails.
     pub(super) fn bad(&self) -> usize {
-        let bad = |it: &&(&str, String)| BAD.contains(&it.0);
+        let bad = |it: &&(&str, String)| FAILING_KINDS.contains(&it.0);
         self.offenders.iter().filter(bad).count()
     }
 

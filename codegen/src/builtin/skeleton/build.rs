@@ -2,7 +2,7 @@
 
 use dotgen_analysis::model::ComponentKind;
 
-use super::fill::{Facts, Walk};
+use super::fill::{Facts, TemplateWriter};
 use crate::codels::expected::Expected;
 use crate::template::object::Object;
 use crate::template::tcl;
@@ -50,7 +50,7 @@ impl Job<'_> {
     }
 
     /// The file for pkg-config, for the installed or the uninstalled component.
-    pub(super) fn package(&self, mut walk: Walk, component: u32) -> Option<String> {
+    pub(super) fn package(&self, mut walk: TemplateWriter, component: u32) -> Option<String> {
         let name = self.name(component);
         walk.next()
             .put(name)
@@ -75,7 +75,7 @@ impl Job<'_> {
     }
 
     /// `configure.ac`
-    pub(super) fn configure(&self, mut walk: Walk) -> Option<String> {
+    pub(super) fn configure(&self, mut walk: TemplateWriter) -> Option<String> {
         let &first = self.components.first()?;
         let name = self.name(first);
         walk.next().put(name).next();
@@ -155,7 +155,7 @@ impl Job<'_> {
     }
 
     /// `Makefile.am`, with the read files that are below it.
-    pub(super) fn makefile(&self, mut walk: Walk, idls: &[String]) -> Option<String> {
+    pub(super) fn makefile(&self, mut walk: TemplateWriter, idls: &[String]) -> Option<String> {
         walk.notice("#", self.notice);
         walk.next().put(self.name(*self.components.first()?));
         walk.next().put(&tcl::list(idls)).next();
@@ -188,7 +188,7 @@ impl Job<'_> {
     }
 
     /// `codels/Makefile.am`
-    pub(super) fn makefile_of_codels(&self, mut walk: Walk) -> Option<String> {
+    pub(super) fn makefile_of_codels(&self, mut walk: TemplateWriter) -> Option<String> {
         let extension = if self.language == "c++" { ".cc" } else { ".c" };
         walk.notice("#", self.notice);
         if self.newer {

@@ -64,16 +64,16 @@ impl<'a> Facts<'a> {
     /// An answer that is a list of objects.
     pub(super) fn objects(&self, object: &Object, question: &[&str]) -> Option<Vec<Object>> {
         let handles = self.list(object, question)?;
-        handles.iter().map(|it| self.of_handle(it)).collect()
+        handles.iter().map(|it| self.object_of(it)).collect()
     }
 
     /// An answer that is an object.
     pub(super) fn object(&self, object: &Object, question: &[&str]) -> Option<Object> {
-        self.of_handle(&self.text(object, question)?)
+        self.object_of(&self.text(object, question)?)
     }
 
     /// The object of a handle.
-    pub(super) fn of_handle(&self, handle: &str) -> Option<Object> {
+    pub(super) fn object_of(&self, handle: &str) -> Option<Object> {
         self.registry.object(handle).cloned()
     }
 }
@@ -82,15 +82,15 @@ impl<'a> Facts<'a> {
 ///
 /// A text lies between two markers. The next text is determined by counting, because the contents of the
 /// folder are known. Therefore no text of the template is stored here.
-pub(super) struct Walk {
+pub(super) struct TemplateWriter {
     texts: Vec<String>,
     at: usize,
     out: String,
 }
 
-impl Walk {
+impl TemplateWriter {
     /// Reads a file; `None` if that fails.
-    pub(super) fn read(disk: &dyn Disk, path: &Path) -> Option<Walk> {
+    pub(super) fn read(disk: &dyn Disk, path: &Path) -> Option<TemplateWriter> {
         let source = tcl::decode(&disk.read(path).ok()?);
         let pieces = marker::translate(&source).ok()?.pieces;
         let source: Vec<char> = source.chars().collect();
@@ -105,7 +105,7 @@ impl Walk {
             }
             end = Some(piece.source.end);
         }
-        Some(Walk {
+        Some(TemplateWriter {
             texts,
             at: 0,
             out: String::new(),
@@ -113,7 +113,7 @@ impl Walk {
     }
 
     /// Writes the next text.
-    pub(super) fn next(&mut self) -> &mut Walk {
+    pub(super) fn next(&mut self) -> &mut TemplateWriter {
         if let Some(text) = self.texts.get(self.at) {
             self.out += text;
         }
@@ -122,7 +122,7 @@ impl Walk {
     }
 
     /// Writes a value.
-    pub(super) fn put(&mut self, value: &str) -> &mut Walk {
+    pub(super) fn put(&mut self, value: &str) -> &mut TemplateWriter {
         self.out += &encoding::latin1(value);
         self
     }
@@ -140,7 +140,7 @@ impl Walk {
         &mut self,
         count: usize,
         things: impl IntoIterator<Item = T>,
-        mut write: impl FnMut(&mut Walk, T) -> Option<()>,
+        mut write: impl FnMut(&mut TemplateWriter, T) -> Option<()>,
     ) -> Option<()> {
         let start = self.at;
         for thing in things {
@@ -156,7 +156,7 @@ impl Walk {
         &mut self,
         count: usize,
         wanted: bool,
-        mut write: impl FnMut(&mut Walk) -> Option<()>,
+        mut write: impl FnMut(&mut TemplateWriter) -> Option<()>,
     ) -> Option<()> {
         self.each(count, wanted.then_some(()), |walk, ()| write(walk))
     }

@@ -3,11 +3,11 @@
 use std::collections::BTreeSet;
 
 use super::build::Job;
-use super::fill::{Facts, Walk};
+use super::fill::{Facts, TemplateWriter};
 use crate::template::object::Object;
 
 /// The file.
-pub(super) fn write(job: &Job<'_>, mut walk: Walk) -> Option<String> {
+pub(super) fn write(job: &Job<'_>, mut walk: TemplateWriter) -> Option<String> {
     let facts = job.facts;
     walk.notice("//", job.notice);
     heading(job, &mut walk)?;
@@ -34,7 +34,7 @@ pub(super) fn write(job: &Job<'_>, mut walk: Walk) -> Option<String> {
 }
 
 /// Title, authors and versions, and the documentation of components.
-fn heading(job: &Job<'_>, walk: &mut Walk) -> Option<()> {
+fn heading(job: &Job<'_>, walk: &mut TemplateWriter) -> Option<()> {
     let facts = job.facts;
     walk.next().put(job.input()).next().put(facts.template);
     walk.next().put(job.input()).next();
@@ -78,10 +78,10 @@ fn heading(job: &Job<'_>, walk: &mut Walk) -> Option<()> {
 /// `count` texts for each item of each component.
 fn each_of(
     job: &Job<'_>,
-    walk: &mut Walk,
+    walk: &mut TemplateWriter,
     count: usize,
     question: &str,
-    mut write: impl FnMut(&mut Walk, &Object) -> Option<()>,
+    mut write: impl FnMut(&mut TemplateWriter, &Object) -> Option<()>,
 ) -> Option<()> {
     let mut things = Vec::new();
     for &component in job.components {
@@ -94,7 +94,7 @@ fn each_of(
 }
 
 /// Three texts around the documentation of an object.
-fn documentation(facts: &Facts<'_>, walk: &mut Walk, of: &Object) -> Option<()> {
+fn documentation(facts: &Facts<'_>, walk: &mut TemplateWriter, of: &Object) -> Option<()> {
     let doc = facts.text(of, &["doc"]);
     walk.when(2, doc.is_some(), |walk| {
         walk.next().put(doc.as_deref()?).next();
@@ -104,7 +104,7 @@ fn documentation(facts: &Facts<'_>, walk: &mut Walk, of: &Object) -> Option<()> 
     Some(())
 }
 
-fn service(job: &Job<'_>, walk: &mut Walk, service: &Object) -> Option<()> {
+fn service(job: &Job<'_>, walk: &mut TemplateWriter, service: &Object) -> Option<()> {
     let facts = job.facts;
     let name = facts.text(service, &["name"])?;
     walk.next().put(&name).next().put(&name);
@@ -153,7 +153,7 @@ fn service(job: &Job<'_>, walk: &mut Walk, service: &Object) -> Option<()> {
     documentation(facts, walk, service)
 }
 
-fn task(job: &Job<'_>, walk: &mut Walk, task: &Object) -> Option<()> {
+fn task(job: &Job<'_>, walk: &mut TemplateWriter, task: &Object) -> Option<()> {
     let facts = job.facts;
     let name = facts.text(task, &["name"])?;
     walk.next().put(&name).next().put(&name).next();
@@ -174,7 +174,7 @@ fn task(job: &Job<'_>, walk: &mut Walk, task: &Object) -> Option<()> {
 }
 
 /// Two texts for exceptions.
-fn thrown(job: &Job<'_>, walk: &mut Walk, throws: &[Object]) -> Option<()> {
+fn thrown(job: &Job<'_>, walk: &mut TemplateWriter, throws: &[Object]) -> Option<()> {
     walk.when(2, !throws.is_empty(), |walk| {
         walk.next();
         walk.each(1, throws, |walk, it| {
@@ -186,7 +186,7 @@ fn thrown(job: &Job<'_>, walk: &mut Walk, throws: &[Object]) -> Option<()> {
 }
 
 /// Four texts: two for each port that codels write, two for each port that they read.
-fn ports(facts: &Facts<'_>, walk: &mut Walk, owner: &Object) -> Option<()> {
+fn ports(facts: &Facts<'_>, walk: &mut TemplateWriter, owner: &Object) -> Option<()> {
     let mut used = BTreeSet::new();
     for codel in facts.objects(owner, &["codels"])? {
         for parameter in facts.objects(&codel, &["parameters", "port"])? {
@@ -194,7 +194,7 @@ fn ports(facts: &Facts<'_>, walk: &mut Walk, owner: &Object) -> Option<()> {
         }
     }
     walk.each(4, &used, |walk, port| {
-        let port = facts.of_handle(port)?;
+        let port = facts.object_of(port)?;
         let name = facts.text(&port, &["name"])?;
         let written = facts.text(&port, &["dir"])? == "out";
         for of_written in [true, false] {
@@ -230,25 +230,25 @@ fn frequency(facts: &Facts<'_>, task: &Object) -> Option<Option<String>> {
 
 /// A default value, as a tree.
 #[derive(Default, Clone)]
-struct Initial {
+struct DefaultValue {
     doc: Option<String>,
     value: Option<String>,
     /// Name of a member or index, and its default.
-    items: Vec<(String, Initial)>,
+    items: Vec<(String, DefaultValue)>,
 }
 
-impl Initial {
-    fn of(facts: &Facts<'_>, object: &Object) -> Option<Initial> {
-        let mut out = Initial {
+impl DefaultValue {
+    fn of(facts: &Facts<'_>, object: &Object) -> Option<DefaultValue> {
+        let mut out = DefaultValue {
             doc: facts.text(object, &["doc"]),
-            ..Initial::default()
+            ..DefaultValue::default()
         };
         match facts.text(object, &["kind"])?.as_str() {
             "void" => {}
             "compound" => {
                 for part in facts.objects(object, &["value"])? {
                     let name = facts.text(&part, &["member"])?;
-                    let item = Initial::of(facts, &part)?;
+                    let item = DefaultValue::of(facts, &part)?;
                     match out.items.iter_mut().find(|it| it.0 == name) {
                         Some(known) => known.1 = item,
                         None => out.items.push((name, item)),
@@ -260,7 +260,7 @@ impl Initial {
         Some(out)
     }
 
-    fn item(&self, name: &str) -> Initial {
+    fn item(&self, name: &str) -> DefaultValue {
         let found = self.items.iter().find(|it| it.0 == name);
         found.map(|it| it.1.clone()).unwrap_or_default()
     }
@@ -271,7 +271,7 @@ impl Job<'_> {
         let facts = self.facts;
         let initial = facts.object(parameter, &["initializer"]);
         let initial = initial
-            .and_then(|it| Initial::of(facts, &it))
+            .and_then(|it| DefaultValue::of(facts, &it))
             .unwrap_or_default();
         let name = facts.text(parameter, &["name"])?;
         let of = facts.object(parameter, &["type"])?;
@@ -283,7 +283,7 @@ impl Job<'_> {
         &self,
         name: &str,
         of: &Object,
-        initial: &Initial,
+        initial: &DefaultValue,
         prefix: &str,
         around: &[String],
     ) -> Option<String> {

@@ -22,14 +22,14 @@ use crate::codels::{
 
 /// Maximum number of edits that are tried for a request or command. Each costs about one analysis of the
 /// affected units.
-pub const MOST_TRIALS: usize = 400;
+pub const MAX_TRIALS: usize = 400;
 
 /// Bytes of specifications that are analysed in the trials of a command: the edits of a large file are fewer.
-const MOST_BYTES: usize = 2 << 20;
+const MAX_BYTES: usize = 2 << 20;
 
 /// Maximum number of units in which an edit is tried. An edit of a file that more units include is not
 /// judged.
-pub const MOST_UNITS: usize = 8;
+pub const MAX_UNITS: usize = 8;
 
 /// Maximum number of rounds of repairs that complete an edit.
 const ROUNDS: usize = 2;
@@ -70,16 +70,16 @@ impl<'j, 'p> Judge<'j, 'p> {
     pub fn new(project: &'j mut Project<'p>, roots: &[Utf8PathBuf]) -> Judge<'j, 'p> {
         Judge {
             project,
-            roots: roots[..roots.len().min(MOST_UNITS)].to_vec(),
+            roots: roots[..roots.len().min(MAX_UNITS)].to_vec(),
             before: None,
-            room: MOST_TRIALS,
-            is_complete: roots.len() <= MOST_UNITS,
+            room: MAX_TRIALS,
+            is_complete: roots.len() <= MAX_UNITS,
         }
     }
 
     /// Leaves room for as many trials as texts of this size allow.
     pub fn limit(&mut self, size: usize) {
-        self.room = self.room.min(MOST_BYTES / size.max(1));
+        self.room = self.room.min(MAX_BYTES / size.max(1));
     }
 
     /// The project on which edits are tried.
@@ -163,7 +163,7 @@ impl<'j, 'p> Judge<'j, 'p> {
 
     fn tried(&mut self, edit: &Edit, mends: &[(&str, usize)], before: &Findings) -> Verdict {
         let changes = self.project.changes(edit);
-        let mut touched = Touched::default();
+        let mut touched = ChangedLines::default();
         changes.iter().for_each(|it| touched.note(it));
         let mut originals = self.overlay(changes);
         let mut after = Findings::of(self.project, &self.roots);
@@ -269,11 +269,11 @@ impl<'j, 'p> Judge<'j, 'p> {
 
 /// The lines that an edit changes, in the text after it.
 #[derive(Default)]
-struct Touched {
+struct ChangedLines {
     lines: BTreeMap<Utf8PathBuf, Vec<Range<usize>>>,
 }
 
-impl Touched {
+impl ChangedLines {
     fn note(&mut self, change: &FileChange) {
         let before = change.before.as_deref().unwrap_or_default();
         let mut moved = 0isize;
@@ -342,7 +342,7 @@ impl Findings {
     /// After the removal of an error these are hints, findings of rules that wait until a specification is
     /// accepted, and findings away from the changed lines. After a change of a function's prototype these are
     /// uses in its body that have become invalid.
-    fn added(&self, after: &Findings, touched: &Touched) -> Vec<&'static str> {
+    fn added(&self, after: &Findings, touched: &ChangedLines) -> Vec<&'static str> {
         let reveals = after.errors < self.errors;
         let mismatch = DriftCode::SignatureMismatch.as_str();
         let follows = after.count(mismatch) < self.count(mismatch);

@@ -13,7 +13,7 @@ use rustc_hash::FxHashSet;
 use crate::codels::{
     drift::Drift,
     expected::Expected,
-    files::{Changed, Files, FilesConfig, Indexes, Sources},
+    files::{Files, FilesConfig, Indexes, ModificationTime, Sources},
     folder::{self, Folder},
     repair::Repairs,
     stub::StubOptions,
@@ -233,7 +233,7 @@ impl Files for Project<'_> {
         }
     }
 
-    fn changed(&self, path: &Utf8Path) -> Option<Changed> {
+    fn changed(&self, path: &Utf8Path) -> Option<ModificationTime> {
         self.files.changed(path)
     }
 }

@@ -2,7 +2,7 @@
 
 use dotgen_analysis::model::{CodelKind, CodelRef};
 
-use super::finding::{Clauses, Differing};
+use super::finding::{Clauses, Difference};
 use super::{Check, Drift, FunctionIn, Repair};
 use crate::codels::{
     expected::{cut_tag, owner_words, state_text},
@@ -16,21 +16,21 @@ pub(super) fn check(check: &Check<'_>, definitions: &[FunctionIn<'_>], out: &mut
             let Some(generated) = &comment.generated else {
                 continue;
             };
-            let Some(at) = use_of(check, generated, distance == 0) else {
+            let Some(at) = described_use(check, generated, distance == 0) else {
                 continue;
             };
-            let wrong = untrue(check, at, generated);
+            let wrong = false_statements(check, at, generated);
             if wrong.is_empty() {
                 continue;
             }
             let codel = check.expected.component().codel(at);
-            let mut drift = check.drift(Differing::StaleComment {
+            let mut drift = check.drift(Difference::StaleComment {
                 codel: codel.name.clone(),
                 wrong: Clauses(wrong),
             });
             drift.spec = vec![codel.src];
             drift.source = Some(found.at(comment.span.clone()));
-            if !throws_more(check) {
+            if !may_throw_more(check) {
                 drift.repairs.push(Repair::RefreshComment {
                     at,
                     path: found.file.path.clone(),
@@ -44,7 +44,7 @@ pub(super) fn check(check: &Check<'_>, definitions: &[FunctionIn<'_>], out: &mut
 
 /// The use of a codel that a comment describes. A codel with several uses has a comment for each. The
 /// comments of later uses have no function: the next declaration follows them.
-fn use_of(check: &Check<'_>, comment: &Generated, nearest: bool) -> Option<CodelRef> {
+fn described_use(check: &Check<'_>, comment: &Generated, nearest: bool) -> Option<CodelRef> {
     let component = check.expected.component();
     let owner = |it: &&CodelRef| owner_words(component, it.owner).1 == comment.owner.as_str();
     if let Some(other) = check.expected.function(&comment.codel)
@@ -59,13 +59,13 @@ fn use_of(check: &Check<'_>, comment: &Generated, nearest: bool) -> Option<Codel
 }
 
 /// True if the known part of the specification may lack exceptions.
-fn throws_more(check: &Check<'_>) -> bool {
+fn may_throw_more(check: &Check<'_>) -> bool {
     let trust = &check.options.trust;
-    check.function.throws_more || trust.is_broken(check.expected, check.function)
+    check.function.may_throw_more || trust.is_broken(check.expected, check.function)
 }
 
 /// The incorrect statements of a comment.
-fn untrue(check: &Check<'_>, at: CodelRef, comment: &Generated) -> Vec<String> {
+fn false_statements(check: &Check<'_>, at: CodelRef, comment: &Generated) -> Vec<String> {
     let expected = check.expected;
     let component = expected.component();
     let codel = component.codel(at);
@@ -134,7 +134,7 @@ fn untrue(check: &Check<'_>, at: CodelRef, comment: &Generated) -> Vec<String> {
         );
         sentence(&states(&codel.yields), &comment.yields, "yields to");
     }
-    if !throws_more(check) {
+    if !may_throw_more(check) {
         sentence(&throws, &comment.throws, "throws");
     }
     out

@@ -31,7 +31,7 @@ impl fmt::Display for Clauses {
 
 findings! {
     /// A difference between a specification and its sources.
-    pub enum Differing {
+    pub enum Difference {
         "codel/missing-definition" Missing { folder: Name, codel: Name }
             => "no source in `{folder}/` defines the function of codel `{codel}`";
         "codel/signature-mismatch" Signature { function: Name, differences: Clauses }

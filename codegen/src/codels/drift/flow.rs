@@ -6,8 +6,8 @@ use dotgen_syntax::suggestion::nearest;
 use rustc_hash::FxHashSet;
 use smol_str::SmolStr;
 
-use super::finding::{Differing, States};
-use super::{Check, Drift, FunctionIn, Repair, Respelling};
+use super::finding::{Difference, States};
+use super::{Check, Drift, FunctionIn, NameReplacement, Repair};
 use crate::codels::{
     expected::{Expected, cut_tag, state_text},
     source::{Body, Call, Span, Value},
@@ -15,10 +15,10 @@ use crate::codels::{
 use crate::lang::Language;
 
 /// Maximum depth of helpers through which a returned value is followed.
-const HELPERS: usize = 4;
+const MAX_HELPER_DEPTH: usize = 4;
 
 /// Maximum number of declared events or exceptions that are offered in place of an undeclared one.
-const WAYS: usize = 3;
+const MAX_SUGGESTIONS: usize = 3;
 
 /// The events that the definitions of one codel return, as far as they are known.
 #[derive(Default)]
@@ -109,7 +109,7 @@ impl Flow<'_> {
         out: &mut Vec<Drift>,
     ) {
         let mut inner = Outcome::default();
-        self.helper(&call.name, HELPERS, &mut inner);
+        self.helper(&call.name, MAX_HELPER_DEPTH, &mut inner);
         let mut events: Vec<&SmolStr> = inner.returned.iter().collect();
         events.sort();
         for event in events {
@@ -231,18 +231,18 @@ impl Flow<'_> {
         let kind = match machine {
             _ if event == expected.ok() => {
                 let first = self.check.function.uses.first();
-                Differing::ReturnsOk {
+                Difference::ReturnsOk {
                     function,
                     event: event_name,
                     yields: States(first.map(|&it| yields(expected, it)).unwrap_or_default()),
                 }
             }
-            None => Differing::HasNoStates {
+            None => Difference::HasNoStates {
                 function,
                 event: event_name,
                 ok: expected.ok().into(),
             },
-            Some(&at) => Differing::NotYielded {
+            Some(&at) => Difference::NotYielded {
                 function,
                 event: event_name,
                 yields: States(yields(expected, at)),
@@ -312,7 +312,7 @@ impl Flow<'_> {
         }
         let near = nearest(event, all.iter().map(SmolStr::as_str)).map(SmolStr::from);
         all.sort_by_key(|it| Some(it) != near.as_ref());
-        all.truncate(WAYS);
+        all.truncate(MAX_SUGGESTIONS);
         all
     }
 
@@ -329,7 +329,7 @@ impl Flow<'_> {
 
     /// The repair that returns another event where the function returns one by its name; `None` if a helper
     /// returns it.
-    fn returning(&self, event: &str, to: &str) -> Option<Respelling> {
+    fn returning(&self, event: &str, to: &str) -> Option<NameReplacement> {
         self.respelled(self.returned_places(event), event, to)
     }
 
@@ -339,7 +339,7 @@ impl Flow<'_> {
         places: impl Iterator<Item = &'s Span>,
         from: &str,
         to: &str,
-    ) -> Option<Respelling> {
+    ) -> Option<NameReplacement> {
         let text = &self.found.file.text;
         let mut out: Vec<(Span, String)> = Vec::new();
         for span in places {
@@ -350,7 +350,7 @@ impl Flow<'_> {
                 out.push((span.clone(), short));
             }
         }
-        (!out.is_empty()).then(|| Respelling {
+        (!out.is_empty()).then(|| NameReplacement {
             function: self.check.function.name.clone(),
             path: self.found.file.path.clone(),
             places: out,
@@ -389,7 +389,7 @@ impl Flow<'_> {
             let exception = self.exception(name);
             let allowed = match exception {
                 Some(it) => self.check.function.throws.contains(&it) || self.may_throw(it),
-                None => !call.is_some_and(|it| self.raises_unknown(it)),
+                None => !call.is_some_and(|it| self.is_undeclared_raise(it)),
             };
             if !allowed && reported.insert(name.clone()) {
                 out.push(self.undeclared_throw(name, span, exception));
@@ -405,7 +405,7 @@ impl Flow<'_> {
         let broken = trust.is_broken(check.expected, check.function);
         let scope = check.expected.spec.ty(exception).scope.first();
         let own = scope.is_some_and(|it| it.name == check.expected.component().name);
-        broken || check.function.throws_more && !(own && trust.lacks_files)
+        broken || check.function.may_throw_more && !(own && trust.lacks_files)
     }
 
     /// The exception of a name.
@@ -426,7 +426,7 @@ impl Flow<'_> {
     }
 
     /// True for a call in the form of a raise, with a name of the component that is not declared.
-    fn raises_unknown(&self, call: &Call) -> bool {
+    fn is_undeclared_raise(&self, call: &Call) -> bool {
         let expected = self.expected();
         let trust = &self.check.options.trust;
         if trust.is_broken(expected, self.check.function) || trust.may_declare(&call.name) {
@@ -448,12 +448,12 @@ impl Flow<'_> {
         let function = &self.check.function.name;
         let (function, name_of) = (function.clone(), name.into());
         let kind = match exception {
-            Some(_) => Differing::NotThrown {
+            Some(_) => Difference::NotThrown {
                 function,
                 exception: name_of,
                 owners: self.owners().into(),
             },
-            None => Differing::NoException {
+            None => Difference::NoException {
                 function,
                 exception: name_of,
             },
@@ -493,12 +493,12 @@ impl Flow<'_> {
         all.sort();
         let near = nearest(name, all.iter().map(SmolStr::as_str)).map(SmolStr::from);
         all.sort_by_key(|it| Some(it) != near.as_ref());
-        all.truncate(WAYS);
+        all.truncate(MAX_SUGGESTIONS);
         all
     }
 
     /// The repair that raises another exception where the function itself raises one.
-    fn raising(&self, name: &str, to: &str) -> Option<Respelling> {
+    fn raising(&self, name: &str, to: &str) -> Option<NameReplacement> {
         let throws = self.body.throws.iter().map(|it| (&it.name, &it.span));
         let calls = self.body.calls.iter().map(|it| (&it.name, &it.span));
         let places = throws.chain(calls).filter(|it| it.0 == name);
@@ -546,7 +546,7 @@ fn never_yielded(
             {
                 continue;
             }
-            let mut drift = check.drift(Differing::NeverReturned {
+            let mut drift = check.drift(Difference::NeverReturned {
                 codel: codel.name.clone(),
                 state: state_text(state).into(),
                 event: event.as_str().into(),

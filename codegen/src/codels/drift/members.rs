@@ -9,7 +9,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use smol_str::SmolStr;
 use tree_sitter::Node;
 
-use super::finding::Differing;
+use super::finding::Difference;
 use super::{Drift, DriftCode, DriftOptions, Repair, Severity, SourcePlace};
 use crate::codels::{
     expected::Expected,
@@ -229,7 +229,7 @@ impl<'a> Members<'a, '_> {
                 to: to.as_str().into(),
                 places,
             });
-            let kind = Differing::NoMember {
+            let kind = Difference::NoMember {
                 structure: structure.as_str().into(),
                 member: name.as_str().into(),
             };
@@ -262,7 +262,7 @@ impl<'a> Members<'a, '_> {
                 })
                 .collect();
             for (file, span, own) in all.iter().filter(|it| !it.2.is_empty()) {
-                let kind = Differing::FormerMember {
+                let kind = Difference::FormerMember {
                     parameter: name.as_str().into(),
                     member: to.as_str().into(),
                 };
@@ -283,7 +283,7 @@ impl<'a> Members<'a, '_> {
         }
     }
 
-    fn drift(&self, kind: Differing, spec: Vec<Src>, file: &IndexedFile, span: Span) -> Drift {
+    fn drift(&self, kind: Difference, spec: Vec<Src>, file: &IndexedFile, span: Span) -> Drift {
         let code = DriftCode::of(&kind);
         Drift {
             code,

@@ -5,7 +5,7 @@ use std::cell::OnceCell;
 use dotgen_analysis::model::{Name, TypeKind};
 use rustc_hash::FxHashSet;
 
-use super::finding::Differing;
+use super::finding::Difference;
 use super::{Check, Drift, FunctionIn};
 
 /// Names that parameters of the component's codels have or could have, computed once.
@@ -30,7 +30,7 @@ pub(super) fn check(
             {
                 continue;
             }
-            let kind = Differing::NoName {
+            let kind = Difference::NoName {
                 function: name(),
                 name: used.as_str().into(),
             };
@@ -40,7 +40,7 @@ pub(super) fn check(
             });
         }
         for (parameter, span) in &body.constant_writes {
-            let kind = Differing::ConstantWrite {
+            let kind = Difference::ConstantWrite {
                 function: name(),
                 parameter: parameter.as_str().into(),
             };

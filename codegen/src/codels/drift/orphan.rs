@@ -4,7 +4,7 @@ use dotgen_analysis::model::{CodelKind, CodelRef, Owner};
 use dotgen_syntax::suggestion::nearest;
 use rustc_hash::FxHashSet;
 
-use super::finding::Differing;
+use super::finding::Difference;
 use super::{Drift, DriftCode, DriftOptions, FunctionIn, Repair};
 use crate::codels::{
     expected::{Expected, ExpectedFunction, cut_tag, owner_words},
@@ -37,7 +37,7 @@ pub(super) fn find<'a>(
                 && !function.is_static
                 && all.iter().any(|it| has_codel_shape(function, it.language))
                 && !named(&function.name)
-                && (speaks_of_codel(function) || !is_helper(found, sources))
+                && (comment_names_codel(function) || !is_helper(found, sources))
             {
                 out.push(found);
             }
@@ -67,7 +67,7 @@ fn has_codel_shape(function: &Function, language: Language) -> bool {
     }
 }
 
-fn speaks_of_codel(function: &Function) -> bool {
+fn comment_names_codel(function: &Function) -> bool {
     let mut comments = function
         .comments
         .iter()
@@ -98,7 +98,7 @@ pub(super) fn renamed<'a>(
 ) -> Option<FunctionIn<'a>> {
     let mut said = orphans.iter().filter(|it| {
         let mut uses = function.uses.iter();
-        uses.any(|&at| speaks_of(it.function, expected, at))
+        uses.any(|&at| comment_names_owner(it.function, expected, at))
     });
     if let (Some(only), None) = (said.next(), said.next()) {
         return Some(*only);
@@ -117,7 +117,7 @@ pub(super) fn renamed<'a>(
 }
 
 /// True if its comment names the owner of a codel, and its states if it has some.
-fn speaks_of(function: &Function, expected: &Expected<'_>, at: CodelRef) -> bool {
+fn comment_names_owner(function: &Function, expected: &Expected<'_>, at: CodelRef) -> bool {
     let component = expected.component();
     let codel = component.codel(at);
     let mut comments = function
@@ -158,7 +158,7 @@ pub(super) fn report(orphan: &FunctionIn<'_>, all: &[Expected<'_>]) -> Option<Dr
     Some(Drift {
         code: DriftCode::Orphan,
         severity: DriftCode::Orphan.severity(),
-        kind: Differing::Orphan {
+        kind: Difference::Orphan {
             function: name.as_str().into(),
         },
         component: expected.component,

@@ -2,7 +2,7 @@
 
 use dotgen_analysis::model::UnknownDependencies;
 
-use super::finding::{Clauses, Differing};
+use super::finding::{Clauses, Difference};
 use super::{Check, Drift, FunctionIn, Repair};
 use crate::codels::{
     files::Sources,
@@ -53,7 +53,7 @@ pub(super) fn check(check: &Check<'_>, definitions: &[FunctionIn<'_>], out: &mut
 
 fn report(check: &Check<'_>, found: FunctionIn<'_>, differences: &[String]) -> Drift {
     let name = &check.function.name;
-    let mut drift = check.drift(Differing::Signature {
+    let mut drift = check.drift(Difference::Signature {
         function: name.clone(),
         differences: Clauses(differences.to_vec()),
     });

@@ -6,7 +6,7 @@ use dotgen_analysis::model::{
 use std::fmt::Write as _;
 
 use super::Glue;
-use crate::lang::{LangResult, Passing, param_types};
+use crate::lang::{LangResult, PassingMode, param_types};
 
 impl Glue<'_, '_> {
     /// The ids, the parameters of each service, and the functions that make and end them.
@@ -259,9 +259,9 @@ impl Glue<'_, '_> {
         for param in &codel.params {
             let remote = matches!(param.source, ParamSource::Port(_) | ParamSource::Remote(_));
             let passing = match param.dir {
-                _ if remote => Passing::Value,
-                ParamDir::In => Passing::Value,
-                ParamDir::Out | ParamDir::Inout => Passing::Reference,
+                _ if remote => PassingMode::Value,
+                ParamDir::In => PassingMode::Value,
+                ParamDir::Out | ParamDir::Inout => PassingMode::Reference,
                 ParamDir::Local => continue,
             };
             let ty = param_types(self.expected.spec, component, param).1;

@@ -4,8 +4,8 @@ use dotgen_analysis::model::{ParamDir, Port, PortDir, Remote, TypeKind};
 use std::fmt::Write as _;
 
 use super::Glue;
-use crate::codels::value::{goes_in, goes_out};
-use crate::lang::{LangResult, Passing};
+use crate::codels::value::{is_input, is_output};
+use crate::lang::{LangResult, PassingMode};
 
 impl Glue<'_, '_> {
     pub(super) fn ports(&self) -> LangResult {
@@ -150,7 +150,7 @@ impl Glue<'_, '_> {
         let name = self.mapper.type_cname(port.ty)?;
         let data = self
             .mapper
-            .return_value(port.data, Passing::Reference, "")?;
+            .return_value(port.data, PassingMode::Reference, "")?;
         let (arguments, id) = match port.multiple {
             true => ("const char *id", "id"),
             false => ("void", "\"\""),
@@ -200,8 +200,8 @@ impl Glue<'_, '_> {
         let (mut save, mut load) = (String::new(), String::new());
         for param in &remote.params {
             let passing = match param.dir {
-                ParamDir::In => Passing::Value,
-                ParamDir::Out | ParamDir::Inout => Passing::Reference,
+                ParamDir::In => PassingMode::Value,
+                ParamDir::Out | ParamDir::Inout => PassingMode::Reference,
                 ParamDir::Local => continue,
             };
             arguments.push(self.mapper.argument(param.ty, passing, &param.name)?);
@@ -216,10 +216,10 @@ impl Glue<'_, '_> {
                 true => format!("(glue_t{ty} *)({value})"),
                 false => format!("(glue_t{ty} *)&({value})"),
             };
-            if goes_in(param) {
+            if is_input(param) {
                 _ = writeln!(save, "  glue_save_{ty}(&glue_in, {place});");
             }
-            if goes_out(param) {
+            if is_output(param) {
                 _ = writeln!(load, "    glue_load_{ty}(&glue_r, {place});");
             }
         }

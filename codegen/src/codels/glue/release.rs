@@ -34,7 +34,7 @@ impl Glue<'_, '_> {
     }
 
     /// The prototypes and the functions `glue_keep_N`.
-    pub(super) fn keepers(&self) -> Result<(String, String), LangError> {
+    pub(super) fn keep_functions(&self) -> Result<(String, String), LangError> {
         let (mut prototypes, mut functions) = (String::new(), String::new());
         for (number, &ty) in self.order.iter().enumerate() {
             if self.owns(ty) {

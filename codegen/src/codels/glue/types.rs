@@ -19,7 +19,7 @@ impl Glue<'_, '_> {
                  static void glue_load_{number}(struct glue_reader *r, glue_t{number} *x);"
             );
         }
-        let (prototypes, functions) = self.keepers()?;
+        let (prototypes, functions) = self.keep_functions()?;
         out += &prototypes;
         for (number, &ty) in self.order.iter().enumerate() {
             let (save, load) = self.copying(ty)?;

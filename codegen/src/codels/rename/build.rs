@@ -2,7 +2,7 @@
 
 use smol_str::SmolStr;
 
-use super::{Left, Renaming, Why, names::Names};
+use super::{Renaming, UnchangedPlace, UnchangedReason, names::Names};
 use crate::codels::{expected::Expected, files::Files, folder::Folder, source::Span};
 
 /// Build files that may name headers and components, relative to the folder of the specification.
@@ -48,11 +48,11 @@ pub(super) fn rename(
                     out.edit
                         .replace(&path, start..start + word.len(), to.as_str());
                 } else if renamed && word.split('_').any(|it| is_part(it, component)) {
-                    out.left.push(Left {
+                    out.left.push(UnchangedPlace {
                         path: path.clone(),
                         line: line.0,
                         name: word.into(),
-                        why: Why::Build,
+                        why: UnchangedReason::Build,
                     });
                 }
             }

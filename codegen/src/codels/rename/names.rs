@@ -15,13 +15,13 @@ use crate::codels::{
 use crate::lang::LangError;
 
 /// A name with its enclosing scopes, outermost first; in C there are none.
-pub(super) type Scoped = (Vec<SmolStr>, SmolStr);
+pub(super) type ScopedName = (Vec<SmolStr>, SmolStr);
 
 /// New names, by old ones.
 #[derive(Debug, Default)]
 pub(super) struct Names {
     /// Types, events, exceptions, enumerators, constants, functions, macros.
-    pub(super) globals: FxHashMap<Scoped, SmolStr>,
+    pub(super) globals: FxHashMap<ScopedName, SmolStr>,
     /// Members, by structure and name.
     pub(super) members: FxHashMap<(SmolStr, SmolStr), SmolStr>,
     /// Parameters of codels: function (by its old name), position, old and new name.
@@ -38,18 +38,20 @@ pub(super) struct Names {
 
 /// A reason why new names cannot be determined.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum NoNames {
+pub enum MissingNames {
     /// A type has no mapping.
     Mapping(String),
     /// The two mappings differ in more than names.
     Structure,
 }
 
-impl std::fmt::Display for NoNames {
+impl std::fmt::Display for MissingNames {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            NoNames::Mapping(why) => write!(f, "the types cannot be mapped: {why}"),
-            NoNames::Structure => f.write_str("more than names would change in the generated code"),
+            MissingNames::Mapping(why) => write!(f, "the types cannot be mapped: {why}"),
+            MissingNames::Structure => {
+                f.write_str("more than names would change in the generated code")
+            }
         }
     }
 }
@@ -68,8 +70,8 @@ fn mapping(expected: &Expected<'_>) -> Result<String, LangError> {
 
 impl Names {
     /// The names of a component before and after.
-    pub(super) fn new(before: &Expected<'_>, after: &Expected<'_>) -> Result<Names, NoNames> {
-        let text = |it| mapping(it).map_err(|it| NoNames::Mapping(it.message));
+    pub(super) fn new(before: &Expected<'_>, after: &Expected<'_>) -> Result<Names, MissingNames> {
+        let text = |it| mapping(it).map_err(|it| MissingNames::Mapping(it.message));
         let (old, new) = (text(before)?, text(after)?);
         let grammar = mapping::grammar(before);
         let mut out = Names {
@@ -78,16 +80,22 @@ impl Names {
         };
         let (words, new_words) = (words(&old), words(&new));
         if words.len() != new_words.len() {
-            return Err(NoNames::Structure);
+            return Err(MissingNames::Structure);
         }
-        let tree = parse(&old, grammar).ok_or(NoNames::Structure)?;
+        let tree = parse(&old, grammar).ok_or(MissingNames::Structure)?;
         for (span, new_span) in words.into_iter().zip(new_words) {
             let (from, to) = (&old[span.clone()], &new[new_span]);
             if from != to {
                 let node = tree
                     .root_node()
                     .descendant_for_byte_range(span.start, span.end);
-                out.add(node.ok_or(NoNames::Structure)?, from, to, &old, grammar);
+                out.add(
+                    node.ok_or(MissingNames::Structure)?,
+                    from,
+                    to,
+                    &old,
+                    grammar,
+                );
             }
         }
         out.owners(before, after)?;
@@ -176,10 +184,10 @@ impl Names {
         }
     }
 
-    fn owners(&mut self, before: &Expected<'_>, after: &Expected<'_>) -> Result<(), NoNames> {
+    fn owners(&mut self, before: &Expected<'_>, after: &Expected<'_>) -> Result<(), MissingNames> {
         let (old, new) = (before.component(), after.component());
         if old.tasks.len() != new.tasks.len() || old.services.len() != new.services.len() {
-            return Err(NoNames::Structure);
+            return Err(MissingNames::Structure);
         }
         use dotgen_analysis::model::Owner;
         let tasks = (0..old.tasks.len() as u32).map(Owner::Task);

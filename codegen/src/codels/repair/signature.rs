@@ -19,24 +19,24 @@ use crate::lang::Language;
 
 /// A change after a new signature that has to be made by hand.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct ByHand {
+pub struct ManualChange {
     /// The source.
     pub path: Utf8PathBuf,
-    /// Line, from 1, in the text of [`ByHand::offset`].
+    /// Line, from 1, in the text of [`ManualChange::offset`].
     pub line: usize,
-    /// Byte offset in the text before the repair; after [`ByHand::follow`], in the text after it.
+    /// Byte offset in the text before the repair; after [`ManualChange::follow`], in the text after it.
     #[serde(skip)]
     pub offset: usize,
     /// The function.
     pub function: SmolStr,
     /// The expression at that place.
-    pub what: Unfollowed,
+    pub what: UnadaptedUse,
 }
 
 /// An expression that cannot be adapted to a new signature.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Unfollowed {
+pub enum UnadaptedUse {
     /// A use of a parameter that is removed.
     Parameter(SmolStr),
     /// A call with an unknown argument, a call that would lose a comment, or a call inside of another one or
@@ -44,7 +44,7 @@ pub enum Unfollowed {
     Call,
 }
 
-impl ByHand {
+impl ManualChange {
     /// Adapts the offset to edits of its file.
     pub fn follow(&mut self, edits: &[TextEdit]) {
         let mut offset = self.offset;
@@ -55,22 +55,22 @@ impl ByHand {
     }
 
     /// Sets the line, from the present text of its file.
-    pub fn stand_in(&mut self, text: &str) {
+    pub fn set_line(&mut self, text: &str) {
         self.line = line_of(text, self.offset);
     }
 }
 
-impl fmt::Display for ByHand {
+impl fmt::Display for ManualChange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (path, line, function) = (&self.path, self.line, &self.function);
         write!(f, "{path}:{line}: ")?;
         match &self.what {
-            Unfollowed::Parameter(parameter) => write!(
+            UnadaptedUse::Parameter(parameter) => write!(
                 f,
                 "`{function}` has no parameter `{parameter}` any more; take the use away, or put the parameter back \
                  into the specification"
             ),
-            Unfollowed::Call => write!(
+            UnadaptedUse::Call => write!(
                 f,
                 "`{function}` has other parameters now; give this call the arguments for them"
             ),
@@ -135,7 +135,7 @@ impl Repairs<'_> {
             ),
             _ => text,
         };
-        let text = laid_out(file, function, wanted, &pairs, &text)
+        let text = adapted_prototype(file, function, wanted, &pairs, &text)
             .or_else(|| with_comments(file, function, &pairs, &text))
             .unwrap_or(text);
         let mut edit = Edit::default();
@@ -208,7 +208,7 @@ impl Repairs<'_> {
 
     /// The places that are not adapted to the new signature of a function: uses of removed parameters, and
     /// calls.
-    pub fn left_by_signature(&self, name: &str, path: &Utf8Path, start: usize) -> Vec<ByHand> {
+    pub fn manual_changes(&self, name: &str, path: &Utf8Path, start: usize) -> Vec<ManualChange> {
         let Some((file, function)) = self.function(path, start) else {
             return Vec::new();
         };
@@ -218,7 +218,7 @@ impl Repairs<'_> {
         };
         let pairs = pairs(&shape.parameters, function);
         let kept: FxHashSet<usize> = pairs.iter().filter_map(|it| it.found).collect();
-        let by_hand = |file: &IndexedFile, offset, what| ByHand {
+        let by_hand = |file: &IndexedFile, offset, what| ManualChange {
             path: file.path.clone(),
             line: line_of(&file.text, offset),
             offset,
@@ -234,13 +234,13 @@ impl Repairs<'_> {
                 out.push(by_hand(
                     file,
                     span.start,
-                    Unfollowed::Parameter(lost.clone()),
+                    UnadaptedUse::Parameter(lost.clone()),
                 ));
             }
         }
         if function.body.is_some() {
             let calls = self.calls(name, file, function, &pairs).left.into_iter();
-            out.extend(calls.map(|(file, offset)| by_hand(file, offset, Unfollowed::Call)));
+            out.extend(calls.map(|(file, offset)| by_hand(file, offset, UnadaptedUse::Call)));
         }
         out
     }
@@ -327,7 +327,7 @@ fn change(from: &CType, to: &CType) -> Change {
 /// The function's own prototype with the necessary changes: its parameters keep their text and the text
 /// between them. A new parameter is laid out like the others. `None` if a comment would lose its parameter,
 /// or if the head changes.
-fn laid_out(
+fn adapted_prototype(
     file: &IndexedFile,
     function: &Function,
     wanted: &[Parameter],

@@ -13,7 +13,7 @@ use super::Repairs;
 use crate::codels::{edit::Edit, expected::state_text};
 
 /// A place of the specification with the text of its file.
-pub(super) struct At {
+pub(super) struct SpecificationPlace {
     pub(super) path: Utf8PathBuf,
     pub(super) text: Arc<str>,
     pub(super) range: Range<usize>,
@@ -21,11 +21,11 @@ pub(super) struct At {
 
 impl Repairs<'_> {
     /// The place of an item if its text is `wanted`.
-    pub(super) fn at(&self, src: Src, wanted: &str) -> Option<At> {
+    pub(super) fn at(&self, src: Src, wanted: &str) -> Option<SpecificationPlace> {
         let location = self.locations.locate(src)?;
         let text = self.text.read(&location.path)?;
         let here = text.get(location.range.clone())?;
-        (here == wanted).then_some(At {
+        (here == wanted).then_some(SpecificationPlace {
             path: location.path,
             range: location.range,
             text,
@@ -33,7 +33,7 @@ impl Repairs<'_> {
     }
 
     /// The place of a state, `pause::` included.
-    fn state(&self, state: &State) -> Option<At> {
+    fn state(&self, state: &State) -> Option<SpecificationPlace> {
         let full = state_text(state);
         if let Some(at) = self.at(state.src, &full) {
             return Some(at);
@@ -107,7 +107,7 @@ impl Repairs<'_> {
     }
 
     /// The name of a task or service, and the range between its braces.
-    pub(super) fn body(&self, owner: Owner) -> Option<(At, Range<usize>)> {
+    pub(super) fn body(&self, owner: Owner) -> Option<(SpecificationPlace, Range<usize>)> {
         let component = self.expected.component();
         let (src, name) = match owner {
             Owner::Task(it) => {
@@ -125,7 +125,13 @@ impl Repairs<'_> {
     }
 
     /// Adds a property as the last one of a body.
-    pub(super) fn add_property(&self, at: &At, body: Range<usize>, text: &str, edit: &mut Edit) {
+    pub(super) fn add_property(
+        &self,
+        at: &SpecificationPlace,
+        body: Range<usize>,
+        text: &str,
+        edit: &mut Edit,
+    ) {
         let text = Spelling::of(&at.text).apply(text);
         let content = at.text.get(body.clone()).unwrap_or_default();
         let last = content.trim_end();

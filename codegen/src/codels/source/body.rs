@@ -241,7 +241,7 @@ impl<'t> Reader<'t> {
             "conditional_expression" => {
                 for field in ["consequence", "alternative"] {
                     match node.child_by_field_name(field) {
-                        Some(branch) if !is_deep(branch) => {
+                        Some(branch) if !is_long_conditional_chain(branch) => {
                             self.values(branch, variable, seen, out);
                         }
                         _ => out.push(Value::Unknown),
@@ -258,7 +258,7 @@ impl<'t> Reader<'t> {
 }
 
 /// True for longer chains of conditionals, which are generated and not followed.
-fn is_deep(node: Node<'_>) -> bool {
+fn is_long_conditional_chain(node: Node<'_>) -> bool {
     let mut depth = 0;
     let mut at = Some(node);
     while let Some(node) = at {

@@ -2,7 +2,9 @@
 
 use dotgen_analysis::model::{CodelRef, Owner};
 
-use super::{Answer, Model, Result_, dir_matches, method, source_matches, undefined, wrong_args};
+use super::{
+    Answer, AnswerResult, Model, dir_matches, method, source_matches, undefined, wrong_args,
+};
 use crate::lang::Anchor;
 use crate::template::mutex::codel_mutex;
 use crate::template::object::{Lookup, Object, ParamRef};
@@ -40,7 +42,12 @@ pub(super) const CHEAP: &[&str] = &[
 
 const FILTERS: &[&str] = &["in", "out", "inout", "ids", "local", "port", "remote"];
 
-pub(super) fn call(model: &Model<'_>, component: u32, at: CodelRef, words: &[String]) -> Result_ {
+pub(super) fn call(
+    model: &Model<'_>,
+    component: u32,
+    at: CodelRef,
+    words: &[String],
+) -> AnswerResult {
     let owner = model.spec.component(component);
     let it = owner.codel(at);
     let method = method(METHODS, words, "name")?;
@@ -121,6 +128,6 @@ pub(super) fn call(model: &Model<'_>, component: u32, at: CodelRef, words: &[Str
 /// # Errors
 /// Fails for text that is not a Tcl boolean.
 pub(crate) fn boolean(text: &str) -> Result<bool, Failure> {
-    super::component::truth(text)
+    super::component::parse_boolean(text)
         .ok_or_else(|| Failure::Error(format!("expected boolean value but got \"{text}\"")))
 }

@@ -6,8 +6,8 @@ use dotgen_analysis::model::PortDir;
 use dotgen_analysis::release::Change;
 
 use super::{
-    Answer, CODEL_KINDS, Lambda, Model, Result_, class, codel_kind_word, find, method, port_kind,
-    text, undefined, wrong_args,
+    Answer, AnswerResult, CODEL_KINDS, Lambda, Model, class, codel_kind_word, find, method,
+    port_kind, text, undefined, wrong_args,
 };
 use crate::lang::Anchor;
 use crate::template::closure::{self, Visibility};
@@ -58,7 +58,7 @@ pub(super) fn call(
     index: u32,
     words: &[String],
     lambda: &mut Lambda<'_>,
-) -> Result_ {
+) -> AnswerResult {
     let it = model.spec.component(index);
     let method = match model.spec.release.has(Change::ComponentStack) {
         true => method(METHODS, words, "name")?,
@@ -114,7 +114,7 @@ pub(super) fn call(
 }
 
 /// Ports that pass every filter.
-fn ports(model: &Model<'_>, index: u32, filters: &[String]) -> Result_ {
+fn ports(model: &Model<'_>, index: u32, filters: &[String]) -> AnswerResult {
     const WORDS: &[&str] = &["in", "out", "simple", "multiple"];
     let mut kept = Vec::new();
     for (at, port) in model.spec.component(index).ports.iter().enumerate() {
@@ -134,7 +134,7 @@ fn ports(model: &Model<'_>, index: u32, filters: &[String]) -> Result_ {
 }
 
 /// Codels that pass any filter.
-fn codels(model: &Model<'_>, index: u32, filters: &[String]) -> Result_ {
+fn codels(model: &Model<'_>, index: u32, filters: &[String]) -> AnswerResult {
     let kinds: Vec<&str> = filters
         .iter()
         .map(|filter| Ok(CODEL_KINDS[find(CODEL_KINDS, filter, "kind")?]))
@@ -152,7 +152,7 @@ pub(in crate::template) fn types(
     object: &Object,
     arguments: &[String],
     lambda: &mut Lambda<'_>,
-) -> Result_ {
+) -> AnswerResult {
     let (visibility, filter) = match arguments {
         [visibility] => (visibility, None),
         [visibility, filter] => (visibility, Some(filter)),
@@ -193,7 +193,7 @@ pub(in crate::template) fn digest(
     object: &Object,
     arguments: &[String],
     lambda: &mut Lambda<'_>,
-) -> Result_ {
+) -> AnswerResult {
     if arguments.len() > 1 {
         return Err(wrong_args("object digest object ?filter?"));
     }
@@ -215,13 +215,13 @@ fn filter_of<'f>(
             return Ok(true);
         };
         let answer = lambda(filter, &model.registry.handle(object))?;
-        truth(&answer)
+        parse_boolean(&answer)
             .ok_or_else(|| Failure::Error(format!("expected boolean value but got \"{answer}\"")))
     }
 }
 
 /// A Tcl boolean.
-pub(super) fn truth(text: &str) -> Option<bool> {
+pub(super) fn parse_boolean(text: &str) -> Option<bool> {
     let word = text.trim().to_ascii_lowercase();
     if let Ok(number) = word.parse::<f64>() {
         return Some(number != 0.0);

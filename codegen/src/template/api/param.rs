@@ -2,7 +2,7 @@
 
 use dotgen_analysis::model::{InitValue, Initializer, ParamSource, PathElement, TypeId, TypeKind};
 
-use super::{Answer, Model, Result_, method, undefined, wrong_args};
+use super::{Answer, AnswerResult, Model, method, undefined, wrong_args};
 use crate::lang::{Anchor, dir_word, inner, param_types, source_word, value_text};
 use crate::template::Failure;
 use crate::template::object::{Lookup, Object, ParamRef};
@@ -24,7 +24,12 @@ pub(super) const PARAM_METHODS: &[&str] = &[
 
 pub(super) const INITIALIZER_METHODS: &[&str] = &["member", "doc", "kind", "value", "loc", "class"];
 
-pub(super) fn param(model: &Model<'_>, component: u32, at: ParamRef, words: &[String]) -> Result_ {
+pub(super) fn param(
+    model: &Model<'_>,
+    component: u32,
+    at: ParamRef,
+    words: &[String],
+) -> AnswerResult {
     let it = model.spec.param(component, at);
     let method = method(PARAM_METHODS, words, "name")?;
     let arguments = words.get(1..).unwrap_or_default();
@@ -171,7 +176,7 @@ pub(super) fn initializer(
     param: ParamRef,
     path: &[u32],
     words: &[String],
-) -> Result_ {
+) -> AnswerResult {
     if words.len() > 1 {
         return Err(wrong_args("$initializer subcommand"));
     }

@@ -3,7 +3,7 @@
 use dotgen_analysis::model::{CodelKind, CodelRef, Owner};
 
 use super::{
-    Answer, CODEL_KINDS, Model, Result_, codel_kind_word, dir_matches, find, method, text,
+    Answer, AnswerResult, CODEL_KINDS, Model, codel_kind_word, dir_matches, find, method, text,
     undefined, wrong_args,
 };
 use crate::lang::{Anchor, service_word};
@@ -70,7 +70,12 @@ pub(super) const CHEAP_REMOTE: &[&str] = &[
 
 const DIRECTIONS: &[&str] = &["local", "in", "out", "inout"];
 
-pub(super) fn service(model: &Model<'_>, component: u32, index: u32, words: &[String]) -> Result_ {
+pub(super) fn service(
+    model: &Model<'_>,
+    component: u32,
+    index: u32,
+    words: &[String],
+) -> AnswerResult {
     let it = model.spec.service(component, index);
     let method = method(METHODS, words, "name")?;
     let arguments = words.get(1..).unwrap_or_default();
@@ -141,7 +146,12 @@ pub(super) fn service(model: &Model<'_>, component: u32, index: u32, words: &[St
     answer.ok_or_else(|| undefined(method))
 }
 
-pub(super) fn remote(model: &Model<'_>, component: u32, index: u32, words: &[String]) -> Result_ {
+pub(super) fn remote(
+    model: &Model<'_>,
+    component: u32,
+    index: u32,
+    words: &[String],
+) -> AnswerResult {
     let it = model.spec.remote(component, index);
     let method = method(REMOTE_METHODS, words, "name")?;
     let arguments = words.get(1..).unwrap_or_default();

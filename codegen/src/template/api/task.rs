@@ -2,7 +2,9 @@
 
 use dotgen_analysis::model::{CodelKind, CodelRef, Owner};
 
-use super::{Answer, Model, Result_, method, port_dir, port_kind, text, undefined, wrong_args};
+use super::{
+    Answer, AnswerResult, Model, method, port_dir, port_kind, text, undefined, wrong_args,
+};
 use crate::lang::Anchor;
 use crate::template::object::{Lookup, Object};
 use crate::template::throws::task_throws;
@@ -37,7 +39,12 @@ pub(super) const PORT_METHODS: &[&str] = &[
     "class",
 ];
 
-pub(super) fn task(model: &Model<'_>, component: u32, index: u32, words: &[String]) -> Result_ {
+pub(super) fn task(
+    model: &Model<'_>,
+    component: u32,
+    index: u32,
+    words: &[String],
+) -> AnswerResult {
     let it = model.spec.task(component, index);
     let method = method(TASK_METHODS, words, "name")?;
     let arguments = words.get(1..).unwrap_or_default();
@@ -90,7 +97,12 @@ pub(super) fn task(model: &Model<'_>, component: u32, index: u32, words: &[Strin
     answer.ok_or_else(|| undefined(method))
 }
 
-pub(super) fn port(model: &Model<'_>, component: u32, index: u32, words: &[String]) -> Result_ {
+pub(super) fn port(
+    model: &Model<'_>,
+    component: u32,
+    index: u32,
+    words: &[String],
+) -> AnswerResult {
     let it = model.spec.port(component, index);
     let method = method(PORT_METHODS, words, "name")?;
     let arguments = words.get(1..).unwrap_or_default();

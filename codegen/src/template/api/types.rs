@@ -4,8 +4,8 @@ use dotgen_analysis::model::{TypeId, TypeKind};
 use dotgen_analysis::release::Change;
 
 use super::component::{digest, types};
-use super::{Answer, Lambda, Model, Result_, method, wrong_args};
-use crate::lang::{Passing, label_text, length_of, nested, scope_word, value_text};
+use super::{Answer, AnswerResult, Lambda, Model, method, wrong_args};
+use crate::lang::{PassingMode, label_text, length_of, nested, scope_word, value_text};
 use crate::template::object::Object;
 use crate::template::{Failure, tcl};
 
@@ -51,7 +51,7 @@ pub(super) fn call(
     ty: TypeId,
     words: &[String],
     lambda: &mut Lambda<'_>,
-) -> Result_ {
+) -> AnswerResult {
     let method = method(METHODS, words, "fullname")?;
     let arguments = words.get(1..).unwrap_or_default();
     check_arguments(model, ty, method, arguments)?;
@@ -125,16 +125,16 @@ pub(super) fn call(
         "declarator" => pure(mapper.declarator(ty, argument(0))?),
         "address" => pure(mapper.address(ty, argument(0))?),
         "dereference" => {
-            let passing = Passing::from_name(argument(0));
+            let passing = PassingMode::from_name(argument(0));
             // C++ passes by reference for every kind.
             let passing = match (model.language, passing) {
-                (crate::lang::Language::Cxx, Err(_)) => Passing::Value,
+                (crate::lang::Language::Cxx, Err(_)) => PassingMode::Value,
                 (_, passing) => passing?,
             };
             pure(mapper.dereference(ty, passing, argument(1))?)
         }
         "argument" => {
-            let passing = Passing::from_name(argument(0))?;
+            let passing = PassingMode::from_name(argument(0))?;
             pure(mapper.argument(ty, passing, argument(1))?)
         }
         "return-value" => {
@@ -144,7 +144,7 @@ pub(super) fn call(
             pure(mapper.return_value_by_name(ty, argument(0), argument(1))?)
         }
         "pass" => {
-            let passing = Passing::from_name(argument(0))?;
+            let passing = PassingMode::from_name(argument(0))?;
             pure(mapper.pass(ty, passing, argument(1))?)
         }
         "digest" => return digest(model, &Object::Type(ty), &[], lambda),

@@ -7,25 +7,25 @@ use std::path::{Path, PathBuf};
 use super::{OutputSink, PreviewFile, concern, permissions};
 use crate::disk::{Disk, NewContent, WriteError};
 use crate::template::Failure;
-use crate::template::reach::plain;
+use crate::template::readable_files::plain;
 
 /// Files in memory over the files on disk. Reads return what was written before.
 #[derive(Debug)]
-pub(crate) struct Staged {
+pub(crate) struct StagedFiles {
     files: BTreeMap<PathBuf, PreviewFile>,
     /// True if the files are written to disk at the end.
     direct: bool,
 }
 
-impl Staged {
+impl StagedFiles {
     /// A staging area for a sink.
-    pub(crate) fn new(sink: OutputSink) -> Staged {
+    pub(crate) fn new(sink: OutputSink) -> StagedFiles {
         match sink {
-            OutputSink::Direct => Staged {
+            OutputSink::Direct => StagedFiles {
                 files: BTreeMap::new(),
                 direct: true,
             },
-            OutputSink::Preview(files) => Staged {
+            OutputSink::Preview(files) => StagedFiles {
                 files,
                 direct: false,
             },
@@ -33,8 +33,8 @@ impl Staged {
     }
 
     /// Files to be written to disk.
-    pub(crate) fn direct(files: BTreeMap<PathBuf, PreviewFile>) -> Staged {
-        Staged {
+    pub(crate) fn direct(files: BTreeMap<PathBuf, PreviewFile>) -> StagedFiles {
+        StagedFiles {
             files,
             direct: true,
         }

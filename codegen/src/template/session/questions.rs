@@ -6,11 +6,11 @@ use dotgen_analysis::release::Change;
 
 use super::{Reply, Session};
 use crate::frontend::ParseFailure;
-use crate::lang::{LangError, Language, MapObject, Mapper, NoPlaces, Passing, text};
+use crate::lang::{LangError, Language, MapObject, Mapper, NoPlaces, PassingMode, text};
 use crate::template::api::{self, Answer};
 use crate::template::model::Model;
 use crate::template::object::{Object, Registry};
-use crate::template::{Failure, notice_of, reach, tcl};
+use crate::template::{Failure, notice_of, readable_files, tcl};
 
 impl Session<'_> {
     pub(super) fn query(
@@ -241,12 +241,14 @@ impl Session<'_> {
         let list = |index: usize| tcl::parse_list(argument(index)).map_err(Failure::Error);
         let text = match procedure {
             "address" => mapper.address(ty()?, argument(1))?,
-            "argument" => mapper.argument(ty()?, Passing::from_name(argument(1))?, argument(2))?,
+            "argument" => {
+                mapper.argument(ty()?, PassingMode::from_name(argument(1))?, argument(2))?
+            }
             "dereference" if language == Language::Cxx => argument(2).to_owned(),
             "dereference" => {
-                mapper.dereference(ty()?, Passing::from_name(argument(1))?, argument(2))?
+                mapper.dereference(ty()?, PassingMode::from_name(argument(1))?, argument(2))?
             }
-            "pass" => mapper.pass(ty()?, Passing::from_name(argument(1))?, argument(2))?,
+            "pass" => mapper.pass(ty()?, PassingMode::from_name(argument(1))?, argument(2))?,
             "cname" => match self.registry.object(argument(0)) {
                 Some(Object::Type(ty)) => mapper.type_cname(*ty)?,
                 Some(Object::Codel(..)) => mapper.cname(&codel()?.1.name)?,
@@ -302,7 +304,7 @@ impl Session<'_> {
     fn check_input(&self, file: &str) -> Result<(), Failure> {
         let path = self.run.base.join(file);
         let results = self.run.confined.map(|it| it.results.as_slice());
-        match results.is_some_and(|it| reach::is_below(&*self.run.disk, &path, it)) {
+        match results.is_some_and(|it| readable_files::is_below(&*self.run.disk, &path, it)) {
             true => Ok(()),
             false => self.check_read(&path),
         }

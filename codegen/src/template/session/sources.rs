@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::{Reply, Session};
 use crate::template::api::Answer;
-use crate::template::blame::{self, Frame, Script};
+use crate::template::error_location::{self, Frame, Script};
 use crate::template::output::{Environment, Output, OutputSink, join, posix};
 use crate::template::{Failure, marker, tcl};
 
@@ -64,7 +64,7 @@ impl Session<'_> {
             })
             .collect();
         let scripts = std::mem::take(&mut self.scripts);
-        let text = blame::explain(name, message, trace, &frames, &scripts, |procedure| {
+        let text = error_location::explain(name, message, trace, &frames, &scripts, |procedure| {
             let body = tcl::list(["info", "body", procedure]);
             self.evaluate(&tcl::list(["slave", "eval", &body])).ok()
         });

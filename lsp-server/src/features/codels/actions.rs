@@ -16,14 +16,14 @@ use dotgen_codegen::codels::repair::Repairs;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use crate::features::codels::judged::{self, Offers};
+use crate::features::codels::judged_actions::{self, JudgedActions};
 use crate::features::codels::{self, Texts};
 use crate::features::commands::SHOW_CODEL;
 use crate::features::convert::diagnostic;
-use crate::features::convert::edit::{Edited, Review, edit_of, is_wanted, with_edit};
+use crate::features::convert::edit::{EditResult, Review, edit_of, is_wanted, with_edit};
 use crate::protocol::convert::Lines;
-use crate::protocol::refusable::Refusable;
 use crate::protocol::types::*;
+use crate::protocol::user_result::UserResult;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
 /// Kind of the action that applies every fix. It is not below `source.fixAll`, which editors run on save
@@ -51,7 +51,7 @@ pub(crate) fn handle(
         return Ok(None);
     };
     let mut out = Vec::new();
-    judged::offers(snapshot, &subject.path, |offers| {
+    judged_actions::offers(snapshot, &subject.path, |offers| {
         let wanted = |it: &CodeActionKind| offered(params, it);
         actions(snapshot, subject, &range, &wanted, offers, &mut out)
     })?;
@@ -69,7 +69,7 @@ pub(crate) fn actions(
     subject: &Subject,
     range: &std::ops::Range<usize>,
     wanted: &dyn Fn(&CodeActionKind) -> bool,
-    offers: &mut Offers<'_, '_, '_>,
+    offers: &mut JudgedActions<'_, '_, '_>,
     out: &mut Vec<CodeActionOrCommand>,
 ) -> Cancellable<()> {
     let quick = wanted(&CodeActionKind::QUICKFIX);
@@ -121,7 +121,7 @@ impl Work<'_> {
         &self,
         drift: &Drift,
         range: &std::ops::Range<usize>,
-        offers: &mut Offers<'_, '_, '_>,
+        offers: &mut JudgedActions<'_, '_, '_>,
         out: &mut Vec<CodeActionOrCommand>,
     ) -> Cancellable<bool> {
         let one = std::slice::from_ref(drift);
@@ -171,7 +171,7 @@ impl Work<'_> {
                 push(repairs.title(repair), &edit, written, only(repair))?;
             }
             if let Repair::Stub { at } = repair {
-                for (title, codels) in more_stubs(&repairs, at.owner) {
+                for (title, codels) in stub_groups(&repairs, at.owner) {
                     if let Ok(edit) = repairs.stub(&codels) {
                         push(title, &edit, Some(name(*at)), false)?;
                     }
@@ -185,7 +185,7 @@ impl Work<'_> {
     fn stubs_at(
         &self,
         range: &std::ops::Range<usize>,
-        offers: &mut Offers<'_, '_, '_>,
+        offers: &mut JudgedActions<'_, '_, '_>,
         out: &mut Vec<CodeActionOrCommand>,
     ) -> Cancellable<()> {
         for expected in &self.folder.expected() {
@@ -218,7 +218,7 @@ impl Work<'_> {
                     Owner::Task(it) => component.tasks[it as usize].src,
                     Owner::Service(it) => component.services[it as usize].src,
                 };
-                let of_owner = repairs.missing_of(owner);
+                let of_owner = repairs.missing_codels_of(owner);
                 if selected(src) && !of_owner.is_empty() {
                     wanted.push((owner_title(&repairs, owner, of_owner.len()), of_owner));
                 }
@@ -250,7 +250,7 @@ impl Work<'_> {
         edit: &Edit,
         written: Option<&str>,
         mends: Option<&str>,
-        offers: &mut Offers<'_, '_, '_>,
+        offers: &mut JudgedActions<'_, '_, '_>,
     ) -> Cancellable<Option<CodeActionOrCommand>> {
         let mut created = edit.created.keys();
         if edit.is_empty() || created.any(|it| self.texts.read(it).is_some()) {
@@ -286,8 +286,8 @@ impl Work<'_> {
 }
 
 /// Stubs for the task or service of a codel, and for the component, if they have more missing codels.
-fn more_stubs(repairs: &Repairs<'_>, owner: Owner) -> Vec<(String, Vec<CodelRef>)> {
-    let of_owner = repairs.missing_of(owner);
+fn stub_groups(repairs: &Repairs<'_>, owner: Owner) -> Vec<(String, Vec<CodelRef>)> {
+    let of_owner = repairs.missing_codels_of(owner);
     let all = repairs.missing();
     let mut out = Vec::new();
     if of_owner.len() > 1 {
@@ -344,13 +344,13 @@ fn sync_action(
 pub(crate) fn resolve(
     snapshot: &Snapshot,
     action: &CodeAction,
-) -> Cancellable<Refusable<CodeAction>> {
+) -> Cancellable<UserResult<CodeAction>> {
     let data = action.data.clone().map(serde_json::from_value::<Data>);
     let Some(Ok(data)) = data else {
-        return Ok(Refusable::default());
+        return Ok(UserResult::default());
     };
     let edit = sync_edit(snapshot, &data.sync)?.transpose();
-    Ok(Refusable(edit.map(|edit| {
+    Ok(UserResult(edit.map(|edit| {
         Some(CodeAction {
             edit,
             ..action.clone()
@@ -359,7 +359,7 @@ pub(crate) fn resolve(
 }
 
 /// Every fix around a document, hints included.
-fn sync_edit(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Option<Edited>> {
+fn sync_edit(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Option<EditResult>> {
     let mut roots: Vec<Utf8PathBuf> = Vec::new();
     for compared in codels::around(snapshot, path)? {
         for folder in compared.folders() {
@@ -376,9 +376,9 @@ fn sync_edit(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Option<Edited>
     }
     roots.sort();
     roots.dedup();
-    let mut host = judged::private_host(snapshot)?;
+    let mut host = judged_actions::private_host(snapshot)?;
     let texts = Texts::new(snapshot);
-    let mut project = judged::project(&mut host, snapshot, &texts, path);
+    let mut project = judged_actions::project(&mut host, snapshot, &texts, path);
     // A yield that the code does not use may be intended: it is removed only on request.
     let options = SyncOptions::default();
     let done = sync(&mut project, &roots, &options);

@@ -5,7 +5,7 @@ use dotgen_analysis::host::{AnalysisHost, Cancellable};
 use dotgen_codegen::codels::command;
 use serde::{Deserialize, Serialize};
 
-use crate::features::codels::judged;
+use crate::features::codels::judged_actions;
 use crate::features::codels::{self, Texts};
 use crate::protocol::messages::DocumentParams;
 use crate::protocol::types::*;
@@ -40,8 +40,8 @@ pub(crate) fn handle(
     snapshot: &Snapshot,
     subject: &Subject,
     _: &DocumentParams,
-) -> Cancellable<crate::protocol::refusable::Refusable<CodelHeaders>> {
-    use crate::protocol::refusable::Refusable;
+) -> Cancellable<crate::protocol::user_result::UserResult<CodelHeaders>> {
+    use crate::protocol::user_result::UserResult;
     let mut specification = None;
     for compared in codels::around(snapshot, &subject.path)? {
         specification = compared.folders().next().map(|it| it.specification.clone());
@@ -49,18 +49,18 @@ pub(crate) fn handle(
     let specification = match (specification, snapshot.is_code(&subject.path)) {
         (Some(it), _) => it,
         (None, false) => subject.path.clone(),
-        (None, true) => return Ok(Refusable::default()),
+        (None, true) => return Ok(UserResult::default()),
     };
     let Some(base) = specification.parent() else {
-        return Ok(Refusable::default());
+        return Ok(UserResult::default());
     };
     let output = base.join(FOLDER);
-    let mut host: AnalysisHost = judged::private_host(snapshot)?;
+    let mut host: AnalysisHost = judged_actions::private_host(snapshot)?;
     let texts = Texts::new(snapshot);
-    let mut project = judged::project(&mut host, snapshot, &texts, &subject.path);
+    let mut project = judged_actions::project(&mut host, snapshot, &texts, &subject.path);
     let files = match command::headers(&mut project, &specification, &output, &[]) {
         Ok(files) => files,
-        Err(why) => return Ok(Refusable(Err(why))),
+        Err(why) => return Ok(UserResult(Err(why))),
     };
     drop(project);
     texts.check()?;
@@ -73,7 +73,7 @@ pub(crate) fn handle(
     let ignored = HeaderFile {
         uri: match snapshot.uri(&output.join(".gitignore")) {
             Some(uri) => uri,
-            None => return Ok(Refusable::default()),
+            None => return Ok(UserResult::default()),
         },
         text: IGNORED.to_owned(),
     };
@@ -81,5 +81,5 @@ pub(crate) fn handle(
     let answer = snapshot
         .uri(&output)
         .map(|folder| CodelHeaders { folder, files });
-    Ok(Refusable(Ok(answer)))
+    Ok(UserResult(Ok(answer)))
 }

@@ -13,7 +13,7 @@ use dotgen_codegen::codels::files::Files as _;
 
 use super::headers::{FOLDER, IGNORED};
 use crate::features::codels::Disk;
-use crate::features::codels::judged::Offers;
+use crate::features::codels::judged_actions::JudgedActions;
 use crate::features::convert::diagnostic;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
@@ -46,7 +46,7 @@ pub(crate) fn actions(
     subject: &Subject,
     found: &[Diagnostic],
     range: &Range<usize>,
-    offers: &mut Offers<'_, '_, '_>,
+    offers: &mut JudgedActions<'_, '_, '_>,
 ) -> Cancellable<Vec<CodeActionOrCommand>> {
     let touches = |it: &&Diagnostic| it.range.start <= range.end && range.start <= it.range.end;
     let mut here = found

@@ -12,7 +12,7 @@ use crate::protocol::types::*;
 use crate::workspace::snapshot::Snapshot;
 
 /// An edit for the client. The error is a message for the user.
-pub(crate) type Edited = std::result::Result<WorkspaceEdit, String>;
+pub(crate) type EditResult = std::result::Result<WorkspaceEdit, String>;
 
 /// The line end of a file that the client may edit. The error says why it may not: the client would replace
 /// bytes that are not UTF-8. An open document is saved with the text that the client read.
@@ -35,7 +35,11 @@ fn line_end_of(
 }
 
 /// New text with the line end of the file. The error reports characters that could not be read.
-fn fitted(line_end: LineEnd, text: &str, path: &Utf8Path) -> std::result::Result<String, String> {
+fn with_line_end(
+    line_end: LineEnd,
+    text: &str,
+    path: &Utf8Path,
+) -> std::result::Result<String, String> {
     if text.contains(char::REPLACEMENT_CHARACTER) {
         return Err(format!(
             "the text for {path} has characters that could not be read where they come from: save that file \
@@ -46,7 +50,7 @@ fn fitted(line_end: LineEnd, text: &str, path: &Utf8Path) -> std::result::Result
 }
 
 /// The edits as one workspace edit, without a review by the user.
-pub(crate) fn workspace_edit(snapshot: &Snapshot, edits: &[FileEdit]) -> Cancellable<Edited> {
+pub(crate) fn workspace_edit(snapshot: &Snapshot, edits: &[FileEdit]) -> Cancellable<EditResult> {
     edit_of(snapshot, Review::None, &Edit::of(edits))
 }
 
@@ -86,7 +90,11 @@ pub(crate) enum Review<'a> {
 }
 
 /// An edit of specifications and sources, with new files.
-pub(crate) fn edit_of(snapshot: &Snapshot, review: Review<'_>, edit: &Edit) -> Cancellable<Edited> {
+pub(crate) fn edit_of(
+    snapshot: &Snapshot,
+    review: Review<'_>,
+    edit: &Edit,
+) -> Cancellable<EditResult> {
     let mut changed: Vec<(Uri, Option<i32>, Vec<TextEdit>)> = Vec::new();
     for (path, edits) in &edit.changed {
         let line_end = match line_end_of(snapshot, path)? {
@@ -98,7 +106,7 @@ pub(crate) fn edit_of(snapshot: &Snapshot, review: Review<'_>, edit: &Edit) -> C
         };
         let mut converted = Vec::new();
         for it in edits {
-            match fitted(line_end, &it.text, path) {
+            match with_line_end(line_end, &it.text, path) {
                 Ok(text) => converted.push(TextEdit::new(lines.range(&it.range), text)),
                 Err(why) => return Ok(Err(why)),
             }
@@ -111,7 +119,7 @@ pub(crate) fn edit_of(snapshot: &Snapshot, review: Review<'_>, edit: &Edit) -> C
         let Some(uri) = snapshot.uri(path) else {
             return Ok(Err(format!("{path} has no name that the editor could use")));
         };
-        match fitted(LineEnd::Lf, text, path) {
+        match with_line_end(LineEnd::Lf, text, path) {
             Ok(text) => created.push((uri, TextEdit::new(Range::default(), text))),
             Err(why) => return Ok(Err(why)),
         }
@@ -187,7 +195,7 @@ const REVIEWED: &str = "reviewed";
 pub(crate) fn with_edit(
     snapshot: &Snapshot,
     action: CodeAction,
-    edit: Edited,
+    edit: EditResult,
 ) -> Option<CodeAction> {
     match edit {
         Ok(edit) => Some(CodeAction {

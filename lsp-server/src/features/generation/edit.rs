@@ -66,7 +66,7 @@ fn uri_of(path: &Path) -> Option<Uri> {
 
 /// The kinds of workspace edits that the client supports.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Able {
+pub(crate) struct EditSupport {
     /// Edits.
     pub(crate) apply: bool,
     /// Creation of files.
@@ -75,7 +75,7 @@ pub(crate) struct Able {
 }
 
 /// The edit that makes the changes, which the user has already reviewed.
-pub(crate) fn workspace_edit(changes: &[FileChange], able: Able) -> WorkspaceEdit {
+pub(crate) fn workspace_edit(changes: &[FileChange], able: EditSupport) -> WorkspaceEdit {
     let mut operations = Vec::new();
     #[allow(clippy::mutable_key_type, reason = "the type of the protocol")]
     let mut plain: HashMap<Uri, Vec<TextEdit>> = HashMap::new();
@@ -119,7 +119,7 @@ pub(crate) fn workspace_edit(changes: &[FileChange], able: Able) -> WorkspaceEdi
 }
 
 /// The edits that turn one text into the other, by whole lines.
-fn text_edits(before: &str, after: &str, able: Able) -> Vec<TextEdit> {
+fn text_edits(before: &str, after: &str, able: EditSupport) -> Vec<TextEdit> {
     let old: Vec<&str> = before.split_inclusive('\n').collect();
     let new: Vec<&str> = after.split_inclusive('\n').collect();
     let starts = |lines: &[&str]| -> Vec<usize> {
@@ -145,7 +145,7 @@ fn text_edits(before: &str, after: &str, able: Able) -> Vec<TextEdit> {
 mod tests {
     use super::*;
 
-    const ABLE: Able = Able {
+    const ALL_EDITS: EditSupport = EditSupport {
         apply: true,
         create: true,
         encoding: Encoding::Utf16,
@@ -160,7 +160,7 @@ mod tests {
             ("é𐐀\r\nb", "é𐐀\r\nb\r\n", 1),
             ("a\n", "", 1),
         ] {
-            let edits = text_edits(before, after, ABLE);
+            let edits = text_edits(before, after, ALL_EDITS);
             assert_eq!(edits.len(), count, "{before:?} {edits:?}");
             let lines = Lines::new(Arc::from(before), Encoding::Utf16);
             let mut text = before.to_owned();

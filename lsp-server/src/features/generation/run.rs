@@ -12,10 +12,10 @@ use dotgen_analysis::release::ReleaseChoice;
 use dotgen_codegen::catalog::{self, TemplateInfo, TemplateOption};
 use dotgen_codegen::command::{self, Environment};
 use dotgen_codegen::disk::{Disk, Entry, NewContent, Status, WriteError};
-use dotgen_codegen::template::console::Captured;
+use dotgen_codegen::template::console::CapturedConsole;
 use dotgen_codegen::template::discover::SearchPath;
 use dotgen_codegen::template::{
-    Confined, Confirmed, Limits, OutputSink, PreviewFile, TemplatePlace,
+    Confinement, Confirmation, Limits, OutputSink, PreviewFile, TemplatePlace,
 };
 use rustc_hash::FxHashMap;
 
@@ -188,13 +188,13 @@ impl Job {
             arguments.extend(["-t".to_owned(), paths]);
         }
         arguments.extend(words.iter().cloned());
-        let mut console = Captured::default();
+        let mut console = CapturedConsole::default();
         console.answer = Some("c".to_owned());
         let mut environment = Environment {
             name: "dotgen",
             program: std::env::current_exe().unwrap_or_else(|_| "dotgen".into()),
             variables: &environment,
-            disk: Arc::new(OpenFirst(self.open.clone())),
+            disk: Arc::new(OverlayDisk(self.open.clone())),
             loader: Arc::new(Overlay {
                 open: self.open.clone(),
                 disk: Vfs::new(self.config.packages.clone()),
@@ -208,9 +208,9 @@ impl Job {
             base: self.file.parent().map(Into::into).unwrap_or_default(),
             sink: OutputSink::preview(),
             processes: dotgen_platform::process::system(),
-            confined: Some(Confined {
+            confined: Some(Confinement {
                 results: self.folders.iter().map(|folder| folder.into()).collect(),
-                confirmed: Confirmed::Shown,
+                confirmed: Confirmation::Shown,
             }),
             failed_at: None,
             release: self.config.release_of(&self.file),
@@ -238,9 +238,9 @@ fn environment(name: &str) -> Option<String> {
 
 /// The disk with the open documents over it: a template merges with the texts that the client will change.
 #[derive(Debug)]
-struct OpenFirst(Arc<FxHashMap<Utf8PathBuf, String>>);
+struct OverlayDisk(Arc<FxHashMap<Utf8PathBuf, String>>);
 
-impl Disk for OpenFirst {
+impl Disk for OverlayDisk {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
         match Utf8Path::from_path(path).and_then(|it| self.0.get(it)) {
             Some(text) => Ok(text.clone().into_bytes()),

@@ -5,7 +5,7 @@ use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::ide::AssistKind;
 use dotgen_codegen::codels::edit::Edit;
 
-use crate::features::codels::judged::{self, Offers};
+use crate::features::codels::judged_actions::{self, JudgedActions};
 use crate::features::codels::{actions, standins};
 use crate::features::convert::diagnostic;
 use crate::features::convert::edit::{Review, edit_of, is_wanted, with_edit};
@@ -21,14 +21,14 @@ pub(crate) const GENERATE: CodeActionKind = CodeActionKind::new("source.generate
 pub(crate) const FIX_FINDINGS: CodeActionKind = CodeActionKind::new("source.fixFindings");
 
 /// Maximum number of errors at a place for which repairs are searched by trial.
-const MOST_TRIED: usize = 3;
+const MAX_TRIED: usize = 3;
 
 pub(crate) fn handle(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &CodeActionParams,
 ) -> Cancellable<Option<CodeActionResponse>> {
-    judged::offers(snapshot, &subject.path, |offers| {
+    judged_actions::offers(snapshot, &subject.path, |offers| {
         offered(snapshot, subject, params, offers)
     })
 }
@@ -37,7 +37,7 @@ fn offered(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &CodeActionParams,
-    offers: &mut Offers<'_, '_, '_>,
+    offers: &mut JudgedActions<'_, '_, '_>,
 ) -> Cancellable<Option<CodeActionResponse>> {
     let wanted = |kind: &CodeActionKind| is_wanted(params, kind);
     let Some(lines) = snapshot.lines(&subject.path)? else {
@@ -48,7 +48,7 @@ fn offered(
     };
     let mut actions = Vec::new();
     let codels = |kind: &CodeActionKind| actions::offered(params, kind);
-    let mut all = crate::features::codels::founded(snapshot, &subject.path)?;
+    let mut all = crate::features::codels::unrefuted_findings(snapshot, &subject.path)?;
     all.extend(crate::features::codels::unused_in(snapshot, &subject.path)?);
     // Only on request: this action changes the whole file.
     let plain = "Fix all that has one plain repair";
@@ -94,7 +94,7 @@ fn offered(
             actions.extend(quick_fix(snapshot, it, fix, rank == 0, offers)?);
             offered.push(fix);
         }
-        if actions.len() == before && it.severity == Severity::Error && tried < MOST_TRIED {
+        if actions.len() == before && it.severity == Severity::Error && tried < MAX_TRIED {
             tried += 1;
             for fix in snapshot.analysis.trials(it, &all)? {
                 actions.extend(quick_fix(snapshot, it, &fix, false, offers)?);
@@ -142,7 +142,7 @@ fn quick_fix(
     it: &Diagnostic,
     fix: &Fix,
     first: bool,
-    offers: &mut Offers<'_, '_, '_>,
+    offers: &mut JudgedActions<'_, '_, '_>,
 ) -> Cancellable<Option<CodeActionOrCommand>> {
     let action = CodeAction {
         title: fix.title.clone(),
@@ -161,7 +161,7 @@ fn refactorings(
     subject: &Subject,
     range: &std::ops::Range<usize>,
     params: &CodeActionParams,
-    offers: &mut Offers<'_, '_, '_>,
+    offers: &mut JudgedActions<'_, '_, '_>,
     actions: &mut Vec<CodeActionOrCommand>,
 ) -> Cancellable<()> {
     let only = params.context.only.as_deref();
@@ -242,7 +242,7 @@ fn fix_all<'d>(
     title: &str,
     of: impl Iterator<Item = &'d Diagnostic>,
     which: impl Fn(&Fix) -> bool,
-    offers: &mut Offers<'_, '_, '_>,
+    offers: &mut JudgedActions<'_, '_, '_>,
 ) -> Cancellable<Option<CodeAction>> {
     let first = of.filter_map(|it| Some((it.fixes.first()?, it.code)));
     let chosen = first.filter(|(fix, _)| fix.kind != FixKind::Choice && which(fix));

@@ -58,7 +58,7 @@ pub(crate) fn response(snapshot: &Snapshot, markdown: String, range: Option<Rang
 }
 
 /// Maximum number of codels of other components in a hover.
-const MANY: usize = 6;
+const MAX_CODELS: usize = 6;
 
 /// The codels of other components that a codel excludes.
 fn remote_exclusions(
@@ -90,7 +90,12 @@ fn remote_exclusions(
             }
         }
     }
-    let text = || format!("* excludes in other components {}", listed(&names, MANY));
+    let text = || {
+        format!(
+            "* excludes in other components {}",
+            listed(&names, MAX_CODELS)
+        )
+    };
     Ok((!names.is_empty()).then(text))
 }
 

@@ -10,28 +10,28 @@ use crate::features::codels::navigation;
 use crate::features::convert::edit::{Review, edit_of, workspace_edit};
 use crate::features::mentions;
 use crate::protocol::convert::uri;
-use crate::protocol::refusable::Refusable;
 use crate::protocol::types::*;
+use crate::protocol::user_result::UserResult;
 use crate::workspace::snapshot::{Snapshot, Subject};
 use dotgen_platform::files::vfs;
 
 /// Maximum number of listed places that the user has to check; the message counts the others.
-const MOST_LISTED: usize = 20;
+const MAX_LISTED: usize = 20;
 
 pub(crate) fn prepare(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &TextDocumentPositionParams,
-) -> Cancellable<Refusable<PrepareRenameResponse>> {
+) -> Cancellable<UserResult<PrepareRenameResponse>> {
     let Some(at) = snapshot.cursor(subject, params.position)? else {
-        return Ok(Refusable::default());
+        return Ok(UserResult::default());
     };
     let found = match snapshot.analysis.prepare_rename(&at)? {
         Ok(found) => found,
-        Err(error) => return Ok(Refusable(Err(error.0))),
+        Err(error) => return Ok(UserResult(Err(error.0))),
     };
     let location = snapshot.location(&at.path, &found.range)?;
-    Ok(Refusable(Ok(location.map(|it| {
+    Ok(UserResult(Ok(location.map(|it| {
         PrepareRenameResponse::RangeWithPlaceholder {
             range: it.range,
             placeholder: found.info,
@@ -43,11 +43,11 @@ pub(crate) fn rename(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &RenameParams,
-) -> Cancellable<Refusable<WorkspaceEdit>> {
+) -> Cancellable<UserResult<WorkspaceEdit>> {
     let position = params.text_document_position.position;
     match snapshot.cursor(subject, position)? {
         Some(at) => rename_at(snapshot, &at, &params.new_name),
-        None => Ok(Refusable::default()),
+        None => Ok(UserResult::default()),
     }
 }
 
@@ -57,10 +57,10 @@ pub(crate) fn rename_at(
     snapshot: &Snapshot,
     at: &FilePosition,
     new_name: &str,
-) -> Cancellable<Refusable<WorkspaceEdit>> {
+) -> Cancellable<UserResult<WorkspaceEdit>> {
     let mut edits = match snapshot.analysis.rename(at, new_name, &snapshot.progress)? {
         Ok(edits) => edits,
-        Err(error) => return Ok(Refusable(Err(error.0))),
+        Err(error) => return Ok(UserResult(Err(error.0))),
     };
     let specifications = edits.clone();
     edits.extend(mentions::renames(snapshot, at, new_name)?);
@@ -73,14 +73,14 @@ pub(crate) fn rename_at(
                 && !snapshot.open.contains_key(path)
     });
     if let Some(foreign) = foreign {
-        return Ok(Refusable(Err(format!(
+        return Ok(UserResult(Err(format!(
             "The name is also written in {}, which is not in the workspace",
             foreign.path
         ))));
     }
     let sources = match navigation::rename(snapshot, &specifications)? {
         Ok(sources) => sources,
-        Err(why) => return Ok(Refusable(Err(why))),
+        Err(why) => return Ok(UserResult(Err(why))),
     };
     let mut all = Edit::of(&edits);
     for (path, edits) in sources.edit.changed {
@@ -91,7 +91,7 @@ pub(crate) fn rename_at(
     let label = format!("Rename to {new_name}");
     let mut folders = snapshot.folders.iter().filter(|it| at.path.starts_with(it));
     let folder = folders.next().cloned().unwrap_or_default();
-    let left = listed(&sources.left, MOST_LISTED, &folder);
+    let left = listed(&sources.left, MAX_LISTED, &folder);
     let review = match left.is_empty() {
         true => Review::SeveralFiles(&label),
         false => Review::Leaves {
@@ -99,14 +99,14 @@ pub(crate) fn rename_at(
             left: &left,
         },
     };
-    Ok(Refusable(edit_of(snapshot, review, &all)?.map(Some)))
+    Ok(UserResult(edit_of(snapshot, review, &all)?.map(Some)))
 }
 
 /// The edits of includes for moved files.
 pub(crate) fn files(
     snapshot: &Snapshot,
     params: &RenameFilesParams,
-) -> Cancellable<Refusable<WorkspaceEdit>> {
+) -> Cancellable<UserResult<WorkspaceEdit>> {
     let path = |it: &str| -> Option<Utf8PathBuf> { Some(uri::to_path(&it.parse().ok()?)) };
     let moves = params.files.iter();
     let moves: Vec<_> = moves
@@ -114,7 +114,7 @@ pub(crate) fn files(
         .collect();
     let edits = snapshot.analysis.files_moved(&moves)?;
     match edits.is_empty() {
-        true => Ok(Refusable::default()),
-        false => Ok(Refusable(workspace_edit(snapshot, &edits)?.map(Some))),
+        true => Ok(UserResult::default()),
+        false => Ok(UserResult(workspace_edit(snapshot, &edits)?.map(Some))),
     }
 }

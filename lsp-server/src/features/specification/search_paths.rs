@@ -15,7 +15,7 @@ use crate::workspace::snapshot::{Snapshot, Subject};
 use dotgen_platform::files::vfs;
 
 /// Maximum number of directories that are offered.
-const MOST_DIRECTORIES: usize = 3;
+const MAX_DIRECTORIES: usize = 3;
 
 /// The directories of pkg-config files below the prefix of an installation.
 const BELOW_PREFIX: [&str; 3] = ["lib/pkgconfig", "share/pkgconfig", "lib64/pkgconfig"];
@@ -72,7 +72,7 @@ pub(crate) fn fixes(
             let all = BELOW_PREFIX.iter().map(|it| prefix.join(it));
             found.extend(all.filter(|it| it.join(&file).is_file()));
         }
-        found.truncate(MOST_DIRECTORIES);
+        found.truncate(MAX_DIRECTORIES);
         for directory in found {
             add(snapshot, &project, &PACKAGES, &directory, out)?;
         }
@@ -145,7 +145,7 @@ fn below(folder: &Utf8Path, wanted: &Utf8Path) -> Vec<Utf8PathBuf> {
         let up = it.ancestors().nth(wanted.components().count())?;
         Some(up.strip_prefix(folder).ok()?.to_owned())
     };
-    found.filter_map(directory).take(MOST_DIRECTORIES).collect()
+    found.filter_map(directory).take(MAX_DIRECTORIES).collect()
 }
 
 /// The configuration with one more directory; `None` if it cannot be edited, or already contains the

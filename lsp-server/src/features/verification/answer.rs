@@ -18,13 +18,13 @@ use super::problems::{self, about};
 use crate::protocol::types::{Location, TextDocumentIdentifier, Uri};
 use crate::workspace::snapshot::{Snapshot, Subject};
 use dotgen_views::verification::advice;
-use dotgen_views::verification::blocking::{self, CodelAt};
-use dotgen_views::verification::folded::{Part, folded, words as again};
+use dotgen_views::verification::blocking::{self, CodelLocation};
+use dotgen_views::verification::fold_repetitions::{Part, fold_repetitions, words as again};
 use dotgen_views::verification::results::{Answer, Status};
 use dotgen_views::verification::run::{self, Interim};
 use dotgen_views::verification::runs;
 use dotgen_views::verification::summary;
-use dotgen_views::verification::timeline::{first_shown, left_out, of_end};
+use dotgen_views::verification::timeline::{first_visible_event, of_end, omitted_note};
 use dotgen_views::verification::view::CheckView;
 use dotgen_views::verification::what_if::WhatIf;
 use dotgen_views::verification::{Problem, TaskBound};
@@ -87,20 +87,20 @@ pub(crate) struct VerificationResult {
     /// The errors that prevent an answer.
     errors: Vec<String>,
     /// Assumptions of the model, and their places.
-    warnings: Vec<WarningShown>,
+    warnings: Vec<WarningResult>,
     /// A way to settle checks that gave up.
     advice: Option<String>,
-    checks: Vec<CheckShown>,
+    checks: Vec<CheckResult>,
     /// Quick bounds by task.
-    bounds: Vec<BoundShown>,
+    bounds: Vec<BoundResult>,
     minimum_cores: Option<u32>,
     /// Changes with which all deadlines and limits are met, if some are missed; one sentence each.
     repairs: Vec<String>,
     assumptions: Vec<String>,
     notes: Vec<String>,
-    blocking: Vec<BlockedShown>,
-    codels: Vec<CodelShown>,
-    timeline: Option<TimelineShown>,
+    blocking: Vec<BlockedResult>,
+    codels: Vec<CodelResult>,
+    timeline: Option<TimelineResult>,
     states: usize,
     seconds: f64,
     /// True for the answer to a variation.
@@ -109,7 +109,7 @@ pub(crate) struct VerificationResult {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
-struct WarningShown {
+struct WarningResult {
     message: String,
     location: Option<Location>,
 }
@@ -117,7 +117,7 @@ struct WarningShown {
 /// A check and its answer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
-struct CheckShown {
+struct CheckResult {
     name: Option<String>,
     check: String,
     of: String,
@@ -140,22 +140,22 @@ struct CheckShown {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
-struct BoundShown {
+struct BoundResult {
     task: String,
     bound: String,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
-struct BlockedShown {
+struct BlockedResult {
     codel: String,
     location: Option<Location>,
-    by: Vec<BlockerShown>,
+    by: Vec<BlockerResult>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
-struct BlockerShown {
+struct BlockerResult {
     codel: String,
     location: Option<Location>,
     /// Longest time for which it holds the lock.
@@ -165,7 +165,7 @@ struct BlockerShown {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
-struct CodelShown {
+struct CodelResult {
     path: String,
     /// Longest execution time in microseconds; none if it is unbounded.
     wcet: Option<f64>,
@@ -174,7 +174,7 @@ struct CodelShown {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
-struct TimelineShown {
+struct TimelineResult {
     check: usize,
     title: String,
     /// The drawing. The attribute `data-link` of an element is an index of `links`.
@@ -245,13 +245,13 @@ pub(crate) fn prepare(
 }
 
 /// An answer to be shown.
-pub(crate) struct Shown {
+pub(crate) struct PreparedAnswer {
     prepared: Prepared,
     answer: Option<Arc<Answer>>,
     errors: Vec<String>,
 }
 
-impl Shown {
+impl PreparedAnswer {
     /// The answer.
     pub(super) fn found(&self) -> Option<&Arc<Answer>> {
         self.answer.as_ref()
@@ -302,10 +302,10 @@ impl Prepared {
     }
 
     /// The answer, verified first if it is not known. Dropping the future cancels the work.
-    pub(crate) async fn answer(mut self) -> Shown {
+    pub(crate) async fn answer(mut self) -> PreparedAnswer {
         let failures = self.errors();
         if let Some(answer) = self.known.clone() {
-            return Shown {
+            return PreparedAnswer {
                 prepared: self,
                 answer,
                 errors: failures,
@@ -315,7 +315,7 @@ impl Prepared {
             Ok(varied) => varied,
             Err(errors) => {
                 self.status = Status::Blocked;
-                return Shown {
+                return PreparedAnswer {
                     prepared: self,
                     answer: None,
                     errors,
@@ -347,7 +347,7 @@ impl Prepared {
             self.places = answer.problem.clone();
             self.bounds = answer.bounds.clone();
         }
-        Shown {
+        PreparedAnswer {
             prepared: self,
             answer,
             errors: Vec::new(),
@@ -358,7 +358,7 @@ impl Prepared {
 /// An answer to be shown, and its document.
 pub(crate) struct Question {
     /// The answer.
-    pub(crate) shown: Shown,
+    pub(crate) shown: PreparedAnswer,
     /// The parameters of the request.
     pub(crate) params: VerificationParams,
 }
@@ -370,7 +370,7 @@ pub(crate) fn present(
     question: &Question,
 ) -> Cancellable<Option<VerificationResult>> {
     let Question { shown, params } = question;
-    let Shown {
+    let PreparedAnswer {
         prepared,
         answer,
         errors,
@@ -379,19 +379,19 @@ pub(crate) fn present(
     let problem = answer.as_ref().map_or(&prepared.problem, |it| &it.problem);
     let settings = settings(&problem.scenario, options);
     let scale = summary::Scale::of(&settings);
-    let location = |at: &CodelAt| locate(snapshot, &prepared.places, at.src);
+    let location = |at: &CodelLocation| locate(snapshot, &prepared.places, at.src);
     let table = blocking::table(problem, options);
     let mut blocked = Vec::new();
     let mut codels = Vec::new();
     for row in &table {
-        codels.push(CodelShown {
+        codels.push(CodelResult {
             path: row.codel.path.clone(),
             wcet: row.codel.micros,
             location: location(&row.codel)?,
         });
         let mut by = Vec::new();
         for it in &row.by {
-            by.push(BlockerShown {
+            by.push(BlockerResult {
                 codel: it.codel.path.clone(),
                 location: location(&it.codel)?,
                 time: it
@@ -402,7 +402,7 @@ pub(crate) fn present(
             });
         }
         if !by.is_empty() {
-            blocked.push(BlockedShown {
+            blocked.push(BlockedResult {
                 codel: row.codel.path.clone(),
                 location: location(&row.codel)?,
                 by,
@@ -422,7 +422,7 @@ pub(crate) fn present(
         durations: settings.durations.name().to_owned(),
         errors: errors.clone(),
         bounds: (prepared.bounds.iter())
-            .map(|it| BoundShown {
+            .map(|it| BoundResult {
                 task: it.task.clone(),
                 bound: scale.show(it.bound),
             })
@@ -442,7 +442,7 @@ pub(crate) fn present(
             continue;
         }
         let at = prepared.places.diagnostic(&it);
-        out.warnings.push(WarningShown {
+        out.warnings.push(WarningResult {
             location: snapshot.location(&at.path, &at.range)?,
             message: at.message,
         });
@@ -483,13 +483,13 @@ fn shown_check(
     snapshot: &Snapshot,
     prepared: &Prepared,
     view: &CheckView,
-) -> Cancellable<CheckShown> {
+) -> Cancellable<CheckResult> {
     let check = view.report;
     let location = match &view.written {
         Some(it) => snapshot.location(&prepared.places.path, it)?,
         None => None,
     };
-    Ok(CheckShown {
+    Ok(CheckResult {
         name: check.name.clone(),
         check: check.kind.word().to_owned(),
         of: check.of.clone(),
@@ -516,7 +516,7 @@ fn in_words(
 ) -> Vec<String> {
     let cycle = cycle.and_then(|it| it.checked_sub(without));
     let mut lines = Vec::new();
-    for part in folded(events, cycle) {
+    for part in fold_repetitions(events, cycle) {
         match part {
             Part::Steps(range) => {
                 for step in range {
@@ -547,11 +547,11 @@ fn shown_run(
     answer: &Answer,
     number: usize,
     theme: Theme,
-) -> Cancellable<TimelineShown> {
+) -> Cancellable<TimelineResult> {
     let check = &answer.report.checks[number];
     let events = check.run();
     let title = runs::title(check);
-    let first = first_shown(events);
+    let first = first_visible_event(events);
     let ending = runs::ending(check);
     let picture = of_end(title.clone(), &answer.report.unit, events, first, ending);
     // Links of events that are not shown are empty.
@@ -561,9 +561,9 @@ fn shown_run(
     }
     let mut lines = in_words(&events[first..], check.cycle, first, answer.scale());
     if first > 0 {
-        lines.insert(0, format!("… {}", left_out(first)));
+        lines.insert(0, format!("… {}", omitted_note(first)));
     }
-    Ok(TimelineShown {
+    Ok(TimelineResult {
         check: number,
         title,
         svg: timeline::svg(&picture, theme),

@@ -12,7 +12,7 @@ use dotgen_timing::verify::settings;
 use serde_json::Value;
 
 use super::problems::about;
-use super::{TaskAt, argument, tasks};
+use super::{TaskLocation, argument, tasks};
 use crate::features::commands::SHOW_VERIFICATION;
 use crate::protocol::types::{CodeLens, CodeLensParams, Command};
 use crate::workspace::snapshot::{Snapshot, Subject};
@@ -71,7 +71,7 @@ pub(crate) fn hover(
     let mut out: Vec<String> = Vec::new();
     for (_, entry) in about(snapshot, &subject.path) {
         let mut tasks = tasks(&entry.problem, &subject.path).into_iter();
-        let here = |it: &TaskAt| it.range.start <= offset && offset <= it.range.end;
+        let here = |it: &TaskLocation| it.range.start <= offset && offset <= it.range.end;
         let Some((task, (mark, title))) = tasks
             .find(here)
             .and_then(|it| Some((it.id, verdict(entry, it.id)?)))
@@ -265,7 +265,10 @@ fn verdict(entry: &Entry, task: TaskId) -> Option<(Mark, String)> {
         return say(Mark::Fails, &and_measured("later than its period"));
     }
     if let Some(open) = first(Outcome::GaveUp) {
-        return say(Mark::Unsettled, &and_measured(&unsettled(answer, open)));
+        return say(
+            Mark::Unsettled,
+            &and_measured(&undecided_causes(answer, open)),
+        );
     }
     if first(Outcome::Open).is_some() {
         return say(Mark::Open, "verifying");
@@ -280,7 +283,7 @@ fn verdict(entry: &Entry, task: TaskId) -> Option<(Mark, String)> {
 }
 
 /// `not settled in 10 s, any client`: the causes that a user can change, not the progress of the search.
-fn unsettled(answer: &Answer, check: &CheckView) -> String {
+fn undecided_causes(answer: &Answer, check: &CheckView) -> String {
     let mut text = "not settled".to_owned();
     if let Some(seconds) = check.report.gave_up.and_then(|it| match it.reason {
         Stop::Time => it.seconds,

@@ -12,10 +12,10 @@ use dotgen_views::verification::problem::{self, EXTENSION};
 use dotgen_views::verification::results::Entry;
 
 /// Maximum number of scenarios that are verified without being open, because they use an open specification.
-const UNOPENED: usize = 8;
+const MAX_CLOSED_SCENARIOS: usize = 8;
 
 /// A problem to verify.
-pub(crate) struct Wanted {
+pub(crate) struct VerificationRequest {
     pub(crate) path: Utf8PathBuf,
     pub(crate) version: Option<i32>,
     pub(crate) problem: Problem,
@@ -23,8 +23,8 @@ pub(crate) struct Wanted {
 
 /// The problems of the open documents: open scenarios; scenarios of the workspace that use an open
 /// specification; open specifications with timing that no such scenario uses.
-pub(crate) fn wanted(snapshot: &Snapshot) -> Cancellable<Vec<Wanted>> {
-    let mut out: Vec<Wanted> = Vec::new();
+pub(crate) fn wanted(snapshot: &Snapshot) -> Cancellable<Vec<VerificationRequest>> {
+    let mut out: Vec<VerificationRequest> = Vec::new();
     let open = |extension: &'static str| {
         let mut paths: Vec<_> = snapshot.open.keys().collect();
         paths.sort();
@@ -35,7 +35,7 @@ pub(crate) fn wanted(snapshot: &Snapshot) -> Cancellable<Vec<Wanted>> {
     let version = |path: &Utf8Path| snapshot.open.get(path).map(|it| it.version);
     for path in open(EXTENSION) {
         let problem = problem_of(snapshot, path)?;
-        out.extend(problem.map(|problem| Wanted {
+        out.extend(problem.map(|problem| VerificationRequest {
             path: path.clone(),
             version: version(path),
             problem,
@@ -43,7 +43,7 @@ pub(crate) fn wanted(snapshot: &Snapshot) -> Cancellable<Vec<Wanted>> {
     }
     let mut unopened = 0;
     for path in snapshot.scenarios.iter() {
-        if snapshot.open.contains_key(path) || unopened == UNOPENED {
+        if snapshot.open.contains_key(path) || unopened == MAX_CLOSED_SCENARIOS {
             continue;
         }
         let FileContent::Text(text) = vfs::read(path) else {
@@ -53,7 +53,7 @@ pub(crate) fn wanted(snapshot: &Snapshot) -> Cancellable<Vec<Wanted>> {
         if files.iter().any(|it| snapshot.open.contains_key(&it.path)) {
             unopened += 1;
             let problem = scenario(snapshot, path, text)?;
-            out.push(Wanted {
+            out.push(VerificationRequest {
                 path: path.clone(),
                 version: None,
                 problem,
@@ -67,7 +67,7 @@ pub(crate) fn wanted(snapshot: &Snapshot) -> Cancellable<Vec<Wanted>> {
         if let Some(problem) = problem_of(snapshot, path)?
             && problem.units.iter().any(|it| is_timed(&it.spec))
         {
-            out.push(Wanted {
+            out.push(VerificationRequest {
                 path: path.clone(),
                 version: version(path),
                 problem,
@@ -96,7 +96,7 @@ pub(crate) fn problem_of(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Op
                 policy: snapshot.config.verification.policy(),
                 semantics: snapshot.config.verification.semantics(),
             };
-            Ok(Some(Problem::by_default_on(
+            Ok(Some(Problem::default_scenario_on(
                 platform,
                 path,
                 &[name],

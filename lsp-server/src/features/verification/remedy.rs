@@ -4,7 +4,7 @@ use dotgen_analysis::host::Cancellable;
 use dotgen_codegen::codels::edit::Edit;
 use dotgen_timing::advice::Change;
 
-use crate::features::codels::judged::Offers;
+use crate::features::codels::judged_actions::JudgedActions;
 use crate::protocol::types::{CodeAction, CodeActionKind, CodeActionOrCommand, Diagnostic};
 use crate::workspace::snapshot::Snapshot;
 use dotgen_views::verification::{Problem, changes};
@@ -12,7 +12,7 @@ use dotgen_views::verification::{Problem, changes};
 /// The action for a change; `None` if the change is not an edit, or the judge refuses the edit.
 pub(super) fn action(
     snapshot: &Snapshot,
-    offers: &mut Offers<'_, '_, '_>,
+    offers: &mut JudgedActions<'_, '_, '_>,
     problem: &Problem,
     change: &Change,
     diagnostic: Option<Diagnostic>,

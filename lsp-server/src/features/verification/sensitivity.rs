@@ -55,16 +55,16 @@ pub(crate) struct SensitivityResult {
     /// The smallest number of cores; none if no number is sufficient.
     cores: Option<u32>,
     /// The largest WCET of each codel.
-    wcet: Vec<ExtremeShown>,
+    wcet: Vec<ExtremeResult>,
     /// The smallest period of each task.
-    period: Vec<ExtremeShown>,
+    period: Vec<ExtremeResult>,
     /// The most critical value of a system that meets its deadlines, as text.
     next_to_break: Option<String>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
-struct ExtremeShown {
+struct ExtremeResult {
     of: String,
     now: String,
     extreme: String,
@@ -171,10 +171,10 @@ pub(crate) fn shown(
         (format!("{component}.{}", it.name), src)
     });
     let places: Vec<(String, Option<(usize, Src)>)> = codels.chain(tasks).collect();
-    let show = |it: &Extreme| -> Cancellable<ExtremeShown> {
+    let show = |it: &Extreme| -> Cancellable<ExtremeResult> {
         let (extreme, remark) = summary::extreme(it, scale);
         let place = places.iter().find(|(path, _)| *path == it.of);
-        Ok(ExtremeShown {
+        Ok(ExtremeResult {
             of: it.of.clone(),
             now: scale.show_value(it.now),
             extreme,

@@ -7,17 +7,17 @@ use crate::protocol::types::Location;
 use crate::workspace::snapshot::{Snapshot, Subject};
 use dotgen_views::verification::blocking;
 use dotgen_views::verification::runs::{chosen, ending, title};
-use dotgen_views::verification::trace::{Told, Trace, of_run};
+use dotgen_views::verification::trace::{Trace, TraceInput, of_run};
 
 /// Answer of `dotgen/trace`.
-pub(crate) type TraceShown = Trace<Option<Location>>;
+pub(crate) type TraceResult = Trace<Option<Location>>;
 
 /// The run of a check, for a client; none if there is no run.
 pub(crate) fn trace(
     snapshot: &Snapshot,
     _: &Subject,
     question: &Question,
-) -> Cancellable<Option<TraceShown>> {
+) -> Cancellable<Option<TraceResult>> {
     let Some(answer) = question.shown.found() else {
         return Ok(None);
     };
@@ -26,7 +26,7 @@ pub(crate) fn trace(
         return Ok(None);
     };
     let check = &report.checks[number];
-    let mut trace = of_run(&Told {
+    let mut trace = of_run(&TraceInput {
         title: title(check),
         unit: &report.unit,
         events: check.run(),

@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 
 use super::Backend;
 use crate::config::Generate;
-use crate::features::generation::edit::{self, Able, FileChange};
+use crate::features::generation::edit::{self, EditSupport, FileChange};
 use crate::features::generation::plan::{Plan, plan, remember, set_mode, write};
 use crate::features::generation::run::{self, Job};
 use crate::features::generation::{GENERATE, OPTIONS, REMEMBER, TEMPLATES};
@@ -36,11 +36,11 @@ pub(crate) struct GenerateParams {
     #[serde(default)]
     pub(crate) arguments: Option<Vec<String>>,
     /// `false`: the answer contains the edit, and the client applies it.
-    #[serde(default = "yes")]
+    #[serde(default = "default_true")]
     pub(crate) apply: bool,
 }
 
-fn yes() -> bool {
+fn default_true() -> bool {
     true
 }
 
@@ -171,7 +171,7 @@ impl Backend {
             return Ok(Some(json!({ "status": "cancelled" })));
         }
         self.report(&plan);
-        let able = Able {
+        let able = EditSupport {
             apply: job.client.applies_edits,
             create: job.client.creates_files && job.client.applies_edits,
             encoding: job.client.encoding,
@@ -207,7 +207,7 @@ impl Backend {
     }
 
     /// Shows the names of the files, asks once, and makes the changes.
-    async fn apply(&self, plan: &Plan, title: &str, able: Able) -> Result<bool> {
+    async fn apply(&self, plan: &Plan, title: &str, able: EditSupport) -> Result<bool> {
         let client = self.dispatch.client();
         let action = |title: &str| MessageActionItem {
             title: title.to_owned(),

@@ -41,7 +41,7 @@ fn wait(id: i64) -> bool {
             }
         },
         Err(Errno::SRCH) => true,
-        Err(_) => wait_by_asking(pid),
+        Err(_) => poll_exit(pid),
     }
 }
 
@@ -50,12 +50,12 @@ fn wait(id: i64) -> bool {
     let pid = i32::try_from(id)
         .ok()
         .and_then(rustix::process::Pid::from_raw);
-    pid.is_some_and(wait_by_asking)
+    pid.is_some_and(poll_exit)
 }
 
 /// Polls every few seconds: for systems without descriptors of processes.
 #[cfg(unix)]
-fn wait_by_asking(pid: rustix::process::Pid) -> bool {
+fn poll_exit(pid: rustix::process::Pid) -> bool {
     use rustix::io::Errno;
     while rustix::process::test_kill_process(pid) != Err(Errno::SRCH) {
         std::thread::sleep(std::time::Duration::from_secs(3));

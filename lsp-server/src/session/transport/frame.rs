@@ -63,7 +63,7 @@ impl Frames {
     }
 
     /// Puts the end of the last body back into the stream: the bytes belong to the next message.
-    pub(super) fn give_back(&mut self, rest: &[u8]) {
+    pub(super) fn unread(&mut self, rest: &[u8]) {
         self.bytes.splice(..self.start, rest.iter().copied());
         self.start = 0;
     }
@@ -318,7 +318,7 @@ mod tests {
         let mut frames = Frames::default();
         frames.push(b"Content-Length: 6\r\n\r\n{}Content-Length: 2\r\n\r\n[]");
         assert_eq!(frames.next(), Some(Frame::Body(b"{}Cont".to_vec())));
-        frames.give_back(b"Cont");
+        frames.unread(b"Cont");
         assert_eq!(frames.next(), Some(Frame::Body(b"[]".to_vec())));
     }
 }

@@ -34,14 +34,14 @@ pub(super) struct Spelling {
 
 impl Spelling {
     /// Stores the URIs of a message of the client.
-    pub(super) fn learn(&mut self, method: &str, params: &Value) {
+    pub(super) fn store_uris(&mut self, method: &str, params: &Value) {
         match method {
             "initialize" => {
-                self.learn_folder(&params["rootUri"]);
-                self.learn_folders(&params["workspaceFolders"]);
+                self.store_folder(&params["rootUri"]);
+                self.store_folders(&params["workspaceFolders"]);
             }
             "workspace/didChangeWorkspaceFolders" => {
-                self.learn_folders(&params["event"]["added"]);
+                self.store_folders(&params["event"]["added"]);
             }
             "textDocument/didOpen" => {
                 if let Some((path, text)) = file(&params["textDocument"]["uri"]) {
@@ -52,13 +52,13 @@ impl Spelling {
         }
     }
 
-    fn learn_folders(&mut self, folders: &Value) {
+    fn store_folders(&mut self, folders: &Value) {
         for folder in folders.as_array().into_iter().flatten() {
-            self.learn_folder(&folder["uri"]);
+            self.store_folder(&folder["uri"]);
         }
     }
 
-    fn learn_folder(&mut self, folder: &Value) {
+    fn store_folder(&mut self, folder: &Value) {
         if let Some((path, text)) = file(folder) {
             let text = text.trim_end_matches('/').to_owned();
             self.folders.insert(path, text);
@@ -172,9 +172,9 @@ mod tests {
     #[test]
     fn uris_leave_as_they_came() {
         let mut spelling = Spelling::default();
-        spelling.learn("initialize", &json!({ "rootUri": "file:///%77%2bx/" }));
+        spelling.store_uris("initialize", &json!({ "rootUri": "file:///%77%2bx/" }));
         let opened = opened("file:///%77%2bx/a%3Ab.gen");
-        spelling.learn("textDocument/didOpen", &opened);
+        spelling.store_uris("textDocument/didOpen", &opened);
         let server = |path: &str| uri::from_path(path.into()).expect("a URI").to_string();
         let (open, other, apart) = (
             server("/w+x/a:b.gen"),
@@ -201,9 +201,9 @@ mod tests {
     #[test]
     fn a_new_spelling_takes_the_old_diagnostics_along() {
         let mut spelling = Spelling::default();
-        spelling.learn("textDocument/didOpen", &opened("file:///x.gen"));
+        spelling.store_uris("textDocument/didOpen", &opened("file:///x.gen"));
         assert_eq!(spelling.apply(&mut publish("file:///a+b.gen", 1)), None);
-        spelling.learn("textDocument/didOpen", &opened("file:///a%2Bb.gen"));
+        spelling.store_uris("textDocument/didOpen", &opened("file:///a%2Bb.gen"));
         let mut again = publish("file:///a+b.gen", 1);
         let before = spelling.apply(&mut again).expect("a message");
         assert_eq!(

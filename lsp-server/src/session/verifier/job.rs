@@ -14,10 +14,10 @@ use dotgen_views::verification::Problem;
 use dotgen_views::verification::run::{Interim, run};
 
 /// Minimum interval between two results; results in between are sent together.
-const PACE: Duration = Duration::from_millis(50);
+const RESULT_INTERVAL: Duration = Duration::from_millis(50);
 
 /// A result of a job.
-pub(crate) struct Verified {
+pub(crate) struct JobResult {
     pub(crate) path: Utf8PathBuf,
     pub(crate) number: u64,
     pub(crate) found: Interim,
@@ -43,13 +43,13 @@ impl Job {
                 limit,
             } = self;
             // The last interim answer that was not sent yet.
-            let held: Arc<Mutex<Option<Verified>>> = Arc::default();
-            let send = |events: &Post<News>, it: Verified| {
-                events.send(News::Verified(Box::new(it)));
+            let held: Arc<Mutex<Option<JobResult>>> = Arc::default();
+            let send = |events: &Post<News>, it: JobResult| {
+                events.send(News::JobResult(Box::new(it)));
             };
             let tell = |found: Interim| {
                 let part = matches!(found, Interim::SoFar(_));
-                let it = Verified {
+                let it = JobResult {
                     path: path.clone(),
                     number,
                     found,
@@ -60,7 +60,7 @@ impl Job {
                 if lock(&held).replace(it).is_none() {
                     let (held, events) = (held.clone(), events.clone());
                     pace.spawn(async move {
-                        tokio::time::sleep(PACE).await;
+                        tokio::time::sleep(RESULT_INTERVAL).await;
                         let it = lock(&held).take();
                         it.into_iter().for_each(|it| send(&events, it));
                     });

@@ -14,7 +14,7 @@ use crate::protocol::messages::DocumentText;
 use crate::protocol::types::*;
 use crate::session::capabilities::is_watched;
 use crate::workspace::codels;
-use crate::workspace::documents::Edited;
+use crate::workspace::documents::EditEffect;
 use crate::workspace::snapshot::{DocumentKind, OpenFile};
 use crate::workspace::templates;
 use dotgen_platform::files::vfs;
@@ -62,7 +62,7 @@ impl State {
                     kind: self.kind(&path, &document.language_id),
                 };
                 self.documents.open(path.clone(), file, document.text);
-                self.publisher.reopen(&path);
+                self.publisher.resend_diagnostics(&path);
                 self.mended.remove(&path);
                 if self.workspace.adopt(&path) {
                     self.reconfigure();
@@ -81,17 +81,17 @@ impl State {
                     .documents
                     .edit(&path, version, params.content_changes, encoding)
                 {
-                    Edited::Changed => self.touch(path),
-                    Edited::Lost => {
+                    EditEffect::Changed => self.touch(path),
+                    EditEffect::Lost => {
                         tracing::error!(%path, version, "an edit does not fit; document dropped");
                         self.publisher.clear(&path, &self.outbox);
                         self.touch(path);
                     }
-                    Edited::Ignored => tracing::warn!(%path, version, "edit ignored"),
+                    EditEffect::Ignored => tracing::warn!(%path, version, "edit ignored"),
                 }
             }
             Mutation::Mended(uri) => self.mended(uri),
-            Mutation::SentAgain(uri, sent) => self.sent_again(&uri, sent),
+            Mutation::SentAgain(uri, sent) => self.receive_text(&uri, sent),
             Mutation::Saved(uri) => self.saved(&uri),
             Mutation::Close(params) => {
                 let path = uri::to_path(&params.text_document.uri);
@@ -288,7 +288,7 @@ impl State {
         };
         self.listings += 1;
         let wants_progress = self.client.progress;
-        self.outbox.converse(move |client| async move {
+        self.outbox.run_conversation(move |client| async move {
             let progress =
                 crate::protocol::progress::begin(&client, wants_progress, "Indexing").await;
             let listing = tokio::task::spawn_blocking(move || {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::State;
 use crate::protocol::convert::uri;
-use crate::session::dispatch::{Admission, Read};
+use crate::session::dispatch::{Admission, ReadRequest};
 use crate::session::post::Post;
 use crate::session::publish::Run;
 use crate::workspace::snapshot::{Snapshot, Subject};
@@ -31,7 +31,7 @@ impl State {
     }
 
     /// Admits a request in its turn and sends it to the blocking pool.
-    pub(super) fn admit(&mut self, read: Read) {
+    pub(super) fn admit(&mut self, read: ReadRequest) {
         if read.control.is_cancelled() {
             return;
         }
@@ -78,12 +78,12 @@ impl State {
         if self.publisher.is_due(revision, self.revision)
             && let Some(run) = self.publisher.start(self.revision)
         {
-            self.go_on(run);
+            self.continue_run(run);
         }
     }
 
     /// Continues a computation of diagnostics, unless a change has cancelled it and scheduled the next one.
-    pub(super) fn go_on(&mut self, run: Run) {
+    pub(super) fn continue_run(&mut self, run: Run) {
         self.rest();
         if run.revision() != self.revision || run.is_done() {
             return;

@@ -45,7 +45,7 @@ impl State {
         self.show_settings_problems();
         let registrations = capabilities::registrations(&self.client);
         if !registrations.is_empty() {
-            self.outbox.converse(|client| async move {
+            self.outbox.run_conversation(|client| async move {
                 if let Err(error) = client.register_capability(registrations).await {
                     tracing::warn!("the client refused a registration: {error}");
                 }
@@ -78,7 +78,7 @@ impl State {
             "textDocument/hover" => hover,
             _ => true,
         };
-        self.outbox.converse(move |client| async move {
+        self.outbox.run_conversation(move |client| async move {
             let mut gone = before.unregistrations();
             gone.retain(|it| offered(&it.method));
             if !gone.is_empty() {
@@ -99,7 +99,7 @@ impl State {
         let diagnostics = self.client.pull_diagnostics && self.client.diagnostic_refresh;
         let tokens = stale == Stale::Meaning && self.client.semantic_tokens_refresh;
         let lenses = self.client.code_lens_refresh;
-        self.outbox.converse(move |client| async move {
+        self.outbox.run_conversation(move |client| async move {
             // A client that refuses shows old results until the next edit.
             if diagnostics {
                 let _ = client.workspace_diagnostic_refresh().await;

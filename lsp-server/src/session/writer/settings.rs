@@ -20,7 +20,7 @@ impl State {
             section: Some("dotgen".to_owned()),
         });
         let items = items.collect();
-        self.outbox.converse(|client| async move {
+        self.outbox.run_conversation(|client| async move {
             match client.configuration(items).await {
                 Ok(settings) => {
                     let _ = events.send(Event::Mutation(Mutation::SettingsPulled(settings)));

@@ -36,7 +36,7 @@ impl State {
             drop(snapshot);
             match wanted {
                 Ok(Ok(wanted)) => {
-                    events.send(News::Wanted(wanted));
+                    events.send(News::VerificationRequest(wanted));
                 }
                 // A change came in between and has scheduled the next run.
                 Ok(Err(_)) => {}

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use super::passing::Passing;
+use super::temporary_file::TemporaryFile;
 use super::write;
 
 /// A file with a temporary name, next to the file that it replaces. It is removed on drop. Devices and pipes
@@ -13,7 +13,7 @@ use super::write;
 pub struct Stream {
     out: BufWriter<File>,
     /// The temporary file, and the path that it replaces.
-    replaces: Option<(Passing, PathBuf)>,
+    replaces: Option<(TemporaryFile, PathBuf)>,
 }
 
 impl Stream {
@@ -26,7 +26,7 @@ impl Stream {
             Ok(it) if !it.is_file() => (File::options().write(true).open(path)?, None),
             _ => {
                 let (temporary, target, file) = write::beside(path)?;
-                (file, Some((Passing::new(temporary), target)))
+                (file, Some((TemporaryFile::new(temporary), target)))
             }
         };
         Ok(Stream {

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 use dotgen_codegen::disk::{NewContent, WriteError};
 
-use crate::process::{self, Move, Watched};
+use crate::process::{self, CleanupGuard, Move};
 
 /// Prefix of the names of temporary files: those with new content, and second names of old files.
 const NEW: &str = ".dotgen-new-";
@@ -56,15 +56,15 @@ pub(super) type Hook<'a> = &'a mut dyn FnMut(Step) -> io::Result<()>;
 /// Completes a group of moves when this process is killed.
 pub(super) trait Finisher {
     /// Sets the moves, in place of the earlier ones.
-    fn promise(&mut self, moves: Vec<Move>);
+    fn register_moves(&mut self, moves: Vec<Move>);
 }
 
 /// The helper of this process.
 #[derive(Default)]
-pub(super) struct Promised(Option<Watched>);
+pub(super) struct WatchedMoves(Option<CleanupGuard>);
 
-impl Finisher for Promised {
-    fn promise(&mut self, moves: Vec<Move>) {
+impl Finisher for WatchedMoves {
+    fn register_moves(&mut self, moves: Vec<Move>) {
         // The new moves are registered before the old ones are removed.
         self.0 = match moves.is_empty() {
             true => None,
@@ -82,10 +82,10 @@ pub(super) fn write(
     let mut batch = Batch::default();
     let done = batch
         .stage_all(files, hook)
-        .and_then(|()| batch.remember_all(hook));
+        .and_then(|()| batch.back_up_all(hook));
     let done = done.and_then(|()| {
         if files.len() > 1 {
-            finisher.promise(batch.moves());
+            finisher.register_moves(batch.moves());
         }
         batch.replace_all(hook)
     });
@@ -96,27 +96,27 @@ pub(super) fn write(
         }
         Err((at, reason)) => {
             if files.len() > 1 {
-                finisher.promise(batch.moves_back());
+                finisher.register_moves(batch.rollback_moves());
             }
             Err(WriteError {
                 path: files.get(at).map(|it| it.path.clone()).unwrap_or_default(),
                 reason,
-                changed: batch.put_back(hook),
+                changed: batch.roll_back(hook),
                 of: files.len(),
             })
         }
     };
-    finisher.promise(Vec::new());
+    finisher.register_moves(Vec::new());
     done
 }
 
 /// Index of the file that cannot be written, and the error.
-type Failed = (usize, io::Error);
+type WriteFailure = (usize, io::Error);
 
 /// Files that are being written.
 #[derive(Default)]
 struct Batch {
-    files: Vec<Staged>,
+    files: Vec<StagedFile>,
     /// Created directories, outermost first.
     directories: Vec<PathBuf>,
     /// Directories that were searched for leftovers.
@@ -124,11 +124,11 @@ struct Batch {
 }
 
 /// A file that is being written.
-struct Staged {
+struct StagedFile {
     /// The final path, with links followed.
     target: PathBuf,
     content: Content,
-    old: Option<Old>,
+    old: Option<PreviousFile>,
     /// True if the content is at the final path.
     replaced: bool,
 }
@@ -144,7 +144,7 @@ enum Content {
 }
 
 /// The file that existed before.
-struct Old {
+struct PreviousFile {
     /// Its second name, if it has one now.
     second: Option<PathBuf>,
     /// The open file, which keeps the lock.
@@ -152,7 +152,7 @@ struct Old {
 }
 
 impl Batch {
-    fn stage_all(&mut self, files: &[NewContent], hook: Hook<'_>) -> Result<(), Failed> {
+    fn stage_all(&mut self, files: &[NewContent], hook: Hook<'_>) -> Result<(), WriteFailure> {
         for (at, file) in files.iter().enumerate() {
             let staged = self.stage(file, hook).map_err(|it| (at, it))?;
             self.files.push(staged);
@@ -160,7 +160,7 @@ impl Batch {
         Ok(())
     }
 
-    fn stage(&mut self, file: &NewContent, hook: Hook<'_>) -> io::Result<Staged> {
+    fn stage(&mut self, file: &NewContent, hook: Hook<'_>) -> io::Result<StagedFile> {
         let target = followed(&file.path)?;
         let old = match std::fs::metadata(&target) {
             Ok(it) if it.is_dir() => return Err(ErrorKind::IsADirectory.into()),
@@ -168,10 +168,10 @@ impl Batch {
             Err(error) if error.kind() == ErrorKind::NotFound => None,
             Err(error) => return Err(error),
         };
-        let staged = |content| Staged {
+        let staged = |content| StagedFile {
             target: target.clone(),
             content,
-            old: old.as_ref().map(|_| Old {
+            old: old.as_ref().map(|_| PreviousFile {
                 second: None,
                 lock: None,
             }),
@@ -190,7 +190,7 @@ impl Batch {
             self.cleaned.push(directory.to_owned());
         }
         let (path, mut temporary) = create(directory, old.is_some(), hook)
-            .map_err(|error| explained(&error, "no file can be made in", directory))?;
+            .map_err(|error| with_context(&error, "no file can be made in", directory))?;
         match fill(&mut temporary, file, old.as_ref(), hook) {
             Ok(()) => Ok(staged(Content::File(path, temporary))),
             Err(error) => {
@@ -214,7 +214,7 @@ impl Batch {
                 Ok(()) => self.directories.push(it.to_owned()),
                 Err(error) if error.kind() == ErrorKind::AlreadyExists && it.is_dir() => {}
                 Err(error) => {
-                    return Err(explained(
+                    return Err(with_context(
                         &error,
                         "there is no folder, and none can be made at",
                         it,
@@ -226,11 +226,11 @@ impl Batch {
     }
 
     /// Gives old files second names if several files are changed.
-    fn remember_all(&mut self, hook: Hook<'_>) -> Result<(), Failed> {
+    fn back_up_all(&mut self, hook: Hook<'_>) -> Result<(), WriteFailure> {
         let several = self.files.len() > 1;
         for (at, file) in self.files.iter_mut().enumerate() {
             if let (true, Some(old), Content::File(..)) = (several, &mut file.old, &file.content) {
-                old.remember(&file.target, hook).map_err(|it| (at, it))?;
+                old.back_up(&file.target, hook).map_err(|it| (at, it))?;
             }
         }
         Ok(())
@@ -245,12 +245,12 @@ impl Batch {
             }),
             Content::Stream(_) => None,
         });
-        let seconds = self.files.iter().filter_map(Staged::second);
+        let seconds = self.files.iter().filter_map(StagedFile::second);
         staged.chain(seconds.map(removal)).collect()
     }
 
     /// The moves that undo everything.
-    fn moves_back(&self) -> Vec<Move> {
+    fn rollback_moves(&self) -> Vec<Move> {
         let mut moves = Vec::new();
         for file in &self.files {
             match (file.replaced, file.second(), &file.content) {
@@ -271,7 +271,7 @@ impl Batch {
         moves
     }
 
-    fn replace_all(&mut self, hook: Hook<'_>) -> Result<(), Failed> {
+    fn replace_all(&mut self, hook: Hook<'_>) -> Result<(), WriteFailure> {
         // Files that cannot be restored come last.
         for stream in [false, true] {
             for (at, file) in self.files.iter_mut().enumerate() {
@@ -285,7 +285,7 @@ impl Batch {
 
     /// Ends a successful write: removes second names, and syncs the renames to the disk.
     fn finish(self, hook: Hook<'_>) {
-        for second in self.files.iter().filter_map(Staged::second) {
+        for second in self.files.iter().filter_map(StagedFile::second) {
             if hook(Step::Forget).is_ok() {
                 let _ = std::fs::remove_file(second);
             }
@@ -297,7 +297,7 @@ impl Batch {
     }
 
     /// Undoes everything. Returns the files that remain changed, with the error.
-    fn put_back(self, hook: Hook<'_>) -> Vec<(PathBuf, io::Error)> {
+    fn roll_back(self, hook: Hook<'_>) -> Vec<(PathBuf, io::Error)> {
         let mut stuck = Vec::new();
         for file in self.files.iter().rev() {
             let second = file.second();
@@ -309,7 +309,7 @@ impl Batch {
                 });
                 if let Err(error) = undone {
                     let error = match second {
-                        Some(it) => explained(&error, "what it was is in", it),
+                        Some(it) => with_context(&error, "what it was is in", it),
                         None => error,
                     };
                     stuck.push((file.target.clone(), error));
@@ -331,7 +331,7 @@ impl Batch {
     }
 }
 
-impl Staged {
+impl StagedFile {
     /// The second name of the old file.
     fn second(&self) -> Option<&PathBuf> {
         self.old.as_ref().and_then(|it| it.second.as_ref())
@@ -351,9 +351,9 @@ impl Staged {
     }
 }
 
-impl Old {
+impl PreviousFile {
     /// Gives the file a second name, so that restoring it needs no space.
-    fn remember(&mut self, target: &Path, hook: Hook<'_>) -> io::Result<()> {
+    fn back_up(&mut self, target: &Path, hook: Hook<'_>) -> io::Result<()> {
         hook(Step::Remember)?;
         let directory = directory_of(target);
         self.lock = File::open(target)
@@ -522,7 +522,7 @@ fn clean(directory: &Path) {
 }
 
 /// An error with its context.
-fn explained(error: &io::Error, what: &str, path: &Path) -> io::Error {
+fn with_context(error: &io::Error, what: &str, path: &Path) -> io::Error {
     let reason = crate::files::reason(error);
     io::Error::new(
         error.kind(),

@@ -17,7 +17,7 @@ use super::{interfaces, pkg_file};
 use crate::process;
 
 /// Timeout of pkg-config.
-const PATIENCE: Duration = Duration::from_secs(10);
+const PKG_CONFIG_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Flags for all `arguments` (each `package`, or `package op version`) in one query. The included interfaces
 /// replace packages that are not installed.
@@ -106,7 +106,7 @@ pub fn words(
 pub(super) fn version(config: &PackageConfig, name: &str) -> Option<String> {
     let program = pkg_file::tool();
     let is_plain = program == pkg_file::TOOL
-        && process::in_path(Path::new(pkg_file::TOOL))
+        && process::find_in_path(Path::new(pkg_file::TOOL))
             .is_none_or(|it| process::is_machine_code(&it));
     if !config.may_run || is_plain {
         return None;
@@ -168,9 +168,9 @@ fn run(
             .map(|it| Box::new(it) as Box<dyn Read + Send>),
     );
     for _ in 0..2 {
-        if finished.recv_timeout(PATIENCE).is_err() {
+        if finished.recv_timeout(PKG_CONFIG_TIMEOUT).is_err() {
             process.kill();
-            let seconds = PATIENCE.as_secs();
+            let seconds = PKG_CONFIG_TIMEOUT.as_secs();
             return Err(Failure::Said(format!(
                 "`{program}` gave no answer within {seconds} s"
             )));

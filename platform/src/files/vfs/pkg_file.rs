@@ -49,7 +49,7 @@ pub(super) fn search_path(configured: &[Utf8PathBuf]) -> Vec<Utf8PathBuf> {
             "/usr/share/pkgconfig",
         ]
         .map(Utf8PathBuf::from);
-        let mut directories = beside_the_tool();
+        let mut directories = installation_directories();
         directories.extend(system);
         directories
     }));
@@ -64,8 +64,8 @@ pub(super) fn tool() -> String {
 
 /// The directories of the installation that contains the tool: `/opt/robot/lib/pkgconfig` for
 /// `/opt/robot/bin/pkg-config`, also if a link leads there. They are built into the tool.
-fn beside_the_tool() -> Vec<Utf8PathBuf> {
-    let found = crate::process::in_path(Path::new(&tool()));
+fn installation_directories() -> Vec<Utf8PathBuf> {
+    let found = crate::process::find_in_path(Path::new(&tool()));
     let real = found.as_deref().and_then(|it| it.canonicalize().ok());
     let mut out = Vec::new();
     for tool in found.into_iter().chain(real) {

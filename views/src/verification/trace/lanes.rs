@@ -46,7 +46,7 @@ pub(super) enum Of {
 
 /// The beginning of a span, without lane and row.
 #[derive(Debug, Clone)]
-pub(super) struct Begun {
+pub(super) struct SpanStart {
     pub(super) of: Of,
     pub(super) kind: SpanKind,
     pub(super) label: String,
@@ -55,23 +55,23 @@ pub(super) struct Begun {
 }
 
 #[derive(Debug, Default)]
-struct Building {
+struct LaneBuilder {
     /// The open spans, by row.
-    open: Vec<Option<(f64, Begun)>>,
+    open: Vec<Option<(f64, SpanStart)>>,
     ended: Vec<(Span, Vec<String>)>,
 }
 
 /// All lanes.
 #[derive(Debug, Default)]
 pub(super) struct Lanes {
-    all: BTreeMap<Key, Building>,
+    all: BTreeMap<Key, LaneBuilder>,
 }
 
 impl Lanes {
     /// Adds the lane if it does not exist.
     pub(super) fn touch(&mut self, key: &Key) {
         if !self.all.contains_key(key) {
-            self.all.insert(key.clone(), Building::default());
+            self.all.insert(key.clone(), LaneBuilder::default());
         }
     }
 
@@ -81,7 +81,7 @@ impl Lanes {
     }
 
     /// Begins a span, in the first free row.
-    pub(super) fn begin(&mut self, key: &Key, now: f64, begun: Begun) {
+    pub(super) fn begin(&mut self, key: &Key, now: f64, begun: SpanStart) {
         self.touch(key);
         let Some(lane) = self.all.get_mut(key) else {
             return;
@@ -93,7 +93,7 @@ impl Lanes {
     }
 
     /// The open span of this kind.
-    pub(super) fn open(&mut self, key: &Key, of: &Of, kind: SpanKind) -> Option<&mut Begun> {
+    pub(super) fn open(&mut self, key: &Key, of: &Of, kind: SpanKind) -> Option<&mut SpanStart> {
         let rows = self.all.get_mut(key)?.open.iter_mut();
         let mut found = rows.filter_map(|it| it.as_mut().map(|it| &mut it.1));
         found.find(|it| it.of == *of && it.kind == kind)
@@ -127,7 +127,7 @@ impl Lanes {
 
     /// The core on which a job runs.
     pub(super) fn core_of(&self, who: &str) -> Option<Key> {
-        let has = |it: &(&Key, &Building)| {
+        let has = |it: &(&Key, &LaneBuilder)| {
             let mut rows = it.1.open.iter().flatten();
             matches!(it.0, Key::Core(_)) && rows.any(|it| it.1.of == Of::Core(who.to_owned()))
         };
@@ -136,8 +136,8 @@ impl Lanes {
 
     /// Ends all spans. Returns all lanes, their spans with the codels ahead of them, and the index of each
     /// lane.
-    pub(super) fn finish(mut self, now: f64) -> Finished {
-        let mut out = Finished::default();
+    pub(super) fn finish(mut self, now: f64) -> BuiltLanes {
+        let mut out = BuiltLanes::default();
         for (at, (key, lane)) in std::mem::take(&mut self.all).into_iter().enumerate() {
             let (name, kind) = key.described();
             let rows = lane.open.len().max(1);
@@ -160,7 +160,7 @@ impl Lanes {
 
 /// See [`Lanes::finish`].
 #[derive(Debug, Default)]
-pub(super) struct Finished {
+pub(super) struct BuiltLanes {
     pub(super) lanes: Vec<Lane>,
     pub(super) spans: Vec<Span>,
     /// The codels ahead in the queue, by span.
@@ -169,7 +169,7 @@ pub(super) struct Finished {
 }
 
 /// A span, or `None` for waiting without duration. Execution without duration is a span.
-fn span((from, it): (f64, Begun), row: usize, to: f64) -> Option<(Span, Vec<String>)> {
+fn span((from, it): (f64, SpanStart), row: usize, to: f64) -> Option<(Span, Vec<String>)> {
     let waits = matches!(it.kind, SpanKind::WaitLock | SpanKind::WaitCore);
     (to > from || !waits).then_some((
         Span {

@@ -6,14 +6,14 @@ use dotgen_analysis::model::Src;
 use dotgen_timing::explore::MomentKind;
 use dotgen_timing::report::Event;
 
-use super::lanes::{Begun, Finished, Key, Lanes, Of, Part};
+use super::lanes::{BuiltLanes, Key, Lanes, Of, Part, SpanStart};
 use super::rules::rule;
 use super::{Arrow, FORMAT, Focus, Holder, Mark, MarkKind, Span, SpanKind, Step, Trace};
 use crate::verification::blocking::Row;
 use crate::verification::timeline::Ending;
 
 /// A run, and the data for its trace.
-pub struct Told<'e> {
+pub struct TraceInput<'e> {
     /// The title.
     pub title: String,
     /// The unit of the times of events: `ms`, `10 us`, …
@@ -29,13 +29,13 @@ pub struct Told<'e> {
 }
 
 /// A specification, and a place in it.
-pub type At = (usize, Src);
+pub type SourceRef = (usize, Src);
 
 /// The trace of a run. Codels and tasks without a place get none.
-pub fn of_run(told: &Told) -> Trace<At> {
-    let (unit, factor) = drawn_in(told.unit, told.events);
-    let mut reading = Reading {
-        excludes: Excludes::of(told.blocking),
+pub fn of_run(told: &TraceInput) -> Trace<SourceRef> {
+    let (unit, factor) = time_unit(told.unit, told.events);
+    let mut reading = TraceBuilder {
+        excludes: Exclusions::of(told.blocking),
         lanes: Lanes::default(),
         steps: Vec::new(),
         marks: Vec::new(),
@@ -65,7 +65,7 @@ fn is_of(event: &Event, task: &str) -> bool {
 }
 
 /// The unit of all times of a trace, and the factor from the unit of a report (`ms`, `10 us`).
-fn drawn_in(unit: &str, events: &[Event]) -> (&'static str, f64) {
+fn time_unit(unit: &str, events: &[Event]) -> (&'static str, f64) {
     let (count, unit) = match unit.split_once(' ') {
         Some((count, unit)) => (count.parse().unwrap_or(1.0), unit),
         None => (1.0, unit),
@@ -89,18 +89,18 @@ fn clean(time: f64) -> f64 {
 }
 
 /// Codels that exclude each other, and the data they share.
-struct Excludes<'e> {
+struct Exclusions<'e> {
     through: HashMap<&'e str, HashMap<&'e str, &'e [String]>>,
 }
 
-impl<'e> Excludes<'e> {
+impl<'e> Exclusions<'e> {
     fn of(rows: &'e [Row]) -> Self {
         let others = |row: &'e Row| {
             let by = row.by.iter();
             by.map(|it| (&*it.codel.path, &*it.through)).collect()
         };
         let rows = rows.iter().filter(|it| !it.by.is_empty());
-        Excludes {
+        Exclusions {
             through: rows.map(|it| (&*it.codel.path, others(it))).collect(),
         }
     }
@@ -125,14 +125,14 @@ impl<'e> Excludes<'e> {
     }
 }
 
-struct Reading<'e> {
-    excludes: Excludes<'e>,
+struct TraceBuilder<'e> {
+    excludes: Exclusions<'e>,
     lanes: Lanes,
     steps: Vec<(Key, Step)>,
     marks: Vec<(Key, f64, MarkKind, Option<usize>)>,
     /// Each arrow: its sender, its receiver (a lane, or the name of a task), its time and its step.
     arrows: Vec<(Key, Target, f64, usize)>,
-    places: Vec<At>,
+    places: Vec<SourceRef>,
     rules: BTreeMap<String, String>,
 }
 
@@ -168,7 +168,7 @@ fn short(path: &str) -> String {
     path[from..].to_owned()
 }
 
-impl Reading<'_> {
+impl TraceBuilder<'_> {
     fn read(&mut self, step: usize, event: &Event, now: f64) {
         let mut key = key_of(event);
         // The awaited reply of a client can be late.
@@ -184,7 +184,7 @@ impl Reading<'_> {
         }
         let codel = event.codel.clone();
         let of = codel.clone().map(Of::Codel);
-        let begun = |kind, path: &str| Begun {
+        let begun = |kind, path: &str| SpanStart {
             of: Of::Codel(path.to_owned()),
             kind,
             label: short(path),
@@ -196,7 +196,7 @@ impl Reading<'_> {
             .is_some_and(|it| self.excludes.through.contains_key(it));
         match (event.kind, &codel, &of) {
             (MomentKind::Release, ..) if event.for_core => {
-                let waits = Begun {
+                let waits = SpanStart {
                     of: Of::Core(name.clone()),
                     kind: SpanKind::WaitCore,
                     label: "waits for a core".to_owned(),
@@ -220,7 +220,7 @@ impl Reading<'_> {
                         None => {
                             let ahead = ahead.clone();
                             let waits = begun(SpanKind::WaitLock, path);
-                            self.lanes.begin(lane, now, Begun { ahead, ..waits });
+                            self.lanes.begin(lane, now, SpanStart { ahead, ..waits });
                         }
                     }
                 }
@@ -293,7 +293,7 @@ impl Reading<'_> {
     }
 
     fn has_core(&mut self, core: &Key, who: String, step: usize, now: f64) {
-        let has = Begun {
+        let has = SpanStart {
             label: last_name(&who),
             of: Of::Core(who),
             kind: SpanKind::Run,
@@ -313,8 +313,8 @@ impl Reading<'_> {
         self.has_core(&core, by.to_owned(), step, now);
     }
 
-    fn finish(self, title: String, unit: &str, end: f64, repeats: Option<f64>) -> Trace<At> {
-        let Finished {
+    fn finish(self, title: String, unit: &str, end: f64, repeats: Option<f64>) -> Trace<SourceRef> {
+        let BuiltLanes {
             lanes,
             mut spans,
             ahead,
@@ -323,8 +323,8 @@ impl Reading<'_> {
         let lane = |key: &Key| at.get(key).copied().unwrap_or(0);
         let named: HashMap<&str, usize> = (0..).zip(&lanes).map(|(i, it)| (&*it.name, i)).collect();
         let core = |it: &Span| it.codel.is_none() && it.kind == SpanKind::Run;
-        let holds = Holds::of(spans.iter().filter(|it| it.kind == SpanKind::Hold));
-        let cores = Holds::of(spans.iter().filter(|it| core(it)));
+        let holds = SpanIndex::of(spans.iter().filter(|it| it.kind == SpanKind::Hold));
+        let cores = SpanIndex::of(spans.iter().filter(|it| core(it)));
         // The step with which a codel begins to execute gives its lane.
         let executes = |it: &Span| self.steps.get(it.step).map(|it| lane(&it.0));
         let mut waits = Vec::new();
@@ -426,17 +426,17 @@ impl Reading<'_> {
 }
 
 /// Spans in order of time, for queries about the holders during a wait.
-struct Holds<'s> {
+struct SpanIndex<'s> {
     all: Vec<&'s Span>,
     longest: f64,
 }
 
-impl<'s> Holds<'s> {
+impl<'s> SpanIndex<'s> {
     fn of(spans: impl Iterator<Item = &'s Span>) -> Self {
         let mut all: Vec<&Span> = spans.collect();
         all.sort_by(|a, b| a.from.total_cmp(&b.from));
         let longest = all.iter().map(|it| it.to - it.from).fold(0.0, f64::max);
-        Holds { all, longest }
+        SpanIndex { all, longest }
     }
 
     /// The holders during a wait, in order: the one at its beginning, and all later ones.

@@ -23,7 +23,7 @@ pub(super) struct Names {
 
 /// The context of a node.
 #[derive(Clone, Copy, Default)]
-struct Around {
+struct NodeContext {
     /// The kind of the parent.
     parent: &'static str,
     /// True if it is compiled only under a preprocessor condition.
@@ -36,13 +36,13 @@ impl Names {
     pub(super) fn of(block: Node<'_>, text: &str) -> Names {
         let mut out = Names::default();
         let mut cursor = block.walk();
-        let mut around = vec![Around::default()];
+        let mut around = vec![NodeContext::default()];
         loop {
             let node = cursor.node();
             let here = around.last().copied().unwrap_or_default();
             out.node(node, cursor.field_name(), here, text);
             if cursor.goto_first_child() {
-                around.push(Around {
+                around.push(NodeContext {
                     parent: node.kind(),
                     conditional: here.conditional || node.kind().starts_with("preproc"),
                     declares: here.declares || declares(node),
@@ -58,7 +58,7 @@ impl Names {
         }
     }
 
-    fn node(&mut self, node: Node<'_>, field: Option<&str>, around: Around, text: &str) {
+    fn node(&mut self, node: Node<'_>, field: Option<&str>, around: NodeContext, text: &str) {
         let name = |it: Node<'_>| SmolStr::from(source(it, text));
         match node.kind() {
             "declaration" => {

@@ -59,7 +59,7 @@ fn map(files: &[(&str, &str)]) -> BTreeMap<String, String> {
 struct Kept(Vec<Move>);
 
 impl Finisher for Kept {
-    fn promise(&mut self, moves: Vec<Move>) {
+    fn register_moves(&mut self, moves: Vec<Move>) {
         self.0 = moves;
     }
 }

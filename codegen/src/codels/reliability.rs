@@ -18,7 +18,7 @@ use super::expected::{Expected, ExpectedFunction};
 
 /// The reliable part of a specification. By default it is the whole specification.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Trust {
+pub struct Reliability {
     /// True if files or packages are missing on this machine.
     pub lacks_files: bool,
     /// True if a file ends inside a declaration: more text may follow.
@@ -34,7 +34,7 @@ pub struct Trust {
 }
 
 /// Codes of errors in incomplete text.
-const BREAKS_OFF: [&str; 5] = [
+const INCOMPLETE_TEXT_CODES: [&str; 5] = [
     "syntax-eof",
     "missing-yield",
     "lex-comment-open",
@@ -57,12 +57,12 @@ impl Fault<'_> {
     }
 }
 
-impl Trust {
+impl Reliability {
     /// The reliable part of a unit.
-    pub fn of(unit: &UnitResult) -> Trust {
-        let mut trust = Trust {
+    pub fn of(unit: &UnitResult) -> Reliability {
+        let mut trust = Reliability {
             lacks_files: unit.lacks_files(),
-            ..Trust::default()
+            ..Reliability::default()
         };
         let errors = unit.diagnostics.iter();
         let errors = errors.filter(|it| it.severity == Severity::Error && !is_environment(it.code));
@@ -82,7 +82,7 @@ impl Trust {
             || unit
                 .diagnostics
                 .iter()
-                .any(|it| BREAKS_OFF.contains(&it.code));
+                .any(|it| INCOMPLETE_TEXT_CODES.contains(&it.code));
         trust.all_broken = trust.is_cut;
         let codels: Vec<(u32, CodelRef, Location)> = (0u32..)
             .zip(&unit.spec.components)

@@ -1,7 +1,7 @@
 //! The arguments of a built-in template: options, then files.
 
 /// The result of reading an option.
-pub(super) enum Next {
+pub(super) enum OptionFlow {
     /// Continue with the next word.
     Go,
     /// Stop: help was printed.
@@ -16,7 +16,7 @@ pub(super) enum Next {
 /// The errors of `each`, and a missing value.
 pub(super) fn read(
     args: &[String],
-    mut each: impl FnMut(&str, &mut dyn FnMut() -> Result<String, String>) -> Result<Next, String>,
+    mut each: impl FnMut(&str, &mut dyn FnMut() -> Result<String, String>) -> Result<OptionFlow, String>,
 ) -> Result<Option<Vec<String>>, String> {
     let mut words = args.iter();
     while let Some(word) = words.next() {
@@ -33,7 +33,7 @@ pub(super) fn read(
             let value = value.ok_or_else(|| format!("missing argument to {option}"))?;
             Ok(value.to_owned())
         };
-        if let Next::Stop = each(option, &mut value)? {
+        if let OptionFlow::Stop = each(option, &mut value)? {
             return Ok(None);
         }
     }
@@ -56,10 +56,10 @@ mod tests {
             match option {
                 "-v" | "--value" => out += &format!("{option} {} ", value()?),
                 "-f" => out += "-f ",
-                "-h" => return Ok(Next::Stop),
+                "-h" => return Ok(OptionFlow::Stop),
                 other => return Err(unknown(other)),
             }
-            Ok(Next::Go)
+            Ok(OptionFlow::Go)
         });
         match files {
             Ok(files) => format!("{out}{files:?}"),

@@ -27,7 +27,7 @@ impl State {
         let Some(events) = self.events.upgrade().filter(|_| self.client.document_text) else {
             return;
         };
-        self.outbox.converse(move |client| async move {
+        self.outbox.run_conversation(move |client| async move {
             let params = TextDocumentIdentifier { uri: uri.clone() };
             let sent = client.send_request::<DocumentTextRequest>(params).await;
             let sent = sent.unwrap_or_else(|error| {
@@ -41,7 +41,7 @@ impl State {
 
     /// Handles the client's whole text. The text is used if it belongs to the last change that arrived;
     /// otherwise the next change asks again.
-    pub(super) fn sent_again(&mut self, uri: &Uri, sent: Option<DocumentText>) {
+    pub(super) fn receive_text(&mut self, uri: &Uri, sent: Option<DocumentText>) {
         let path = uri::to_path(uri);
         let open = self.documents.open_files().get(&path);
         let Some(sent) = sent.filter(|it| open.is_some_and(|open| open.version == it.version))

@@ -12,15 +12,15 @@ fn all() -> MutexGuard<'static, Vec<PathBuf>> {
 
 /// A file that is removed on drop, and by [`leave`].
 #[derive(Debug)]
-pub struct Passing {
+pub struct TemporaryFile {
     path: PathBuf,
 }
 
-impl Passing {
+impl TemporaryFile {
     /// Registers a path, whether the file exists or not.
-    pub fn new(path: PathBuf) -> Passing {
+    pub fn new(path: PathBuf) -> TemporaryFile {
         all().push(path.clone());
-        Passing { path }
+        TemporaryFile { path }
     }
 
     /// The path.
@@ -29,7 +29,7 @@ impl Passing {
     }
 }
 
-impl Drop for Passing {
+impl Drop for TemporaryFile {
     fn drop(&mut self) {
         let mut all = all();
         all.retain(|it| *it != self.path);

@@ -22,13 +22,13 @@ const TITLE: Style = Style::new().bold();
 const BAD: Style = AnsiColor::Red.on_default().bold();
 
 /// A greatest time this many times the mean is worth a look.
-const FAR: i64 = 100;
+const OUTLIER_FACTOR: i64 = 100;
 
 /// Runs from which a mean says something.
 const MANY: u64 = 10;
 
 /// More lines that are about no codel are counted only.
-const STRAYS: usize = 10;
+const MAX_UNMATCHED_LINES: usize = 10;
 
 pub(super) fn print(answer: &Answer, only_shown: bool) -> anyhow::Result<()> {
     // A diff on standard output stays one.
@@ -60,12 +60,12 @@ pub(super) fn print(answer: &Answer, only_shown: bool) -> anyhow::Result<()> {
             terminal::text(&simulated.join(", "))
         )?;
     }
-    let never = never_seen(answer);
+    let never = unobserved_codels(answer);
     let never: Vec<&str> = never.map(|it| it.path.as_str()).collect();
     if !never.is_empty() {
         writeln!(out, "{TITLE}never seen{TITLE:#}: {}", never.join(", "))?;
     }
-    for it in answer.rows.iter().filter(|it| is_far(it)) {
+    for it in answer.rows.iter().filter(|it| is_outlier(it)) {
         let (file, line) = it.measure.at;
         let log = answer.logs.get(file).map_or("", |it| it.as_str());
         writeln!(
@@ -77,7 +77,7 @@ pub(super) fn print(answer: &Answer, only_shown: bool) -> anyhow::Result<()> {
         )?;
     }
     let strays = answer.strays.iter();
-    for (kind, stray, count) in strays.clone().take(STRAYS) {
+    for (kind, stray, count) in strays.clone().take(MAX_UNMATCHED_LINES) {
         let place = format!(
             "{} {} {} {} {}",
             kind.instance, kind.task, kind.service, kind.function, kind.from
@@ -90,8 +90,8 @@ pub(super) fn print(answer: &Answer, only_shown: bool) -> anyhow::Result<()> {
             why(*stray)
         )?;
     }
-    if answer.strays.len() > STRAYS {
-        let more = answer.strays.len() - STRAYS;
+    if answer.strays.len() > MAX_UNMATCHED_LINES {
+        let more = answer.strays.len() - MAX_UNMATCHED_LINES;
         writeln!(out, "{TITLE}note{TITLE:#}: {more} more of such kinds")?;
     }
     for it in told(&answer.left) {
@@ -122,14 +122,14 @@ pub(super) fn print(answer: &Answer, only_shown: bool) -> anyhow::Result<()> {
 }
 
 /// Codels without a run, measured or simulated.
-fn never_seen(answer: &Answer) -> impl Iterator<Item = &Row> {
+fn unobserved_codels(answer: &Answer) -> impl Iterator<Item = &Row> {
     let is_seen = |row: &Row| row.measure.runs > 0 || answer.simulated.contains_key(&row.path);
     answer.rows.iter().filter(move |row| !is_seen(row))
 }
 
-fn is_far(row: &Row) -> bool {
+fn is_outlier(row: &Row) -> bool {
     let measure = &row.measure;
-    measure.runs >= MANY && measure.greatest / FAR > measure.mean()
+    measure.runs >= MANY && measure.greatest / OUTLIER_FACTOR > measure.mean()
 }
 
 fn in_words(row: &Row) -> &'static str {
@@ -193,7 +193,7 @@ pub(super) fn print_json(answer: &Answer) -> anyhow::Result<()> {
             "place": it.place.as_ref().map(|it| place(&it.path, &it.range)),
         })
     });
-    let never = never_seen(answer);
+    let never = unobserved_codels(answer);
     let strays = answer.strays.iter().map(|(kind, stray, runs)| {
         json!({
             "instance": kind.instance,

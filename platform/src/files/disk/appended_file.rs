@@ -1,7 +1,7 @@
 //! A file that grows during a run: a log, a trace, a recording.
 //!
 //! A separate thread writes the file, so that the recording thread does not wait for the disk, except if much
-//! data is waiting. Recorded data is in the file within [`PAUSE`], and on the disk within [`SYNC`]. A process
+//! data is waiting. Recorded data is in the file within [`FLUSH_INTERVAL`], and on the disk within [`SYNC`]. A process
 //! that is killed loses at most the data of that time. There is no temporary file.
 
 use std::fs::{File, OpenOptions};
@@ -12,7 +12,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// Maximum delay until bytes are in the file.
-const PAUSE: Duration = Duration::from_millis(200);
+const FLUSH_INTERVAL: Duration = Duration::from_millis(200);
 
 /// Maximum delay until bytes in the file are also on the disk.
 const SYNC: Duration = Duration::from_secs(1);
@@ -25,7 +25,7 @@ const LIMIT: usize = 8 << 20;
 
 /// A file that grows. See the [module](self).
 #[derive(Debug)]
-pub struct Growing {
+pub struct AppendedFile {
     shared: Arc<Shared>,
     writer: Option<JoinHandle<()>>,
     /// The path, if the file did not exist before.
@@ -56,7 +56,7 @@ impl Shared {
     }
 }
 
-impl Growing {
+impl AppendedFile {
     /// Opens a file that need not exist; its directory must. The file keeps its content until the first
     /// write. If the first write fails, the file is unchanged. `tell` receives the first error.
     ///
@@ -65,7 +65,7 @@ impl Growing {
     pub fn create(
         path: &Path,
         tell: impl FnOnce(&io::Error) + Send + 'static,
-    ) -> io::Result<Growing> {
+    ) -> io::Result<AppendedFile> {
         let made = OpenOptions::new().write(true).create_new(true).open(path);
         let (file, new) = match made {
             Err(error) if error.kind() == ErrorKind::AlreadyExists => {
@@ -94,7 +94,7 @@ impl Growing {
                 }
             }
         })?;
-        Ok(Growing {
+        Ok(AppendedFile {
             writer: Some(writer),
             shared,
             new,
@@ -119,7 +119,7 @@ impl Growing {
 }
 
 /// Removes the file if it was not finished and did not exist before: its run did not begin.
-impl Drop for Growing {
+impl Drop for AppendedFile {
     fn drop(&mut self) {
         self.end();
         if let Some(path) = self.new.take().filter(|_| !std::thread::panicking()) {
@@ -128,7 +128,7 @@ impl Drop for Growing {
     }
 }
 
-impl Write for Growing {
+impl Write for AppendedFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let mut state = self.shared.lock();
         while state.bytes.len() >= LIMIT && !state.failed {
@@ -161,7 +161,7 @@ fn write(shared: &Shared, mut file: File) -> io::Result<()> {
     loop {
         let mut state = shared.lock();
         if state.bytes.len() < MANY && !state.over {
-            let waited = shared.more.wait_timeout(state, PAUSE);
+            let waited = shared.more.wait_timeout(state, FLUSH_INTERVAL);
             state = waited.unwrap_or_else(|it| it.into_inner()).0;
         }
         piece.clear();
@@ -177,7 +177,7 @@ fn write(shared: &Shared, mut file: File) -> io::Result<()> {
             file.write_all(&piece)?;
             unsynced.get_or_insert_with(Instant::now);
         }
-        if is_file && (over || unsynced.is_some_and(|it| it.elapsed() + PAUSE >= SYNC)) {
+        if is_file && (over || unsynced.is_some_and(|it| it.elapsed() + FLUSH_INTERVAL >= SYNC)) {
             sync(&file)?;
             unsynced = None;
         }
@@ -203,8 +203,8 @@ mod tests {
 
     use super::*;
 
-    fn growing(path: &Path) -> Growing {
-        Growing::create(path, |error| panic!("{error}")).expect("created")
+    fn growing(path: &Path) -> AppendedFile {
+        AppendedFile::create(path, |error| panic!("{error}")).expect("created")
     }
 
     #[test]
@@ -246,7 +246,7 @@ mod tests {
     fn a_full_disk_is_told_once_and_stops_nobody() {
         let (send, told) = channel();
         let tell = move |error: &io::Error| send.send(error.kind()).expect("heard");
-        let mut log = Growing::create(Path::new("/dev/full"), tell).expect("opened");
+        let mut log = AppendedFile::create(Path::new("/dev/full"), tell).expect("opened");
         // More than the limit of waiting bytes.
         for _ in 0..100 {
             log.write_all(&vec![b'x'; LIMIT / 10]).expect("never fails");

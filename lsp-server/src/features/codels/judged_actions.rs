@@ -15,7 +15,7 @@ use crate::protocol::types::{CodeAction, CodeActionOrCommand};
 use crate::workspace::snapshot::Snapshot;
 
 /// Makes actions of the edits that a judge allows.
-pub(crate) struct Offers<'o, 'j, 'p> {
+pub(crate) struct JudgedActions<'o, 'j, 'p> {
     snapshot: &'o Snapshot,
     texts: &'o Texts<'o>,
     judge: Judge<'j, 'p>,
@@ -25,7 +25,7 @@ pub(crate) struct Offers<'o, 'j, 'p> {
 pub(crate) fn offers<T>(
     snapshot: &Snapshot,
     path: &Utf8Path,
-    offer: impl FnOnce(&mut Offers<'_, '_, '_>) -> Cancellable<T>,
+    offer: impl FnOnce(&mut JudgedActions<'_, '_, '_>) -> Cancellable<T>,
 ) -> Cancellable<T> {
     let mut roots = match snapshot.is_code(path) {
         true => codels::roots_around(snapshot, path)?,
@@ -38,7 +38,7 @@ pub(crate) fn offers<T>(
     let texts = Texts::new(snapshot);
     let mut project = project(&mut host, snapshot, &texts, &roots[0]);
     let judge = Judge::new(&mut project, &roots);
-    let out = offer(&mut Offers {
+    let out = offer(&mut JudgedActions {
         snapshot,
         texts: &texts,
         judge,
@@ -47,7 +47,7 @@ pub(crate) fn offers<T>(
     Ok(out)
 }
 
-impl Offers<'_, '_, '_> {
+impl JudgedActions<'_, '_, '_> {
     /// The action with an edit, or `None` if the judge refuses the edit. `mends`: the code of the finding
     /// that the edit fixes.
     pub(crate) fn action(

@@ -12,16 +12,16 @@ const LIMIT: Duration = Duration::from_secs(2);
 /// While this exists, orphans among the descendants of this process become its children. Dropping it ends
 /// them, and names on standard error those that cannot be ended. Elsewhere than on Linux it does nothing.
 #[must_use]
-pub struct Strays {
+pub struct OrphanReaper {
     /// Helpers of this program, which end by themselves.
     helpers: Vec<Pid>,
 }
 
-impl Strays {
+impl OrphanReaper {
     /// Becomes the parent of orphans; `None` where those may be of others: where this process has children of
     /// another program, whose children would be adopted as well, and where it is the parent of all orphans
     /// anyway.
-    pub fn adopt() -> Option<Strays> {
+    pub fn become_subreaper() -> Option<OrphanReaper> {
         let program = |of: &str| std::fs::read_link(format!("/proc/{of}/exe")).ok();
         let own = program("self");
         let helpers = children();
@@ -34,7 +34,7 @@ impl Strays {
         let helpers = helpers.into_iter().map(|it| it.pid).collect();
         #[cfg(target_os = "linux")]
         rustix::process::set_child_subreaper(Some(getpid())).ok()?;
-        Some(Strays { helpers })
+        Some(OrphanReaper { helpers })
     }
 }
 
@@ -53,7 +53,7 @@ pub(super) fn reap(hosts: &[Pid]) {
     }
 }
 
-impl Drop for Strays {
+impl Drop for OrphanReaper {
     fn drop(&mut self) {
         let until = Instant::now() + LIMIT;
         loop {

@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail};
 use serde_json::Value;
 
 use super::fischer::{self, Times};
-use super::measure::{Job, Taken, alternate, announce};
+use super::measure::{Job, Measurement, alternate, announce};
 use super::periodic::{self, PERIODS, Task};
 use super::{SECONDS, show};
 use crate::chart::{Chart, Line};
@@ -14,16 +14,16 @@ use crate::run::step;
 use crate::{root, target, tools};
 
 /// The programs; `None`: not available.
-pub(crate) struct Rivals {
+pub(crate) struct Competitors {
     dotgen: String,
     tchecker: Option<String>,
     jobs: Option<String>,
 }
 
-impl Rivals {
+impl Competitors {
     /// Finds them: by environment variable, or on `PATH`.
-    pub(crate) fn find(dotgen: &Path) -> Rivals {
-        Rivals {
+    pub(crate) fn find(dotgen: &Path) -> Competitors {
+        Competitors {
             dotgen: dotgen.to_string_lossy().into_owned(),
             tchecker: program("TCHECKER", "tck-reach", "ticktac-project/tchecker"),
             jobs: program("SAG", "nptest", "SAG-org/schedule_abstraction-main"),
@@ -48,7 +48,7 @@ const NAMES: [&str; 3] = ["dotgen", "TChecker", "schedule abstraction"];
 const DOTGEN: [&str; 4] = ["verify", "--format", "json", "scenario.scn"];
 /// Options for sets of tasks: with late jobs there can be very many states, and the first failure is
 /// sufficient.
-const LIMITED: [&str; 2] = ["--max-states", "1000000"];
+const STATE_LIMIT: [&str; 2] = ["--max-states", "1000000"];
 
 /// One question for all programs, as files in a folder.
 struct Question {
@@ -73,10 +73,10 @@ impl Question {
     }
 
     /// Medians of dotgen, TChecker and the schedule-abstraction tool.
-    fn ask(&self, rivals: &Rivals, runs: usize) -> Result<[Option<Answer>; 3]> {
+    fn ask(&self, rivals: &Competitors, runs: usize) -> Result<[Option<Answer>; 3]> {
         let dotgen = Some(&rivals.dotgen);
         let jobs = rivals.jobs.as_ref().filter(|_| self.jobs);
-        let limited = if self.jobs { &LIMITED[..] } else { &[] };
+        let limited = if self.jobs { &STATE_LIMIT[..] } else { &[] };
         let commands = [
             (dotgen, [&DOTGEN, limited].concat()),
             (
@@ -107,7 +107,7 @@ impl Question {
     }
 
     /// Dotgen alone, once.
-    fn dotgen(&self, rivals: &Rivals) -> Result<Answer> {
+    fn dotgen(&self, rivals: &Competitors) -> Result<Answer> {
         let job = Job {
             program: &rivals.dotgen,
             arguments: DOTGEN.map(str::to_owned).to_vec(),
@@ -118,7 +118,7 @@ impl Question {
         answer.context("dotgen gave up")
     }
 
-    fn of_jobs(&self, taken: Taken) -> Result<Answer> {
+    fn of_jobs(&self, taken: Measurement) -> Result<Answer> {
         let column = |i| taken.output.split(',').nth(i).map(str::trim);
         let (Some(holds), Some(states)) = (column(1), column(4)) else {
             bail!("the schedule-abstraction tool said: {}", taken.output);
@@ -149,11 +149,11 @@ struct Answer {
     states: u64,
     /// Longest response of every task, if the program returns it.
     responses: Vec<u64>,
-    taken: Taken,
+    taken: Measurement,
 }
 
 /// The answer of dotgen; `None` if it gave up.
-fn of_dotgen(taken: Taken) -> Result<Option<Answer>> {
+fn of_dotgen(taken: Measurement) -> Result<Option<Answer>> {
     let report: Value = serde_json::from_str(&taken.output).context("dotgen wrote no JSON")?;
     let checks = report["checks"].as_array().context("no checks")?;
     let some = |verdict| checks.iter().any(|it| it["verdict"] == verdict);
@@ -175,7 +175,7 @@ fn of_dotgen(taken: Taken) -> Result<Option<Answer>> {
     }))
 }
 
-fn of_tchecker(taken: Taken) -> Result<Answer> {
+fn of_tchecker(taken: Measurement) -> Result<Answer> {
     let value = |key: &str| {
         let mut lines = taken.output.lines();
         lines.find_map(|it| it.strip_prefix(key).map(|it| it.trim().to_owned()))
@@ -194,7 +194,7 @@ fn of_tchecker(taken: Taken) -> Result<Answer> {
 /// Runs all comparisons. Returns true if all programs agreed.
 pub(crate) fn rivals(dotgen: &Path, runs: usize, sets: u64) -> Result<bool> {
     announce()?;
-    let rivals = Rivals::find(dotgen);
+    let rivals = Competitors::find(dotgen);
     if rivals.tchecker.is_none() && rivals.jobs.is_none() {
         step("Nothing to compare with: nothing measured");
         return Ok(true);
@@ -274,7 +274,7 @@ fn fischer_question(n: usize, times: Times) -> Result<Question> {
 
 /// Two and three processes with short times, and with long ones in about the same proportions: the verdicts
 /// must be equal.
-fn fischer_agreement(rivals: &Rivals) -> Result<bool> {
+fn fischer_agreement(rivals: &Competitors) -> Result<bool> {
     step("Mutual exclusion by time alone, all times from 1 to 3 ms, and ten times as long");
     let mut agreed = true;
     let mut hold = 0;
@@ -305,7 +305,7 @@ fn fischer_agreement(rivals: &Rivals) -> Result<bool> {
 }
 
 /// Random sets: equal verdicts, and equal responses if all deadlines are met.
-fn agreement(rivals: &Rivals, sets: u64) -> Result<bool> {
+fn agreement(rivals: &Competitors, sets: u64) -> Result<bool> {
     let mut agreed = true;
     let mut kept = 0;
     for seed in 0..sets {
@@ -359,7 +359,7 @@ fn random(seed: u64) -> Vec<Task> {
 
 /// A line per size, until dotgen and TChecker have both given up.
 fn table(
-    rivals: &Rivals,
+    rivals: &Competitors,
     runs: usize,
     unit: &str,
     sizes: impl Iterator<Item = usize>,

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use dotgen_analysis::model::{Component, PortDir, ServiceKind, Spec, TypeId, TypeKind};
 use dotgen_codegen::codels::schema;
-use dotgen_codegen::codels::value::{Values, goes_in, goes_out};
+use dotgen_codegen::codels::value::{Values, is_input, is_output};
 use serde_json::{Value, json};
 
 /// The service that all components have beside their own.
@@ -12,7 +12,7 @@ pub(super) const CONNECT: &str = "connect_port";
 
 /// A component that can be asked for something.
 #[derive(Clone)]
-pub struct Known {
+pub struct KnownComponent {
     pub spec: Arc<Spec>,
     /// Index among those of the specification.
     pub component: u32,
@@ -22,7 +22,7 @@ pub struct Known {
     pub executed: bool,
 }
 
-impl Known {
+impl KnownComponent {
     /// The component.
     pub fn component(&self) -> &Component {
         &self.spec.components[self.component as usize]
@@ -30,11 +30,11 @@ impl Known {
 }
 
 /// The description of a component.
-pub(super) fn describe(known: &Known) -> Value {
+pub(super) fn describe(known: &KnownComponent) -> Value {
     let values = Values::new(&known.spec);
     let component = known.component();
     let services = component.services.iter().map(|service| {
-        let inputs = service.params.iter().filter(|it| goes_in(it));
+        let inputs = service.params.iter().filter(|it| is_input(it));
         let inputs = inputs.map(|it| {
             let mut out = json!({
                 "name": it.name.as_str(),
@@ -45,7 +45,7 @@ pub(super) fn describe(known: &Known) -> Value {
             }
             out
         });
-        let outputs = service.params.iter().filter(|it| goes_out(it));
+        let outputs = service.params.iter().filter(|it| is_output(it));
         json!({
             "name": service.name.as_str(),
             "kind": match service.kind {

@@ -13,25 +13,25 @@ use dotgen_views::verification::Problem;
 const PLACES: usize = 4;
 
 /// Diagnostics and the texts they talk about.
-pub(crate) struct Told {
+pub(crate) struct ScenarioDiagnostics {
     found: Vec<Diagnostic>,
     texts: Texts,
 }
 
-impl Told {
+impl ScenarioDiagnostics {
     /// Why a problem cannot be verified.
     pub(crate) fn about(
         session: &Session,
         problem: &Problem,
         found: Vec<Diagnostic>,
-    ) -> anyhow::Result<Told> {
+    ) -> anyhow::Result<ScenarioDiagnostics> {
         let mut texts = Texts::default();
         if problem.is_written() {
             let lines = Lines::new(problem.text.as_str().into(), Encoding::Utf16);
             texts.insert(problem.path.clone(), lines);
         }
         session.add_texts(&found, &mut texts)?;
-        Ok(Told { found, texts })
+        Ok(ScenarioDiagnostics { found, texts })
     }
 
     /// What the verifier says, also about the checks of the command line, whose places follow the text of the
@@ -41,7 +41,7 @@ impl Told {
         problem: &Problem,
         all: &[dotgen_timing::diagnostic::Diagnostic],
         checks: &[&str],
-    ) -> anyhow::Result<Told> {
+    ) -> anyhow::Result<ScenarioDiagnostics> {
         let option = Utf8PathBuf::from("--check");
         let found = all.iter().filter_map(|it| {
             let mut out = Level::apply(&session.severity, problem.diagnostic(it))?;
@@ -53,7 +53,7 @@ impl Told {
             Some(out)
         });
         let (of_checks, of_files) = found.partition::<Vec<_>, _>(|it| it.path == option);
-        let mut out = Told::about(session, problem, of_files)?;
+        let mut out = ScenarioDiagnostics::about(session, problem, of_files)?;
         out.found.extend(of_checks);
         let lines = Lines::new(checks.join("\n").into(), Encoding::Utf16);
         out.texts.insert(option, lines);

@@ -13,7 +13,7 @@ use crate::lang::Language;
 
 /// The shared object of one component.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Hosted {
+pub struct SharedObject {
     /// The component, among those of the specification.
     pub component: u32,
     /// The glue, by absolute path.
@@ -36,7 +36,7 @@ pub fn hosted(
     place: &Utf8Path,
     tools: &Tools,
     packages: &Packages,
-) -> Result<Vec<Hosted>, String> {
+) -> Result<Vec<SharedObject>, String> {
     let all = folder.expected();
     let all = all.iter().map(|expected| {
         let functions = expected.functions.iter().map(|it| &it.name);
@@ -84,7 +84,7 @@ pub fn hosted(
         command.extend(inputs.iter().map(|it| it.to_string()));
         command.extend(packages.link.iter().cloned());
         command.extend(["-lm", "-lpthread"].map(str::to_owned));
-        Ok(Hosted {
+        Ok(SharedObject {
             component: expected.component,
             glue: NewFile { path, text },
             link: Step {

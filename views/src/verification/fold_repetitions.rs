@@ -23,13 +23,13 @@ pub enum Part {
 }
 
 /// Maximum length of a series of steps that is searched for repetition.
-const LONGEST: usize = 32;
+const MAX_PERIOD_STEPS: usize = 32;
 /// Minimum number of steps that are omitted; shorter repetitions are shown in full.
-const LEAST: usize = 8;
+const MIN_OMITTED_STEPS: usize = 8;
 
 /// A run in parts. Repetition is decided by the order of steps, not by their times. The part that repeats for
 /// ever begins a new part.
-pub fn folded(events: &[Event], cycle: Option<usize>) -> Vec<Part> {
+pub fn fold_repetitions(events: &[Event], cycle: Option<usize>) -> Vec<Part> {
     let mut ids = HashMap::new();
     let steps: Vec<usize> = events
         .iter()
@@ -54,10 +54,11 @@ fn fold(steps: &[usize], range: Range<usize>, out: &mut Vec<Part>) {
     let (mut from, mut at) = (range.start, range.start);
     while at < range.end {
         let rest = &steps[at..range.end];
-        let repeats = (1..=LONGEST.min(rest.len() / 2)).map(|length| (length, again(rest, length)));
+        let repeats =
+            (1..=MAX_PERIOD_STEPS.min(rest.len() / 2)).map(|length| (length, again(rest, length)));
         // The repetition that omits most steps, and of equals the shortest series.
         let best = repeats.rev().max_by_key(|(length, times)| length * times);
-        match best.filter(|(length, times)| length * times >= LEAST) {
+        match best.filter(|(length, times)| length * times >= MIN_OMITTED_STEPS) {
             Some((length, times)) => {
                 out.push(Part::Steps(from..at + length));
                 at += length * (times + 1);
@@ -105,7 +106,7 @@ mod tests {
             Event { codel, ..it }
         };
         let events: Vec<Event> = text.chars().enumerate().map(event).collect();
-        let parts = folded(&events, cycle);
+        let parts = fold_repetitions(&events, cycle);
         // Every step is in exactly one part.
         let mut at = 0;
         for part in &parts {

@@ -20,14 +20,14 @@ use std::ptr::NonNull;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Bytes before the first place: see `struct glue_board`.
-const HEAD: usize = 64;
+const HEADER_BYTES: usize = 64;
 
 /// The least room of a place.
-const LEAST: usize = 1024;
+const MIN_ROOM_BYTES: usize = 1024;
 
 /// What stands at the start.
 #[repr(C)]
-struct Head {
+struct BoardHeader {
     /// How often it was written; 0 while there is nothing. The newest data is in place `turn % 2`.
     turn: AtomicU64,
     /// Bytes of a place.
@@ -38,33 +38,33 @@ struct Head {
 
 /// See the [module](self).
 #[derive(Debug)]
-pub(super) struct Board {
+pub(super) struct SharedData {
     file: File,
-    memory: NonNull<Head>,
+    memory: NonNull<BoardHeader>,
     room: usize,
     turn: u64,
     /// It has a name only where there is no memory without one.
     #[cfg(not(target_os = "linux"))]
-    passing: dotgen_platform::files::disk::Passing,
+    passing: dotgen_platform::files::disk::TemporaryFile,
 }
 
-// SAFETY: the memory is reached through `&mut Board` only, and is mapped for all threads of this process.
-unsafe impl Send for Board {}
+// SAFETY: the memory is reached through `&mut SharedData` only, and is mapped for all threads of this process.
+unsafe impl Send for SharedData {}
 
-impl Board {
+impl SharedData {
     /// For data of a size, and some more.
     ///
     /// # Errors
     /// The system has no memory for it.
-    pub(super) fn new(size: usize) -> io::Result<Board> {
-        let room = size.max(LEAST).next_power_of_two();
-        let length = HEAD + 2 * room;
+    pub(super) fn new(size: usize) -> io::Result<SharedData> {
+        let room = size.max(MIN_ROOM_BYTES).next_power_of_two();
+        let length = HEADER_BYTES + 2 * room;
         #[cfg(target_os = "linux")]
-        let file = nameless(length)?;
+        let file = anonymous_memory(length)?;
         #[cfg(not(target_os = "linux"))]
         let (file, passing) = named(length)?;
         let memory = map(&file, length, libc::PROT_READ | libc::PROT_WRITE)?;
-        let board = Board {
+        let board = SharedData {
             turn: 0,
             file,
             memory,
@@ -102,7 +102,7 @@ impl Board {
         // that another turn has begun, and looks again.
         unsafe {
             let to = self.memory.as_ptr().cast::<u8>();
-            let to = to.add(HEAD + place * self.room);
+            let to = to.add(HEADER_BYTES + place * self.room);
             std::ptr::copy_nonoverlapping(data.as_ptr(), to, data.len());
         }
         head.turn.store(self.turn, Ordering::Release);
@@ -110,7 +110,7 @@ impl Board {
         std::sync::atomic::fence(Ordering::SeqCst);
     }
 
-    fn head(&self) -> &Head {
+    fn head(&self) -> &BoardHeader {
         // SAFETY: the mapping is longer than the head, aligned to a page, and lives as long as this.
         unsafe { self.memory.as_ref() }
     }
@@ -119,7 +119,7 @@ impl Board {
 /// What a host sees of a board.
 #[derive(Debug)]
 pub(super) struct View {
-    memory: NonNull<Head>,
+    memory: NonNull<BoardHeader>,
     length: usize,
 }
 
@@ -157,8 +157,8 @@ impl Drop for View {
 }
 
 /// A new mapping of a file that never becomes shorter.
-fn map(file: &File, length: usize, access: libc::c_int) -> io::Result<NonNull<Head>> {
-    if length < HEAD {
+fn map(file: &File, length: usize, access: libc::c_int) -> io::Result<NonNull<BoardHeader>> {
+    if length < HEADER_BYTES {
         return Err(io::ErrorKind::InvalidData.into());
     }
     // SAFETY: the system chooses where it is.
@@ -179,18 +179,18 @@ fn map(file: &File, length: usize, access: libc::c_int) -> io::Result<NonNull<He
     }
 }
 
-impl Drop for Board {
+impl Drop for SharedData {
     fn drop(&mut self) {
         // SAFETY: the mapping is this one's own, of that length; nothing refers to it any more.
         unsafe {
-            libc::munmap(self.memory.as_ptr().cast(), HEAD + 2 * self.room);
+            libc::munmap(self.memory.as_ptr().cast(), HEADER_BYTES + 2 * self.room);
         }
     }
 }
 
 /// Memory that has no name, cannot become shorter, and is there: who touches it is not ended for want of it.
 #[cfg(target_os = "linux")]
-fn nameless(length: usize) -> io::Result<File> {
+fn anonymous_memory(length: usize) -> io::Result<File> {
     use rustix::fs::{FallocateFlags, MemfdFlags, SealFlags};
     use rustix::process::{DumpableBehavior, set_dumpable_behavior};
 
@@ -207,12 +207,12 @@ fn nameless(length: usize) -> io::Result<File> {
 
 /// A file that only this user can open, and that goes with this process.
 #[cfg(not(target_os = "linux"))]
-fn named(length: usize) -> io::Result<(File, dotgen_platform::files::disk::Passing)> {
+fn named(length: usize) -> io::Result<(File, dotgen_platform::files::disk::TemporaryFile)> {
     static COUNT: AtomicU64 = AtomicU64::new(0);
     let number = COUNT.fetch_add(1, Ordering::Relaxed);
     let name = format!("{}-{number}.port", std::process::id());
-    let path = super::places::folder()?.join(name);
-    let passing = dotgen_platform::files::disk::Passing::new(path.clone());
+    let path = super::sockets::folder()?.join(name);
+    let passing = dotgen_platform::files::disk::TemporaryFile::new(path.clone());
     let mut options = File::options();
     std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
     let file = options
@@ -245,7 +245,7 @@ mod tests {
             let mut bytes = vec![0; size];
             // SAFETY: the place lies within the mapping.
             unsafe {
-                let from = view.address().cast::<u8>().add(HEAD + place * room);
+                let from = view.address().cast::<u8>().add(HEADER_BYTES + place * room);
                 std::ptr::copy_nonoverlapping(from, bytes.as_mut_ptr(), size);
             }
             std::sync::atomic::fence(Ordering::Acquire);
@@ -258,7 +258,7 @@ mod tests {
 
     #[test]
     fn readers_see_whole_data_only_and_the_last_one_for_sure() {
-        let mut board = Board::new(4096).expect("there is memory");
+        let mut board = SharedData::new(4096).expect("there is memory");
         let view = View::open(&board.path()).expect("it is there");
         let mut seen = 0;
         assert_eq!(look(&view, &mut seen), None);
@@ -289,7 +289,7 @@ mod tests {
     #[cfg(target_os = "linux")]
     #[test]
     fn nobody_else_can_write_or_shorten_it() {
-        let board = Board::new(10).expect("there is memory");
+        let board = SharedData::new(10).expect("there is memory");
         assert!(board.file.set_len(10).is_err());
         assert!(board.file.set_len(1 << 20).is_err());
         assert!(

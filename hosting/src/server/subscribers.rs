@@ -10,23 +10,23 @@ use serde_json::json;
 use super::Shared;
 
 /// Minimum time between two reports of progress: people see no more, and reports take time.
-const LOOK_EVERY: Duration = Duration::from_millis(100);
+const PROGRESS_INTERVAL: Duration = Duration::from_millis(100);
 
 /// Tells clients how far the run has come.
-pub struct Lookers {
+pub struct ProgressSubscribers {
     pub(super) shared: Arc<Shared>,
     /// Time of the last report.
     pub(super) told: Option<Instant>,
 }
 
-impl ProgressReceiver for Lookers {
+impl ProgressReceiver for ProgressSubscribers {
     fn is_due(&mut self) -> bool {
-        let due = self.told.is_none_or(|it| it.elapsed() >= LOOK_EVERY);
+        let due = self.told.is_none_or(|it| it.elapsed() >= PROGRESS_INTERVAL);
         if !due {
             return false;
         }
         self.told = Some(Instant::now());
-        !self.shared.state().lookers.is_empty()
+        !self.shared.state().progress_subscribers.is_empty()
     }
 
     fn receive(&mut self, progress: Progress) {
@@ -34,7 +34,7 @@ impl ProgressReceiver for Lookers {
             return;
         };
         told["event"] = "progress".into();
-        for (client, id) in &self.shared.state().lookers {
+        for (client, id) in &self.shared.state().progress_subscribers {
             // What was missed is in the next one.
             client.offer(told.clone(), id);
         }
@@ -42,9 +42,9 @@ impl ProgressReceiver for Lookers {
 }
 
 /// Passes lines of the profile to clients.
-pub struct Followers(pub(super) Arc<Shared>);
+pub struct ProfileSubscribers(pub(super) Arc<Shared>);
 
-impl Write for Followers {
+impl Write for ProfileSubscribers {
     fn write(&mut self, line: &[u8]) -> io::Result<usize> {
         let state = self.0.state();
         if !state.followers.is_empty() {

@@ -12,12 +12,12 @@ use crate::process::Access;
 
 /// The readable files and folders.
 #[derive(Debug, Clone)]
-pub(crate) struct Reach {
+pub(crate) struct ReadableFiles {
     read: Vec<PathBuf>,
     tmpdir: PathBuf,
 }
 
-impl Reach {
+impl ReadableFiles {
     /// The reach of a template in `dir` with the arguments `words`: its own folder and those next to it, the
     /// files that the arguments name, and the temporary folder.
     pub(crate) fn new(
@@ -27,7 +27,7 @@ impl Reach {
         base: &Path,
         words: &[String],
         tmpdir: &Path,
-    ) -> Reach {
+    ) -> ReadableFiles {
         let folders = search.dirs.iter().chain(&search.builtin);
         let folders = folders.map(PathBuf::as_path).chain([dir, tmpdir]);
         let files = words
@@ -35,7 +35,7 @@ impl Reach {
             .map(|it| base.join(it))
             .filter(|it| disk.is_file(it));
         let read = folders.map(Path::to_owned).chain(files);
-        Reach {
+        ReadableFiles {
             read: read.filter_map(|it| disk.canonical(&it).ok()).collect(),
             tmpdir: tmpdir.to_owned(),
         }
