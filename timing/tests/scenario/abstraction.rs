@@ -47,14 +47,21 @@ fn bounds(specification: &str, scenario: &str) -> Result<String, Refusal> {
     assert_eq!(parsed.errors, []);
     let settings = settings(&parsed.scenario, &Options::default());
     let built = build(&names, &settings, &|_| true);
-    let bounds = abstract_bounds(&built.system, Budget::default(), &Cancel::default())?;
+    let bounds = abstract_bounds(&built.system, Budget::default(), &Cancel::default());
     let mut out = String::new();
     for (task, bound) in bounds.iter().enumerate() {
-        if let Some(bound) = bound {
-            let _ = writeln!(out, "{} {bound}", built.system.task_path(task));
-        }
+        let periodic = built.system.tasks[task].period.is_some();
+        let path = built.system.task_path(task);
+        let _ = match bound {
+            Ok(bound) => writeln!(out, "{path} {bound}"),
+            Err(why) if periodic => writeln!(out, "{path}: {why}"),
+            Err(_) => Ok(()),
+        };
     }
-    Ok(out)
+    match bounds.iter().find_map(|it| it.err()) {
+        Some(why) if !bounds.iter().any(Result::is_ok) => Err(why),
+        _ => Ok(out),
+    }
 }
 
 fn answers(scenario: &str, options: &Options) -> Report {
