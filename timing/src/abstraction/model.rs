@@ -406,7 +406,7 @@ fn hyperperiod(threads: &[Thread]) -> Result<i64, Refusal> {
     let jobs: i64 = threads.iter().map(|it| all / it.period).sum();
     let beginnings = |it: &Thread| {
         let after = it.start.after.filter(|_| !it.started);
-        let ticks = after.map_or(0, |it_is| (it_is.to - it.first).div_euclid(it.period) + 1);
+        let ticks = after.map_or(0, |after| (after.to - it.first).div_euclid(it.period) + 1);
         let started = ticks.max(0) as usize + 1 + usize::from(it.start.fails);
         it.paused.len().max(started)
     };

@@ -188,9 +188,9 @@ fn ordered(components: usize, turn: usize, back: bool) -> String {
         }
         let first = turn % tasks.len();
         tasks.rotate_left(first);
-        let mut services = vec![
-            "function halt() { codel h(out a) wcet 0.1 ms; };".to_owned(),
-            "activity go() { task t1; codel<start> g(out b) yield ether wcet 0.2 ms; };".to_owned(),
+        let mut services = [
+            "function halt() { codel h(out a) wcet 0.1 ms; };",
+            "activity go() { task t1; codel<start> g(out b) yield ether wcet 0.2 ms; };",
         ];
         if back {
             services.reverse();
