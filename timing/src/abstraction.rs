@@ -11,6 +11,7 @@
 //! * `model`: the part of a system that the abstraction covers, and the reasons for a refusal;
 //! * `activities`, `course`: the work of each task, including requests at any time;
 //! * `others`: codels outside the abstraction that take tickets at any time;
+//! * `order`: the start of each task, after the tasks declared before it;
 //! * `state`: abstract states, and when two of them are equal;
 //! * `steps`: the two kinds of steps, granting a core and beginning a codel;
 //! * `starting`: the consequences of the end of a job, and the start-up of tasks;
@@ -23,6 +24,7 @@ mod activities;
 mod batch;
 mod course;
 mod model;
+mod order;
 mod others;
 mod refusal;
 mod search;
@@ -31,9 +33,10 @@ mod state;
 mod steps;
 
 use self::batch::Batches;
-use self::model::models;
+use self::model::{Model, Thread, models};
 pub use self::refusal::Refusal;
 use self::search::Search;
+use self::state::MISSED;
 use crate::cancel::Cancel;
 use crate::system::{Ticks, TimedSystem};
 
@@ -62,37 +65,71 @@ impl Default for Budget {
     }
 }
 
-/// Returns bounds on the response times of all tasks with a period. All of them meet their deadlines.
-///
-/// # Errors
-///
-/// Returns the first reason why the abstraction cannot treat the system, or why nothing follows from it.
+/// Returns, by task, a bound on the response time of a task that meets its deadlines, or the reason why none is
+/// known.
 pub fn abstract_bounds(
     system: &TimedSystem,
     budget: Budget,
     cancel: &Cancel,
-) -> Result<Vec<Option<Ticks>>, Refusal> {
-    let mut out = vec![None; system.tasks.len()];
-    for model in models(system)? {
-        let budget = Budget {
-            states: budget.states.min(PLACES / model.threads.len().max(1)),
-            ..budget
+) -> Vec<Result<Ticks, Refusal>> {
+    // Tasks that are not followed: they execute any of their codels at any time.
+    let mut left: Vec<Option<Refusal>> = vec![None; system.tasks.len()];
+    loop {
+        let parts = match models(system, &mut left) {
+            Ok(parts) => parts,
+            Err(refusal) => return vec![Err(refusal); left.len()],
         };
-        let search = |batches, states| {
-            let budget = Budget { states, ..budget };
-            Search::new(&model, batches, budget, cancel).run()
-        };
-        let found = match Batches::new(&model) {
-            None => search(None, budget.states),
-            batches => match search(None, budget.before_batches) {
-                Err(Refusal::States { .. }) => search(batches, budget.states),
-                it => it,
-            },
-        }?;
-        for (thread, bound) in model.threads.iter().zip(found) {
-            let bound = Ticks::try_from(bound).map_err(|_| Refusal::Hyperperiod)?;
-            out[thread.task] = Some(bound);
+        let mut out: Vec<Result<Ticks, Refusal>> = left
+            .iter()
+            .map(|it| Err(it.unwrap_or(Refusal::Cancelled)))
+            .collect();
+        let mut leaves = false;
+        for (tasks, model) in parts {
+            let servers = model.as_ref().is_ok_and(|it| it.queue);
+            match model.and_then(|it| bounds(&it, budget, cancel)) {
+                Ok(found) => tasks
+                    .iter()
+                    .zip(found)
+                    .for_each(|(&task, it)| out[task] = it),
+                Err(refusal) => {
+                    tasks.iter().for_each(|&task| out[task] = Err(refusal));
+                    if let Some(task) = refusal.task().filter(|&it| servers && left[it].is_none()) {
+                        left[task] = Some(refusal);
+                        leaves = true;
+                    }
+                }
+            }
+        }
+        if !leaves {
+            return out;
         }
     }
-    Ok(out)
+}
+
+/// Returns the bounds of the tasks of a part of a system.
+fn bounds(
+    model: &Model,
+    budget: Budget,
+    cancel: &Cancel,
+) -> Result<Vec<Result<Ticks, Refusal>>, Refusal> {
+    let budget = Budget {
+        states: budget.states.min(PLACES / model.threads.len().max(1)),
+        ..budget
+    };
+    let search = |batches, states| {
+        let budget = Budget { states, ..budget };
+        Search::new(model, batches, budget, cancel).run()
+    };
+    let found = match Batches::new(model) {
+        None => search(None, budget.states),
+        batches => match search(None, budget.before_batches) {
+            Err(Refusal::States { .. }) => search(batches, budget.states),
+            it => it,
+        },
+    }?;
+    let bound = |(thread, found): (&Thread, i64)| match found {
+        MISSED => Err(Refusal::MayMiss { task: thread.task }),
+        found => Ticks::try_from(found).map_err(|_| Refusal::Hyperperiod),
+    };
+    Ok(model.threads.iter().zip(found).map(bound).collect())
 }

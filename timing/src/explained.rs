@@ -10,6 +10,8 @@ pub struct Explained {
     pub explorations: usize,
     /// The outcomes of schedule abstraction before the explorations, each with its count: used, or refused.
     pub abstractions: Vec<(Option<Refusal>, usize)>,
+    /// Tasks without bounds of schedule abstraction, in systems in which other tasks have bounds.
+    pub left_open: Vec<(String, Refusal)>,
     /// Reductions, in the order of their first occurrence.
     pub reductions: Vec<Explanation>,
 }
@@ -71,7 +73,9 @@ impl Explained {
                 Some(reason) => format!("not used{part}: {reason}"),
             }
         });
-        let parts: Vec<String> = parts.collect();
+        let open = self.left_open.iter();
+        let open = open.map(|(task, reason)| format!("not for {task}: {reason}"));
+        let parts: Vec<String> = parts.chain(open).collect();
         (all > 0).then(|| (Kind::ScheduleAbstraction.name(), parts.join("; ")))
     }
 

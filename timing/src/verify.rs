@@ -258,10 +258,16 @@ impl Group<'_> {
             return;
         }
         let found = analysed.abstracted(self.limits.bytes, self.cancel);
-        report.reductions.add_abstraction(found.err());
-        if found.is_err() {
+        report
+            .reductions
+            .add_abstraction(found.as_ref().err().copied());
+        let Ok(open) = found else {
             return;
-        }
+        };
+        let open = open
+            .into_iter()
+            .map(|(task, why)| (analysed.path(task), why));
+        report.reductions.left_open.extend(open);
         let before = report.answered();
         self.analyse(checks, of_group, analysed, report);
         if report.answered() > before {

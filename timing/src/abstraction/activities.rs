@@ -4,11 +4,12 @@ use super::course::Activity;
 use super::refusal::Refusal;
 use crate::system::TimedSystem;
 
-/// Number of instances of one activity above which a system is refused.
+/// Number of instances of one activity above which its task is not followed.
 const INSTANCES: usize = 3;
 
-/// Returns, by task, the permanent activity and the activities that clients may request.
-pub(super) fn activities(system: &TimedSystem) -> Result<Vec<Vec<Activity>>, Refusal> {
+/// Returns, by task, the permanent activity and the activities that clients may request. Tasks with too many
+/// instances are added to `left`.
+pub(super) fn activities(system: &TimedSystem, left: &mut [Option<Refusal>]) -> Vec<Vec<Activity>> {
     let mut out: Vec<Vec<Activity>> = vec![Vec::new(); system.tasks.len()];
     for (task, it) in system.tasks.iter().enumerate() {
         let permanent = it.permanent.map(|it| Activity {
@@ -30,16 +31,14 @@ pub(super) fn activities(system: &TimedSystem) -> Result<Vec<Vec<Activity>>, Ref
         // At most one instance of an activity that interrupts itself has begun and not ended.
         let (instances, again) = match (it.interrupts.contains(&service), often) {
             (true, often) => (1, often != Some(1)),
-            (false, Some(often)) => (often, false),
-            (false, None) => return Err(Refusal::Requests),
+            (false, often) => (often.unwrap_or(usize::MAX), false),
         };
         let Some(&slot) = it.slots.first() else {
             continue;
         };
         let automaton = &system.automata[slot];
-        let periodic = system.tasks[automaton.task].period.is_some();
-        if instances > INSTANCES && periodic {
-            return Err(Refusal::Requests);
+        if instances > INSTANCES {
+            left[automaton.task].get_or_insert(Refusal::Requests);
         }
         let activity = Activity {
             machine: automaton.machine,
@@ -50,7 +49,7 @@ pub(super) fn activities(system: &TimedSystem) -> Result<Vec<Vec<Activity>>, Ref
         let of_task = &mut out[automaton.task];
         of_task.extend(std::iter::repeat_n(activity, instances.min(INSTANCES)));
     }
-    Ok(out)
+    out
 }
 
 /// Returns the greatest number of requests for a service; `None` if there is no limit.

@@ -2,6 +2,7 @@
 
 use super::activities::activities;
 use super::course::{Activity, Course, course};
+use super::order::{Start, chain, first_tick};
 use super::others::{Interference, Other, interference, others, waits};
 use super::refusal::Refusal;
 use crate::scn::semantics::Semantics;
@@ -14,6 +15,9 @@ const JOBS: i64 = 20_000;
 
 /// Number of combinations of initial places of tasks above which a system is refused.
 const BEGINNINGS: usize = 64;
+
+/// The tasks of a part of a system, and its model or the reason for a refusal.
+pub(super) type Part<'s> = (Vec<usize>, Result<Model<'s>, Refusal>);
 
 /// Tasks that are analysed together.
 #[derive(Debug)]
@@ -57,12 +61,20 @@ pub(super) struct Thread {
     pub(super) successor: Option<usize>,
     /// Servers: another thread starts this one.
     pub(super) started: bool,
+    pub(super) start: Start,
+    /// Servers: interference with the first pass.
+    pub(super) early: Option<Interference>,
 }
 
 impl Thread {
     /// Returns the time of one of the thread's ticks, in base units.
     pub(super) fn tick(&self, number: i64) -> i64 {
         self.first + number * self.period
+    }
+
+    /// Returns the number of the last tick before time 0.
+    pub(super) fn last_before_zero(&self) -> i64 {
+        (-1 - self.first).div_euclid(self.period)
     }
 }
 
@@ -72,8 +84,12 @@ impl Model<'_> {
     }
 }
 
-/// Returns the parts of a system that can be analysed separately, or the reason for a refusal.
-pub(super) fn models(system: &TimedSystem) -> Result<Vec<Model<'_>>, Refusal> {
+/// Returns the parts of a system that can be analysed separately, each with its tasks, or the reason for a
+/// refusal. `left` are the tasks that are not followed, with the reason. More tasks are added.
+pub(super) fn models<'s>(
+    system: &'s TimedSystem,
+    left: &mut [Option<Refusal>],
+) -> Result<Vec<Part<'s>>, Refusal> {
     let platform = &system.platform;
     let servers = platform.semantics == Semantics::SERVERS && platform.locks == LockOrder::Queue;
     if !servers && !platform.semantics.is_published() {
@@ -94,24 +110,32 @@ pub(super) fn models(system: &TimedSystem) -> Result<Vec<Model<'_>>, Refusal> {
     if system.preempts() && (!alone || tied) {
         return Err(Refusal::Preemption);
     }
-    let activities = activities(system)?;
+    let activities = activities(system, left);
     let codels: Vec<CodelSet> = activities.iter().map(|it| codels(system, it)).collect();
     let mut threads: Vec<Thread> = Vec::new();
     for (task, it) in system.tasks.iter().enumerate() {
-        match it.period {
-            Some(period) => threads.push(thread(system, task, period, &activities[task], servers)?),
-            None if servers && system.runs_apart(task) => return Err(Refusal::Apart),
-            None if servers => {}
-            None => return Err(Refusal::Aperiodic),
+        if servers && system.runs_apart(task) {
+            return Err(Refusal::Apart);
+        }
+        let made = match (it.period, left[task]) {
+            (_, Some(refusal)) => Err(refusal),
+            (Some(period), None) => thread(system, task, period, &activities[task], servers),
+            (None, None) => Err(Refusal::Aperiodic),
+        };
+        match made {
+            Ok(it) => threads.push(it),
+            Err(refusal) if servers => left[task] = Some(refusal),
+            Err(refusal) => return Err(refusal),
         }
     }
-    let others = others(system, &codels);
+    let followed = |task: usize| left[task].is_none();
+    let others = others(system, &codels, followed);
     let groups = group(system, &mut threads, (&codels, &others), servers);
     if !servers && platform.locks != LockOrder::Free && threads.iter().any(|it| it.contends) {
         return Err(Refusal::Semantics);
     }
     if servers {
-        chain(system, &mut threads)?;
+        chain(system, &mut threads, enough);
     }
     let whole = |threads: Vec<Thread>, cores: Option<usize>, groups: usize| {
         let hyperperiod = hyperperiod(&threads)?;
@@ -121,12 +145,18 @@ pub(super) fn models(system: &TimedSystem) -> Result<Vec<Model<'_>>, Refusal> {
             let component = threads.iter().find(own);
             let component = component.map(|it| system.tasks[it.task].component);
             let of_group = others.iter().filter(|it| Some(it.component) == component);
-            interference.push(self::interference(system, &of_group.collect::<Vec<_>>()));
+            let of_group: Vec<Other> = of_group.cloned().collect();
+            interference.push(self::interference(system, &of_group));
         }
-        let lent =
-            needing - needing.min(system.tasks.iter().filter(|it| it.period.is_some()).count());
+        let lends = |it: &usize| !followed(*it) && system.needs_core(*it);
+        let lent = (0..system.tasks.len()).filter(lends).count();
         if cores.is_some_and(|cores| cores <= lent) {
-            return Err(Refusal::Aperiodic);
+            // The reason that counts is that of a task with a period, if there is one.
+            let periodic = (0..system.tasks.len()).filter(|&it| system.tasks[it].period.is_some());
+            return Err(periodic
+                .filter_map(|it| left[it])
+                .next()
+                .unwrap_or(Refusal::Aperiodic));
         }
         Ok(Model {
             system,
@@ -148,7 +178,7 @@ pub(super) fn models(system: &TimedSystem) -> Result<Vec<Model<'_>>, Refusal> {
             it.successor = it.successor.and_then(number);
         }
         let cores = platform.cores.map(|it| it as usize);
-        return Ok(vec![whole(threads, cores, groups)?]);
+        return Ok(vec![(tasks, whole(threads, cores, groups))]);
     }
     // Without shared cores, tasks interact only in their groups, and where one starts another.
     let parts = parts(&threads);
@@ -167,9 +197,9 @@ pub(super) fn models(system: &TimedSystem) -> Result<Vec<Model<'_>>, Refusal> {
                 .successor
                 .and_then(|next| tasks.iter().position(|&task| task == next));
         }
-        whole(own, None, numbers.len())
+        (tasks, whole(own, None, numbers.len()))
     });
-    models.collect()
+    Ok(models.collect())
 }
 
 /// Returns the codels of some activities.
@@ -204,18 +234,16 @@ fn thread(
         }
         let upper = |state: &crate::system::State| system.codels[state.codel].upper;
         if machine.states.iter().any(|it| upper(it) == FOREVER) {
-            return Err(Refusal::Endless);
+            return Err(Refusal::Endless { task });
         }
     }
     let course = match activities {
         [] => None,
         _ => Some(course(system, activities)?),
     };
-    let delay = i64::from(it.delay);
-    let first = match (servers, delay) {
-        (true, 0) => period,
-        (true, delay) => delay,
-        (false, delay) => period + delay,
+    let first = match servers {
+        true => first_tick(system, task),
+        false => period + i64::from(it.delay),
     };
     let paused = match (servers, activities, &course) {
         (true, ..) => Vec::new(),
@@ -236,6 +264,8 @@ fn thread(
         paused,
         successor: None,
         started: false,
+        start: Start::AT_ONCE,
+        early: None,
     })
 }
 
@@ -336,26 +366,6 @@ fn group(
     numbers.len()
 }
 
-/// Servers: sets the successors, because each task is started by the previous one. For now successors are
-/// numbers of tasks.
-fn chain(system: &TimedSystem, threads: &mut [Thread]) -> Result<(), Refusal> {
-    for component in &system.components {
-        for pair in component.tasks.windows(2) {
-            let number = |task: usize| threads.iter().position(|it| it.task == task);
-            match (number(pair[0]), number(pair[1])) {
-                (Some(one), Some(next)) => {
-                    threads[one].successor = Some(pair[1]);
-                    threads[next].started = true;
-                }
-                // The start of the aperiodic task is not known.
-                (None, Some(_)) => return Err(Refusal::Aperiodic),
-                (_, None) => {}
-            }
-        }
-    }
-    Ok(())
-}
-
 /// Returns sets of tasks that are connected by groups or by starting one another, as numbers in the system.
 fn parts(threads: &[Thread]) -> Vec<Vec<usize>> {
     let mut of: Vec<usize> = (0..threads.len()).collect();
@@ -394,9 +404,15 @@ fn hyperperiod(threads: &[Thread]) -> Result<i64, Refusal> {
         }
     }
     let jobs: i64 = threads.iter().map(|it| all / it.period).sum();
+    let beginnings = |it: &Thread| {
+        let after = it.start.after.filter(|_| !it.started);
+        let ticks = after.map_or(0, |after| (after.to - it.first).div_euclid(it.period) + 1);
+        let started = ticks.max(0) as usize + 1 + usize::from(it.start.fails);
+        it.paused.len().max(started)
+    };
     let beginnings = threads
         .iter()
-        .try_fold(1usize, |all, it| all.checked_mul(it.paused.len().max(1)));
+        .try_fold(1usize, |all, it| all.checked_mul(beginnings(it)));
     match jobs > JOBS {
         true => Err(Refusal::Hyperperiod),
         false if beginnings.is_none_or(|it| it > BEGINNINGS) => Err(Refusal::StartUp),

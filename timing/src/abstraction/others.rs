@@ -1,12 +1,13 @@
-//! Threads outside the abstraction that take tickets: control tasks, and tasks without a period.
+//! Threads outside the abstraction that take tickets: control tasks, tasks without a period, and tasks that
+//! cannot be followed.
 //!
 //! The times of their tickets are left open. Each of these threads has at most one ticket at a time. So when
 //! a codel takes a ticket, at most one codel of each thread is before it: executing, or ahead in the queue.
 
 use crate::system::{CodelSet, FOREVER, TimedSystem};
 
-/// The codels of a control task, or of a task without period.
-#[derive(Debug)]
+/// The codels of a control task, or of a task that is not followed.
+#[derive(Debug, Clone)]
 pub(super) struct Other {
     pub(super) component: usize,
     pub(super) codels: CodelSet,
@@ -25,8 +26,13 @@ pub(super) fn waits(system: &TimedSystem, first: &CodelSet, second: &CodelSet) -
     first.any(|it| system.codels[it].conflicts.intersects(second))
 }
 
-/// Returns all of these threads. `codels` are the codels that each task may execute.
-pub(super) fn others(system: &TimedSystem, codels: &[CodelSet]) -> Vec<Other> {
+/// Returns all of these threads. `codels` are the codels that each task may execute, and `followed` the tasks
+/// that are followed.
+pub(super) fn others(
+    system: &TimedSystem,
+    codels: &[CodelSet],
+    followed: impl Fn(usize) -> bool,
+) -> Vec<Other> {
     let requested = system.requested();
     let mut out: Vec<Other> = Vec::new();
     for (component, it) in system.components.iter().enumerate() {
@@ -36,11 +42,8 @@ pub(super) fn others(system: &TimedSystem, codels: &[CodelSet]) -> Vec<Other> {
             let own = service.validate.iter().chain(&service.simple);
             own.for_each(|&it| handled.insert(it));
         }
-        let aperiodic = it
-            .tasks
-            .iter()
-            .filter(|it| system.tasks[**it].period.is_none());
-        let all = aperiodic.map(|&it| codels[it].clone()).chain([handled]);
+        let tasks = it.tasks.iter().filter(|it| !followed(**it));
+        let all = tasks.map(|&it| codels[it].clone()).chain([handled]);
         let all = all.filter(|it| !it.is_empty());
         out.extend(all.map(|codels| Other { component, codels }));
     }
@@ -58,7 +61,7 @@ pub(super) struct Interference {
 }
 
 /// Returns the interference of other threads of a component with its tasks; `None` if there are none.
-pub(super) fn interference(system: &TimedSystem, others: &[&Other]) -> Option<Interference> {
+pub(super) fn interference(system: &TimedSystem, others: &[Other]) -> Option<Interference> {
     if others.is_empty() {
         return None;
     }

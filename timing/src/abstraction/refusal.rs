@@ -1,8 +1,8 @@
-//! The reasons why the middle tier has no bounds.
+//! The reasons why the middle tier has no bound for a task.
 
 use std::fmt;
 
-/// The reason why a system has no bounds from the middle tier.
+/// The reason why a task has no bound from the middle tier.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Refusal {
     /// Some point of the semantics differs from both presets, or the lock order is not supported.
@@ -11,7 +11,7 @@ pub enum Refusal {
     Preemption,
     /// Clients request services.
     Requests,
-    /// A task has no period.
+    /// The task has no period, or tasks without a period may hold all cores.
     Aperiodic,
     /// A task keeps its tick while it has no work.
     KeepsTicks,
@@ -19,8 +19,11 @@ pub enum Refusal {
     Apart,
     /// A turn need not reach a pause.
     WithoutPause,
-    /// A codel has no longest time.
-    Endless,
+    /// A codel of a task has no longest time, or may wait for a codel that has none.
+    Endless {
+        /// The task.
+        task: usize,
+    },
     /// Published models: start-up takes time, or can lead to too many places.
     StartUp,
     /// Published models: a task has no permanent activity, or one that can end.
@@ -41,6 +44,16 @@ pub enum Refusal {
     Cancelled,
 }
 
+impl Refusal {
+    /// Returns the task that cannot be followed, if other tasks can.
+    pub(super) fn task(self) -> Option<usize> {
+        match self {
+            Refusal::MayMiss { task } | Refusal::Endless { task } => Some(task),
+            _ => None,
+        }
+    }
+}
+
 impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -51,7 +64,7 @@ impl fmt::Display for Refusal {
             Refusal::KeepsTicks => f.write_str("ticks of idle tasks are kept"),
             Refusal::Apart => f.write_str("`async` codels have threads of their own"),
             Refusal::WithoutPause => f.write_str("a turn need not come to a pause"),
-            Refusal::Endless => f.write_str("a codel has no longest time"),
+            Refusal::Endless { .. } => f.write_str("a codel has no longest time"),
             Refusal::StartUp => f.write_str("starting up takes time"),
             Refusal::Ends => f.write_str("a task has nothing to execute, or may end to have"),
             Refusal::Hyperperiod => f.write_str("the periods have too long a common multiple"),

@@ -9,8 +9,11 @@ use super::Budget;
 use super::batch::Batches;
 use super::model::Model;
 use super::refusal::Refusal;
-use super::state::{Done, Out, State, When};
+use super::state::{Done, MISSED, Out, State, When};
 use crate::cancel::Cancel;
+
+/// Number of states that are followed at most if a deadline may be missed.
+const AFTER_MISS: usize = 20_000;
 
 /// Returns the bytes of a state with its key, as the lists of them double.
 fn bytes_of_state(model: &Model) -> usize {
@@ -72,8 +75,16 @@ impl<'m> Search<'m> {
                 continue;
             }
             looked_at += 1;
-            if looked_at > self.budget || self.states.len() > self.room {
-                return Err(Refusal::States { looked_at });
+            let over = looked_at > self.budget || self.states.len() > self.room;
+            if over || looked_at > AFTER_MISS {
+                let missed = self.worst.iter().position(|it| *it == MISSED);
+                if let Some(thread) = missed {
+                    let task = self.model.threads[thread].task;
+                    return Err(Refusal::MayMiss { task });
+                }
+                if over {
+                    return Err(Refusal::States { looked_at });
+                }
             }
             if looked_at.is_multiple_of(64) && self.cancel.is_over() {
                 return Err(Refusal::Cancelled);

@@ -4,7 +4,11 @@
 use super::course::Then;
 use super::model::Model;
 use super::refusal::Refusal;
-use super::state::{Cycle, Done, Out, Span, Stage, State, When};
+use super::state::{Cycle, Done, MISSED, Out, Span, Stage, State, When};
+use super::steps::not_before;
+
+/// Number of periods by which a job may be late before its task is no longer followed.
+const LATE: i64 = 64;
 
 /// The outcome of a codel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,25 +55,23 @@ impl Model<'_> {
         };
         let mut all = vec![blank];
         for (thread, it) in self.threads.iter().enumerate() {
-            let before = std::mem::take(&mut all);
             if it.started {
-                all = before;
                 continue;
             }
-            for s in before {
-                let places = match it.paused.is_empty() {
-                    true => vec![None],
-                    false => it.paused.iter().copied().map(Some).collect(),
-                };
-                for at in places {
-                    let mut s = s.clone();
-                    let cycle = match at {
-                        Some(_) => Cycle::Measured,
-                        None => Cycle::FirstPass,
-                    };
-                    let tick = Span::at(it.tick(0));
-                    self.release(&mut s, thread, (tick, 1), cycle, at.unwrap_or(0));
+            let before = std::mem::take(&mut all);
+            for mut s in before {
+                let tick = (Span::at(it.tick(0)), 1);
+                if it.start.after.is_none() {
+                    self.may_start(&mut s, thread, 0);
                     all.push(s);
+                } else if it.paused.is_empty() {
+                    all.extend(self.start(s, thread, Span::at(0), End::Ends));
+                } else {
+                    all.extend(it.paused.iter().map(|&at| {
+                        let mut s = s.clone();
+                        self.release(&mut s, thread, tick, Cycle::Measured, at);
+                        s
+                    }));
                 }
             }
         }
@@ -103,6 +105,17 @@ impl Model<'_> {
         s.when[thread].since = ready.from;
     }
 
+    /// Lets a task be started at any time between a tick and the next one, or later.
+    fn may_start(&self, s: &mut State, thread: usize, tick: i64) {
+        let it = &self.threads[thread];
+        let between = Span {
+            from: it.tick(tick),
+            to: it.tick(tick + 1),
+        };
+        self.release(s, thread, (between, tick + 1), Cycle::FirstPass, 0);
+        s.done[thread].stage = Stage::Idle;
+    }
+
     /// Returns the possible releases of the next job, each with the number of the tick after it. The task is
     /// idle, or started, from `from` on. `next` is the number of the next tick, not counting ticks before
     /// that moment. Several such ticks count as one.
@@ -120,7 +133,7 @@ impl Model<'_> {
                 to: from.to.min(it.tick(tick + 1)),
             };
             tick += 1;
-            if kept.from <= kept.to {
+            if kept.from <= kept.to && !out.contains(&(kept, tick)) {
                 out.push((kept, tick));
             }
         }
@@ -155,11 +168,15 @@ impl Model<'_> {
             }
             if cycle == Cycle::Measured {
                 let it = &self.threads[thread];
-                if end.to >= it.tick(next) {
+                let late = end.to - it.tick(next);
+                if late / it.period > LATE {
                     return Err(Refusal::MayMiss { task: it.task });
                 }
-                let worst = &mut out.worst[thread];
-                *worst = (*worst).max(end.to - s.when[thread].since);
+                let response = match late < 0 {
+                    true => end.to - s.when[thread].since,
+                    false => MISSED,
+                };
+                out.worst[thread] = response.max(out.worst[thread]);
             }
             match how {
                 End::Pauses(at) => all.extend(self.rest(&s, thread, end, at)),
@@ -189,24 +206,30 @@ impl Model<'_> {
     /// Releases the next job of a task after a rest.
     fn rest(&self, s: &State, thread: usize, end: Span, at: usize) -> Vec<State> {
         let next = i64::from(s.done[thread].next);
-        let releases = match s.done[thread].cycle {
-            Cycle::Measured => vec![(Span::at(self.threads[thread].tick(next)), next + 1)],
-            _ => self.releases(thread, end, next),
-        };
+        let releases = self.releases(thread, end, next).into_iter();
         let released = |release| {
             let mut s = s.clone();
             self.release(&mut s, thread, release, Cycle::Measured, at);
             s
         };
-        releases.into_iter().map(released).collect()
+        releases.map(released).collect()
     }
 
-    /// Handles a tick of an idle task: there is no work, or the task asks for a core.
+    /// Handles a tick of an idle task: there is no work, or the task asks for a core. Or handles its start: it
+    /// asks for a core for its first pass, or is started after the next tick.
     pub(super) fn tick(&self, s: &State, thread: usize, when: Span, out: &mut Out) {
         let mut asks = s.clone();
         asks.steps += 1;
         let at = s.done[thread].at as usize;
-        let mut all = self.rest(&asks, thread, when, at);
+        let mut all = match s.done[thread].cycle {
+            Cycle::FirstPass if when.to < s.when[thread].ready.to => Vec::new(),
+            Cycle::FirstPass => {
+                let mut later = not_before(&asks, when.to);
+                self.may_start(&mut later, thread, i64::from(s.done[thread].next));
+                vec![later]
+            }
+            _ => self.rest(&asks, thread, when, at),
+        };
         asks.when[thread].ready = when;
         asks.done[thread].stage = Stage::Waiting;
         all.push(asks);
@@ -225,22 +248,27 @@ impl Model<'_> {
     }
 
     /// Starts the next task after the first pass of a task. After a failure, no further task is started.
-    fn start(&self, mut s: State, thread: usize, end: Span, how: End) -> Vec<State> {
-        if how == End::Fails {
+    fn start(&self, s: State, thread: usize, end: Span, how: End) -> Vec<State> {
+        let start = self.threads[thread].start;
+        let mut out = Vec::new();
+        if how == End::Fails || start.fails {
+            let mut s = s.clone();
             let mut next = Some(thread);
             while let Some(thread) = next {
                 self.leave(&mut s, thread);
                 next = self.threads[thread].successor;
             }
-            return vec![s];
+            out.push(s);
         }
-        let releases = self.releases(thread, end, 0).into_iter();
-        let released = |release| {
-            let mut s = s.clone();
-            self.release(&mut s, thread, release, Cycle::FirstPass, 0);
-            s
-        };
-        releases.map(released).collect()
+        if let Some(after) = start.after.filter(|_| how != End::Fails) {
+            let first = i64::from(s.done[thread].next);
+            for release in self.releases(thread, end.plus(after), first) {
+                let mut s = s.clone();
+                self.release(&mut s, thread, release, Cycle::FirstPass, 0);
+                out.push(s);
+            }
+        }
+        out
     }
 
     /// Grants cores at once if there are enough cores for all tasks.

@@ -25,6 +25,14 @@ impl Span {
         }
     }
 
+    /// Returns the sum of a time and a duration.
+    pub(super) fn plus(self, other: Span) -> Self {
+        Span {
+            from: self.from + other.from,
+            to: self.to + other.to,
+        }
+    }
+
     /// Widens the interval to contain another one. Returns true if it already did.
     fn widen(&mut self, other: Span) -> bool {
         let before = *self;
@@ -44,7 +52,8 @@ impl Span {
 pub(super) enum Stage {
     /// Servers: not started yet.
     Off,
-    /// Its next tick comes, and may find no work.
+    /// Its next tick comes, and may find no work. In its first pass: it may be started between the tick before
+    /// and the next one.
     Idle,
     /// Its next job has been released, or will be, and has no core yet.
     Waiting,
@@ -79,7 +88,7 @@ pub(super) struct Done {
     pub(super) cycle: Cycle,
     /// Active: number of the next place. Otherwise: number of the rest.
     pub(super) at: u16,
-    /// Number of the tick after the release of its job.
+    /// Number of the tick after the release of its job. Off: number of the first tick that may count.
     pub(super) next: i32,
     /// Last executed codel, counted from 1, if another codel may still wait for its end.
     pub(super) held: u32,
@@ -95,6 +104,9 @@ pub(super) struct When {
     /// End of the last executed codel.
     pub(super) held: Span,
 }
+
+/// Response time of a task that may miss a deadline.
+pub(super) const MISSED: i64 = i64::MAX;
 
 /// The results of a step.
 pub(super) struct Out<'o> {
@@ -200,9 +212,6 @@ impl State {
     }
 
     fn shift(&mut self, model: &Model) {
-        if self.done.iter().any(|it| it.stage == Stage::Off) {
-            return;
-        }
         let release = |it: usize| model.threads[it].tick(i64::from(self.done[it].next) - 1);
         let Some(oldest) = self.live().map(release).min() else {
             return;
@@ -214,6 +223,11 @@ impl State {
         }
         for (it, thread) in model.threads.iter().enumerate() {
             let live = self.done[it].stage.is_live();
+            if self.done[it].stage == Stage::Off {
+                let next = i64::from(self.done[it].next) - by / thread.period;
+                // All times are at least 0, so that an earlier tick makes no difference.
+                self.done[it].next = next.max(thread.last_before_zero()) as i32;
+            }
             if live {
                 self.done[it].next -= (by / thread.period) as i32;
                 self.when[it].ready.shift(by);

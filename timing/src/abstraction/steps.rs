@@ -158,13 +158,16 @@ impl Model<'_> {
                 if let Some(holders) = self.holders(&s, thread) {
                     begin = begin.max(holders);
                 }
-                // The first passes of all tasks come before requests, and before the start of tasks without a
-                // period.
-                let first = s.done[thread].cycle == Cycle::FirstPass;
-                if let Some(others) = self.interference[it.group].as_ref().filter(|_| !first) {
+                // First passes come before requests, and before the start of tasks that are declared later.
+                let others = match s.done[thread].cycle {
+                    Cycle::FirstPass => &it.early,
+                    _ => &self.interference[it.group],
+                };
+                if let Some(others) = others {
                     let awaited = self.ends_of(&s, thread, &others.waits_for);
                     begin.to = begin.to.max(awaited.map_or(begin.to, |it| it.to));
-                    begin.to += others.longest[place.codel].ok_or(Refusal::Endless)?;
+                    let longest = others.longest[place.codel];
+                    begin.to += longest.ok_or(Refusal::Endless { task: it.task })?;
                 }
             }
             // This codel comes first, so all others of the group take their tickets (or, without a queue,
@@ -272,7 +275,7 @@ impl Model<'_> {
 }
 
 /// Returns a state in which no further step begins before a time.
-fn not_before(s: &State, time: i64) -> State {
+pub(super) fn not_before(s: &State, time: i64) -> State {
     let mut s = s.clone();
     let active: Vec<usize> = s.all(Stage::Active).collect();
     for it in active {

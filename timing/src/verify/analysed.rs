@@ -38,24 +38,42 @@ impl<'b> Analysed<'b> {
         }
     }
 
-    /// Improves the bounds with the middle tier.
-    pub(super) fn abstracted(&mut self, bytes: usize, cancel: &Cancel) -> Result<(), Refusal> {
+    /// Improves the bounds with the middle tier. Returns the tasks with periods and without bounds of the
+    /// middle tier, if others have one, or the reason why no task has one.
+    pub(super) fn abstracted(
+        &mut self,
+        bytes: usize,
+        cancel: &Cancel,
+    ) -> Result<Vec<(usize, Refusal)>, Refusal> {
         let budget = Budget {
             bytes,
             ..Budget::default()
         };
-        let found = abstract_bounds(&self.built.system, budget, cancel)?;
-        self.abstracted = true;
-        for (task, found) in found.into_iter().enumerate() {
+        let system = &self.built.system;
+        let found = abstract_bounds(system, budget, cancel);
+        let periodic = |task: &usize| system.tasks[*task].period.is_some();
+        let open = (0..found.len()).filter(periodic);
+        let open = open.filter_map(|task| Some((task, found[task].err()?)));
+        let open: Vec<(usize, Refusal)> = open.collect();
+        for (task, &found) in found.iter().enumerate() {
             let bound = &mut self.bounds[task];
-            if let Some(found) = found
+            if let Ok(found) = found
                 && bound.is_none_or(|bound| found < bound)
             {
                 *bound = Some(found);
                 self.layers[task] = Layer::ScheduleAbstraction;
             }
         }
-        Ok(())
+        self.abstracted |= found.iter().any(Result::is_ok);
+        match open.first() {
+            Some(&(_, refusal)) if !found.iter().any(Result::is_ok) => Err(refusal),
+            _ => Ok(open),
+        }
+    }
+
+    /// Returns the path of a task.
+    pub(super) fn path(&self, task: usize) -> String {
+        self.built.system.task_path(task)
     }
 
     /// Returns the analysis that found the bound for a check of a task.

@@ -24,7 +24,7 @@ struct Known {
     quiet: bool,
     /// There are no requests, any policy of cores applies, and all tasks have periods.
     periodic: bool,
-    /// Tasks without a period come last, periods are long, and any order of cores applies.
+    /// Tasks with and without a period come in any order, periods are long, and any order of cores applies.
     occasional: bool,
     /// Clients make requests that all components accept, and wait for outcomes of requests.
     requests: bool,
@@ -125,7 +125,7 @@ pub(crate) fn periodic(dice: &mut Dice) -> Texts {
     draw(dice, periodic)
 }
 
-/// Returns a system with tasks with periods, followed by some without, and requests.
+/// Returns a system with tasks with and without periods, in any order, and requests.
 pub(crate) fn occasional(dice: &mut Dice) -> Texts {
     let occasional = Known {
         occasional: true,
@@ -202,7 +202,7 @@ fn component(dice: &mut Dice, c: usize, of: usize, known: &mut Known) -> String 
     let mut periodic = Vec::new();
     for t in 0..tasks {
         let has_period = match known.occasional {
-            true => periodic.last() != Some(&false) && (t == 0 || dice.in_ten(6)),
+            true => dice.in_ten(6) || (t + 1 == tasks && !periodic.contains(&true)),
             false => known.periodic || dice.in_ten(7),
         };
         periodic.push(has_period);
@@ -220,7 +220,7 @@ fn component(dice: &mut Dice, c: usize, of: usize, known: &mut Known) -> String 
         if known.varied && dice.in_ten(4) {
             let _ = writeln!(out, "  priority {};", dice.below(3));
         }
-        if (known.varied || known.periodic) && dice.in_ten(1) {
+        if (known.varied || known.periodic || known.occasional) && dice.in_ten(1) {
             out.push_str("  throw bad;\n");
         }
         known.tasks.push(format!("{name}.t{t}"));

@@ -1,0 +1,118 @@
+//! The order in which the tasks of a component are started, each after the first pass of the one before.
+//!
+//! The first pass of a task that is not followed takes a bounded time if the task waits for no core, and its
+//! codel is bounded. Otherwise the next task is started at any time, or never.
+
+use super::model::Thread;
+use super::others::{Other, interference};
+use super::state::Span;
+use crate::system::{CodelSet, FOREVER, TimedSystem};
+
+/// The start of a followed task.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Start {
+    /// Time of the start, from the end of the first pass of the followed task before it, or from 0 if there
+    /// is none; `None`: at any time, or never.
+    pub(super) after: Option<Span>,
+    /// A task before it may fail in its first pass, after which no further task is started.
+    pub(super) fails: bool,
+}
+
+impl Start {
+    pub(super) const AT_ONCE: Start = Start {
+        after: Some(Span { from: 0, to: 0 }),
+        fails: false,
+    };
+
+    /// Returns the start after this one and another first pass.
+    fn then(self, pass: Start) -> Self {
+        Start {
+            after: self
+                .after
+                .and_then(|it| pass.after.map(|pass| it.plus(pass))),
+            fails: self.fails || pass.fails,
+        }
+    }
+}
+
+/// Sets the starts and successors of all tasks, and the interference with their first passes. For now
+/// successors are numbers of tasks. `enough`: no task waits for a core.
+pub(super) fn chain(system: &TimedSystem, threads: &mut [Thread], enough: bool) {
+    let periodic = (0..system.tasks.len()).filter(|&it| system.tasks[it].period.is_some());
+    let first_tick = periodic.map(|it| first_tick(system, it)).min();
+    for component in &system.components {
+        let mut before: Option<usize> = None;
+        let mut start = Start::AT_ONCE;
+        let mut earlier: Vec<(Other, bool)> = Vec::new();
+        for &task in &component.tasks {
+            let number = threads.iter().position(|it| it.task == task);
+            if let Some(number) = number {
+                let others = earlier.iter().filter(|it| !it.1).map(|it| it.0.clone());
+                let it = &mut threads[number];
+                it.early = interference(system, &others.collect::<Vec<_>>());
+                it.start = start;
+                it.started = before.is_some() && start.after.is_some();
+                if let Some(before) = before.filter(|_| start.after.is_some()) {
+                    threads[before].successor = Some(task);
+                }
+                (before, start) = (Some(number), Start::AT_ONCE);
+            } else {
+                // Until the first tick, tasks without a period have the cores to themselves.
+                let alone = before.is_none()
+                    && (start.after).is_some_and(|it| first_tick.is_none_or(|tick| it.to < tick));
+                let has_core = enough || alone || !system.needs_core(task);
+                let others = earlier.iter().map(|it| it.0.clone());
+                start = start.then(first_pass(
+                    system,
+                    task,
+                    &others.collect::<Vec<_>>(),
+                    has_core,
+                ));
+            }
+            let mut codels = CodelSet::default();
+            if let Some(automaton) = system.tasks[task].permanent {
+                let states = system.machine_of(automaton).states.iter();
+                states.for_each(|it| codels.insert(it.codel));
+            }
+            let component = system.tasks[task].component;
+            earlier.push((Other { component, codels }, number.is_some()));
+        }
+    }
+}
+
+/// Returns the first tick of a task with a period, under the semantics of the servers.
+pub(super) fn first_tick(system: &TimedSystem, task: usize) -> i64 {
+    let it = &system.tasks[task];
+    i64::from(match it.delay {
+        0 => it.period.unwrap_or(0),
+        delay => delay,
+    })
+}
+
+/// Returns the length of the first pass of a task that is not followed. `others` are the tasks before it.
+fn first_pass(system: &TimedSystem, task: usize, others: &[Other], has_core: bool) -> Start {
+    let unknown = Start {
+        after: None,
+        fails: true,
+    };
+    let it = &system.tasks[task];
+    if it.period.is_some() || !has_core {
+        return unknown;
+    }
+    let machine = it.permanent.map(|it| system.machine_of(it));
+    let Some(state) = machine.and_then(|it| it.states.get(it.start)) else {
+        return Start::AT_ONCE;
+    };
+    let codel = &system.codels[state.codel];
+    let waits = interference(system, others).map_or(Some(0), |it| it.longest[state.codel]);
+    match waits.filter(|_| codel.upper != FOREVER) {
+        None => unknown,
+        Some(waits) => Start {
+            after: Some(Span {
+                from: i64::from(codel.lower),
+                to: waits + i64::from(codel.upper),
+            }),
+            fails: codel.throws,
+        },
+    }
+}
