@@ -9,7 +9,7 @@
 //! intervals are the hulls of the intervals of the merged states.
 //!
 //! * `model`: the part of a system that the abstraction covers, and the reasons for a refusal;
-//! * `activities`, `course`: the work of each task, including requests at any time;
+//! * `activities`, `cycle_automaton`: the work of each task, including requests at any time;
 //! * `others`: codels outside the abstraction that take tickets at any time;
 //! * `order`: the start of each task, after the tasks declared before it;
 //! * `state`: abstract states, and when two of them are equal;
@@ -22,7 +22,7 @@
 
 mod activities;
 mod batch;
-mod course;
+mod cycle_automaton;
 mod model;
 mod order;
 mod others;
@@ -53,7 +53,7 @@ pub struct Budget {
 }
 
 /// Upper limit on states times tasks: each state keeps an interval for each task in memory.
-const PLACES: usize = 2_000_000;
+const MAX_INTERVALS: usize = 2_000_000;
 
 impl Default for Budget {
     fn default() -> Self {
@@ -113,7 +113,9 @@ fn bounds(
     cancel: &Cancel,
 ) -> Result<Vec<Result<Ticks, Refusal>>, Refusal> {
     let budget = Budget {
-        states: budget.states.min(PLACES / model.threads.len().max(1)),
+        states: budget
+            .states
+            .min(MAX_INTERVALS / model.threads.len().max(1)),
         ..budget
     };
     let search = |batches, states| {

@@ -4,12 +4,12 @@
 //! `remedy` finds one change for a check and gives up early. `repairs` finds all changes that repair
 //! everything that fails.
 
-mod blame;
 mod change;
 mod remedy;
 mod repairs;
+mod suspects;
 mod trial;
 
 pub use change::Change;
 pub use remedy::remedy;
-pub use repairs::{Repairs, Tell, Trying, repairs};
+pub use repairs::{RepairCallbacks, RepairProgress, Repairs, repairs};

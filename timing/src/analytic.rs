@@ -62,12 +62,12 @@ pub fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
         && growing.contains(&true)
     {
         round += 1;
-        if round % PATIENCE == 0 {
+        if round % MAX_GROWTH_ROUNDS == 0 {
             for (late, growing) in analysis.late.iter_mut().zip(growing) {
                 *late |= growing;
             }
         }
-        if round == PATIENCE * (2 + system.tasks.len()) {
+        if round == MAX_GROWTH_ROUNDS * (2 + system.tasks.len()) {
             return vec![None; system.tasks.len()];
         }
     }
@@ -82,7 +82,7 @@ pub fn meets_deadlines(system: &TimedSystem, task: usize, bound: Option<Ticks>) 
 }
 
 /// Rounds after which a task with a bound that still grows counts as late: a quick bound must be quick.
-const PATIENCE: usize = 100;
+const MAX_GROWTH_ROUNDS: usize = 100;
 
 struct Analysis<'s> {
     system: &'s TimedSystem,

@@ -42,7 +42,7 @@ struct Deadline {
 
 /// The longest time that the reconstruction of runs may take after the end of the search. It is also limited
 /// to a quarter of the time limit.
-const GRACE: Duration = Duration::from_secs(2);
+const MAX_RECONSTRUCTION_TIME: Duration = Duration::from_secs(2);
 
 /// The progress of a verification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -106,8 +106,8 @@ impl Cancel {
         let interrupted = self.interrupt.0.get();
         let limit = self.time_limit().unwrap_or_default();
         self.is_abandoned()
-            || interrupted.is_some_and(|it| it.elapsed() >= GRACE)
-            || self.is_after(GRACE.min(limit / 4))
+            || interrupted.is_some_and(|it| it.elapsed() >= MAX_RECONSTRUCTION_TIME)
+            || self.is_after(MAX_RECONSTRUCTION_TIME.min(limit / 4))
     }
 
     /// Returns true if the time limit was reached at least `grace` ago.

@@ -23,11 +23,11 @@ use crate::scn::ast::{CheckKind, Durations, Path, Scenario, Unit};
 use crate::scn::names::{Names, Target};
 use crate::system::TimedSystem;
 use crate::system::build::build;
-use crate::system::built::not_a;
+use crate::system::indexed::not_a;
 use crate::system::settings::Settings;
-use crate::verify::released::seen_released;
+use crate::verify::tasks_with_jobs::tasks_with_jobs;
 use crate::verify::{Cancel, Options, SystemInput, settings, to_f64};
-pub use sensitivity::{NextToBreak, Progress, Quantity, Sensitivity, Told, sensitivity};
+pub use sensitivity::{InterimResult, NextToBreak, Progress, Quantity, Sensitivity, sensitivity};
 
 /// The fewest cores that suffice.
 #[derive(Debug, Clone, Serialize)]
@@ -58,24 +58,24 @@ pub struct Extreme {
 }
 
 /// The parameter that a question varies.
-enum Question {
+enum Parameter {
     Cores,
     Wcet(Path),
     Period(Path),
 }
 
-enum Answer {
+enum DerivedValue {
     Cores(MinimumCores),
     Wcet(Extreme),
     Period(Extreme),
 }
 
-impl Question {
-    fn in_words(&self) -> String {
+impl Parameter {
+    fn describe(&self) -> String {
         match self {
-            Question::Cores => "the number of cores".to_owned(),
-            Question::Wcet(path) => format!("the WCET of {}", path.text()),
-            Question::Period(path) => format!("the period of {}", path.text()),
+            Parameter::Cores => "the number of cores".to_owned(),
+            Parameter::Wcet(path) => format!("the WCET of {}", path.text()),
+            Parameter::Period(path) => format!("the period of {}", path.text()),
         }
     }
 }
@@ -87,7 +87,7 @@ pub fn minimum_cores(
     options: &Options,
     cancel: &Cancel,
 ) -> Result<MinimumCores, Vec<Diagnostic>> {
-    Asked::of(1, &Names::new(&input.specs), scenario, options, cancel).minimum_cores()
+    DerivationContext::of(1, &Names::new(&input.specs), scenario, options, cancel).minimum_cores()
 }
 
 /// Finds the largest WCET of a codel (`component.task.state`, …) with which the tasks are schedulable.
@@ -98,7 +98,8 @@ pub fn largest_wcet(
     codel: &Path,
     cancel: &Cancel,
 ) -> Result<Extreme, Vec<Diagnostic>> {
-    Asked::of(1, &Names::new(&input.specs), scenario, options, cancel).largest_wcet(codel)
+    DerivationContext::of(1, &Names::new(&input.specs), scenario, options, cancel)
+        .largest_wcet(codel)
 }
 
 /// Finds, by bisection, the smallest period of a task with which the tasks are schedulable.
@@ -109,11 +110,12 @@ pub fn smallest_period(
     task: &Path,
     cancel: &Cancel,
 ) -> Result<Extreme, Vec<Diagnostic>> {
-    Asked::of(1, &Names::new(&input.specs), scenario, options, cancel).smallest_period(task)
+    DerivationContext::of(1, &Names::new(&input.specs), scenario, options, cancel)
+        .smallest_period(task)
 }
 
 /// The tasks that must stay schedulable, and the effort for each verification.
-struct Asked<'a> {
+struct DerivationContext<'a> {
     names: &'a Names<'a>,
     scenario: &'a Scenario,
     options: &'a Options,
@@ -126,7 +128,7 @@ struct Asked<'a> {
     memory: RwLock<()>,
 }
 
-impl<'a> Asked<'a> {
+impl<'a> DerivationContext<'a> {
     fn of(
         questions: usize,
         names: &'a Names<'a>,
@@ -136,7 +138,7 @@ impl<'a> Asked<'a> {
     ) -> Self {
         let limits = options.limits;
         let together = limits.threads.clamp(1, questions.max(1));
-        Asked {
+        DerivationContext {
             names,
             scenario,
             options,
@@ -164,11 +166,11 @@ impl<'a> Asked<'a> {
         explore(system, watch, self.options.limits, self.cancel)
     }
 
-    fn one(&self, question: &Question) -> Result<Answer, Vec<Diagnostic>> {
+    fn one(&self, question: &Parameter) -> Result<DerivedValue, Vec<Diagnostic>> {
         Ok(match question {
-            Question::Cores => Answer::Cores(self.minimum_cores()?),
-            Question::Wcet(codel) => Answer::Wcet(self.largest_wcet(codel)?),
-            Question::Period(task) => Answer::Period(self.smallest_period(task)?),
+            Parameter::Cores => DerivedValue::Cores(self.minimum_cores()?),
+            Parameter::Wcet(codel) => DerivedValue::Wcet(self.largest_wcet(codel)?),
+            Parameter::Period(task) => DerivedValue::Period(self.smallest_period(task)?),
         })
     }
 
@@ -397,13 +399,13 @@ fn report_unit(scenario: &Scenario) -> Seconds {
 
 /// The settings to vary, and the tasks that must stay schedulable.
 struct Variation<'v> {
-    asked: &'v Asked<'v>,
+    asked: &'v DerivationContext<'v>,
     settings: Settings,
     tasks: Vec<(usize, u32)>,
 }
 
 impl<'v> Variation<'v> {
-    fn new(asked: &'v Asked<'v>) -> Result<Self, Vec<Diagnostic>> {
+    fn new(asked: &'v DerivationContext<'v>) -> Result<Self, Vec<Diagnostic>> {
         let names = asked.names;
         let settings = settings(asked.scenario, asked.options);
         let mut errors: Vec<Diagnostic> = build(names, &settings, &|_| true).diagnostics;
@@ -455,7 +457,7 @@ impl<'v> Variation<'v> {
         let tasks: Vec<usize> = self.tasks.iter().map(|it| built.tasks[it]).collect();
         let bounds = response_bounds(&built.system);
         // A bound proves nothing of a task that may have no job.
-        let released = seen_released(&built.system);
+        let released = tasks_with_jobs(&built.system);
         let proved =
             |task: usize| released[task] && meets_deadlines(&built.system, task, bounds[task]);
         let open: Vec<usize> = tasks.into_iter().filter(|&it| !proved(it)).collect();

@@ -7,11 +7,11 @@
 //! (see `explore::store`), and jump to their next moment. If no task is periodic and some time is long, zones
 //! are tried as well (see `search::zones`).
 
-mod about;
-mod absent;
+mod details;
 mod findings;
 mod liveness;
 mod measure;
+mod never_observed;
 mod observe;
 mod reductions;
 mod rules;
@@ -24,14 +24,14 @@ mod store;
 mod token;
 mod watch;
 
-pub use about::{About, Blocker, Executing};
-pub use absent::{Absent, NoJob};
+pub use details::{Blocker, Executing, MomentDetails};
 pub use findings::{Bound, Findings, Found, Measured};
 pub use liveness::{Liveness, LivenessQuery, liveness};
+pub use never_observed::{NeverObserved, TaskWithoutJob};
 pub use reductions::{Activity, Kind, Kinds, Reason};
 pub use rules::{Action, Moment, MomentKind, Work};
 pub use run::Run;
-pub use search::{InZones, chase, explore, explore_telling, in_zones};
+pub use search::{ZoneFindings, explore, explore_with_reports, search_once, search_zones};
 pub use stepper::{Possible, Seen, Stepper, Watched};
 
 pub use token::{explore_chain, is_exact};

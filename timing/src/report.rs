@@ -6,11 +6,11 @@ use serde::Serialize;
 use serde::ser::Serializer;
 
 use crate::diagnostic::{Diagnostic, Severity};
-use crate::explained::Explained;
 use crate::explore::Findings;
 use crate::explore::Stop;
 use crate::explore::{Action, MomentKind};
 use crate::property::PropertyKind;
+use crate::reduction_use::ReductionUse;
 
 /// Version of the JSON form: raised when a field changes its meaning or is removed. Its schema is
 /// `docs/verify.schema.json`.
@@ -37,7 +37,7 @@ pub struct Report {
     pub seconds: f64,
     /// The reductions that the explorations used.
     #[serde(skip)]
-    pub reductions: Explained,
+    pub reductions: ReductionUse,
     /// Assumptions on which the results depend.
     pub assumptions: Vec<String>,
     /// Other findings that the user should know.

@@ -5,15 +5,15 @@
 //! timed semantics of GenoM3 components, described for users in `docs/verification.md`.
 
 pub mod build;
-pub mod built;
 pub mod chain;
 pub(crate) mod flow;
+pub mod indexed;
 mod locks;
 pub(crate) mod loops;
-mod patience;
 mod program;
 pub mod settings;
 pub(crate) mod units;
+mod waiting_clients;
 
 use dotgen_analysis::model::{CodelRef, Seconds, Src};
 

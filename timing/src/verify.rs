@@ -1,17 +1,17 @@
 //! Verification: from specifications and a scenario to a report.
 
-mod analysed;
 mod answers;
+mod bounds;
 mod chains;
 mod checks;
 mod events;
 mod groups;
-mod nothing;
+mod no_jobs;
 mod prepared;
+mod quick;
 mod reason;
-pub(crate) mod released;
 mod rounding;
-mod soon;
+pub(crate) mod tasks_with_jobs;
 mod units;
 mod watch;
 
@@ -20,22 +20,22 @@ use std::time::Instant;
 use dotgen_analysis::model::{Seconds, Spec};
 use num_rational::Ratio;
 
-use self::analysed::Analysed;
+use self::bounds::ResponseBounds;
 use self::checks::{Single, What, expand};
 use self::groups::groups;
-pub use self::prepared::{Asked, Prepared, Question, prepare};
-use self::soon::Seen;
+pub use self::prepared::{Prepared, PreparedCheck, Question, prepare};
+use self::quick::Seen;
 pub(crate) use self::units::to_f64;
 pub use crate::cancel::{Cancel, Effort, Interrupt};
 use crate::diagnostic::Diagnostic;
 use crate::diagnostic::remark::Sighting;
-use crate::explore::{Findings, Kind, Limits, Stop, Watch, explore, explore_telling};
+use crate::explore::{Findings, Kind, Limits, Stop, Watch, explore, explore_with_reports};
 use crate::report::Report;
 use crate::scn::ast::{Check, Durations, Policy, Scenario, Unit};
 use crate::scn::names::Names;
 use crate::scn::semantics::Preset;
 use crate::system::build::build;
-use crate::system::built::Built;
+use crate::system::indexed::Built;
 use crate::system::settings::Settings;
 
 /// The specifications of a system.
@@ -69,7 +69,7 @@ pub fn verify(
     options: &Options,
     cancel: &Cancel,
 ) -> Report {
-    verify_telling(input, scenario, options, cancel, &|_| {})
+    verify_with_reports(input, scenario, options, cancel, &|_| {})
 }
 
 /// Verifies a scenario, and reports intermediate results.
@@ -77,7 +77,7 @@ pub fn verify(
 /// `tell` gets the report so far. A check without an answer is [open](crate::report::Verdict::Open) there;
 /// every other answer is the one of the final report. After the verification is abandoned, `tell` is not
 /// called.
-pub fn verify_telling(
+pub fn verify_with_reports(
     input: &SystemInput,
     scenario: &Scenario,
     options: &Options,
@@ -173,10 +173,10 @@ pub(crate) fn verify_settings(
         };
         parts.push((built, of_group));
     }
-    let mut groups: Vec<(Group, &[usize], Analysed)> = (parts.iter())
+    let mut groups: Vec<(Group, &[usize], ResponseBounds)> = (parts.iter())
         .map(|(built, of_group)| {
             let group = Group { built, ..of_whole };
-            (group, &**of_group, Analysed::new(built))
+            (group, &**of_group, ResponseBounds::new(built))
         })
         .collect();
     // Cheap analyses of all groups come first, so that no group waits for the exploration of another one.
@@ -227,7 +227,7 @@ impl Group<'_> {
         &self,
         checks: &[Single],
         of_group: &[usize],
-        analysed: &Analysed,
+        analysed: &ResponseBounds,
         report: &mut Report,
     ) {
         for &i in of_group {
@@ -249,7 +249,7 @@ impl Group<'_> {
         &self,
         checks: &[Single],
         of_group: &[usize],
-        analysed: &mut Analysed,
+        analysed: &mut ResponseBounds,
         report: &mut Report,
     ) {
         let open = |&&i: &&usize| report.is_open(i) && checks[i].is_of_task();
@@ -277,9 +277,9 @@ impl Group<'_> {
 
     /// Returns the limits for some checks. If each of them has a bound that answers it, exact values are
     /// worth less effort.
-    fn limits_for(&self, checks: &[Single], part: &[usize], analysed: &Analysed) -> Limits {
+    fn limits_for(&self, checks: &[Single], part: &[usize], analysed: &ResponseBounds) -> Limits {
         let settled = |&i: &usize| match checks[i].what {
-            What::Response(_, limit) => analysed.settles(&checks[i], self.ticks(limit)),
+            What::Response(_, limit) => analysed.answers_check(&checks[i], self.ticks(limit)),
             _ => false,
         };
         match part.iter().all(settled) {
@@ -297,7 +297,7 @@ impl Group<'_> {
         &self,
         checks: &[Single],
         of_group: &[usize],
-        analysed: &Analysed,
+        analysed: &ResponseBounds,
         seen: &Seen,
         report: &mut Report,
     ) {
@@ -334,7 +334,7 @@ impl Group<'_> {
         &self,
         checks: &[Single],
         part: &[usize],
-        analysed: &Analysed,
+        analysed: &ResponseBounds,
         seen: &Seen,
         report: &mut Report,
     ) {
@@ -350,13 +350,13 @@ impl Group<'_> {
             let (watch, places) = self.watch(checks, explored.into_iter(), analysed);
             let mut news = |found: &Findings| {
                 let before = report.answered();
-                self.seen_for_good(checks, &places, found, report);
+                self.final_answers(checks, &places, found, report);
                 if report.answered() > before {
                     (self.tell)(report);
                 }
             };
             let system = &self.built.system;
-            let found = explore_telling(system, &watch, limits, self.cancel, &mut news);
+            let found = explore_with_reports(system, &watch, limits, self.cancel, &mut news);
             report.effort(&found);
             self.refusals(&found, report);
             // An exploration that begins again may reach the answer by another run, so reported answers stay.
@@ -383,7 +383,7 @@ impl Group<'_> {
     }
 
     /// Answers the checks that no later state of an exploration can change.
-    fn seen_for_good(
+    fn final_answers(
         &self,
         checks: &[Single],
         places: &[(usize, usize)],

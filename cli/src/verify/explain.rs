@@ -3,11 +3,11 @@
 use std::io::Write;
 
 use clap::builder::styling::Style;
-use dotgen_timing::explained::Explained;
+use dotgen_timing::reduction_use::ReductionUse;
 
 const TITLE: Style = Style::new().bold();
 
-pub(super) fn print(out: &mut impl Write, it: &Explained) -> anyhow::Result<()> {
+pub(super) fn print(out: &mut impl Write, it: &ReductionUse) -> anyhow::Result<()> {
     let lines = it.lines();
     if lines.is_empty() {
         writeln!(

@@ -3,8 +3,8 @@
 
 use std::io::{IsTerminal, Write};
 
-use dotgen_timing::advice::Trying;
-use dotgen_timing::derive::Told;
+use dotgen_timing::advice::RepairProgress;
+use dotgen_timing::derive::InterimResult;
 use dotgen_timing::verify::Cancel;
 
 use super::progress::{self, Activity};
@@ -36,7 +36,7 @@ pub(super) fn found(
     let (problem, options, report) = (&answer.problem, &answer.options, &answer.report);
     let mut repairs = changes::Repairs::default();
     during("looking for repairs", &mut |tell| {
-        let trying = |it: Trying| {
+        let trying = |it: RepairProgress| {
             tell(Activity {
                 what: format!("trying {}", it.trying),
                 how_far: format!("{} of {}", it.done + 1, it.of),
@@ -49,14 +49,14 @@ pub(super) fn found(
     print(&|out| lines.heading(out));
     let mut sensitivity = None;
     during("looking for limits", &mut |tell| {
-        let told = |it: Told| match it {
-            Told::Asking(it) => tell(Activity {
+        let told = |it: InterimResult| match it {
+            InterimResult::Asking(it) => tell(Activity {
                 what: format!("looking for {}", it.asking),
                 how_far: format!("{} of {}", it.done + 1, it.of),
             }),
-            Told::Cores(it) => print(&|out| lines.cores(out, it)),
-            Told::Wcet(it) => print(&|out| lines.extreme(out, "largest WCET", it)),
-            Told::Period(it) => print(&|out| lines.extreme(out, "smallest period", it)),
+            InterimResult::Cores(it) => print(&|out| lines.cores(out, it)),
+            InterimResult::Wcet(it) => print(&|out| lines.extreme(out, "largest WCET", it)),
+            InterimResult::Period(it) => print(&|out| lines.extreme(out, "smallest period", it)),
         };
         // What is wrong with the scenario has been said.
         sensitivity = problem.sensitivity(options, cancel, &told).ok();

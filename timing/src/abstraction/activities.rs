@@ -1,6 +1,6 @@
 //! The activities that each task may execute, according to the requests of clients.
 
-use super::course::Activity;
+use super::cycle_automaton::Activity;
 use super::refusal::Refusal;
 use crate::system::TimedSystem;
 

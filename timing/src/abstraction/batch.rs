@@ -12,7 +12,7 @@
 //! bounds are the least fixed point of these equations. Until the first job exceeds its own bound, all others
 //! have kept theirs; so no job is the first.
 
-use super::course::Then;
+use super::cycle_automaton::Successor;
 use super::model::Model;
 use super::state::{Cycle, Out, Span, Stage, State};
 use crate::system::Policy;
@@ -61,7 +61,7 @@ impl<'m> Batches<'m> {
         }
         let mut all = Vec::new();
         for (thread, it) in model.threads.iter().enumerate() {
-            let rests = 0..model.course(thread)?.rests.len();
+            let rests = 0..model.cycle_automaton(thread)?.rests.len();
             let turns: Vec<Option<Turn>> = rests.map(|at| turn(model, thread, at)).collect();
             if it.contends || turns.iter().all(Option::is_none) {
                 return None;
@@ -113,7 +113,7 @@ impl<'m> Batches<'m> {
             s.when[it].since = tick;
         }
         s.free_to.iter_mut().for_each(|it| *it = over.max(*it));
-        s.tidy(self.model);
+        s.normalise(self.model);
         out.states.push(s);
         true
     }
@@ -261,9 +261,9 @@ fn backlog(jobs: &[Job], begin: i64, rest: i64) -> Vec<i64> {
 /// Returns the jobs of a task that follow a rest; `None` if they may not come, or can end in several rests,
 /// or can be the last.
 fn turn(model: &Model, thread: usize, from: usize) -> Option<Turn> {
-    let course = model.course(thread)?;
-    let rest = &course.rests[from];
-    let (false, &[Then::Goes(first)]) = (rest.skips, &rest.begins[..]) else {
+    let cycle_automaton = model.cycle_automaton(thread)?;
+    let rest = &cycle_automaton.rests[from];
+    let (false, &[Successor::Goes(first)]) = (rest.skips, &rest.begins[..]) else {
         return None;
     };
     // Without cycles, a place is visited once for each path to it; there are few.
@@ -271,7 +271,7 @@ fn turn(model: &Model, thread: usize, from: usize) -> Option<Turn> {
     let (mut work, mut then, mut looked_at) = (0, None, 0);
     while let Some((at, before)) = todo.pop() {
         looked_at += 1;
-        let place = &course.places[at];
+        let place = &cycle_automaton.places[at];
         let codel = &model.system.codels[place.codel];
         if looked_at > 1_000 || codel.throws {
             return None;
@@ -279,8 +279,8 @@ fn turn(model: &Model, thread: usize, from: usize) -> Option<Turn> {
         let until = before + i64::from(codel.upper);
         for it in &place.then {
             match *it {
-                Then::Goes(next) => todo.push((next, until)),
-                Then::Rests(next) if then.is_none_or(|it| it == next) => {
+                Successor::Goes(next) => todo.push((next, until)),
+                Successor::Rests(next) if then.is_none_or(|it| it == next) => {
                     then = Some(next);
                     work = until.max(work);
                 }

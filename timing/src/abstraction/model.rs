@@ -1,9 +1,9 @@
 //! The model of the middle tier, and the systems that it refuses.
 
 use super::activities::activities;
-use super::course::{Activity, Course, course};
+use super::cycle_automaton::{Activity, CycleAutomaton, cycle_automaton};
 use super::order::{Start, chain, first_tick};
-use super::others::{Interference, Other, interference, others, waits};
+use super::others::{Interference, OtherThread, interference, others, waits};
 use super::refusal::Refusal;
 use crate::scn::semantics::Semantics;
 use crate::system::{
@@ -14,7 +14,7 @@ use crate::system::{
 const JOBS: i64 = 20_000;
 
 /// Number of combinations of initial places of tasks above which a system is refused.
-const BEGINNINGS: usize = 64;
+const MAX_INITIAL_COMBINATIONS: usize = 64;
 
 /// The tasks of a part of a system, and its model or the reason for a refusal.
 pub(super) type Part<'s> = (Vec<usize>, Result<Model<'s>, Refusal>);
@@ -50,7 +50,7 @@ pub(super) struct Thread {
     /// First tick, in base units.
     pub(super) first: i64,
     /// Sequences of codels; `None` if there are none.
-    pub(super) course: Option<Course>,
+    pub(super) cycle_automaton: Option<CycleAutomaton>,
     /// Group.
     pub(super) group: usize,
     /// The task shares locks with others of its group.
@@ -79,8 +79,8 @@ impl Thread {
 }
 
 impl Model<'_> {
-    pub(super) fn course(&self, thread: usize) -> Option<&Course> {
-        self.threads[thread].course.as_ref()
+    pub(super) fn cycle_automaton(&self, thread: usize) -> Option<&CycleAutomaton> {
+        self.threads[thread].cycle_automaton.as_ref()
     }
 }
 
@@ -145,7 +145,7 @@ pub(super) fn models<'s>(
             let component = threads.iter().find(own);
             let component = component.map(|it| system.tasks[it.task].component);
             let of_group = others.iter().filter(|it| Some(it.component) == component);
-            let of_group: Vec<Other> = of_group.cloned().collect();
+            let of_group: Vec<OtherThread> = of_group.cloned().collect();
             interference.push(self::interference(system, &of_group));
         }
         let lends = |it: &usize| !followed(*it) && system.needs_core(*it);
@@ -237,19 +237,21 @@ fn thread(
             return Err(Refusal::Endless { task });
         }
     }
-    let course = match activities {
+    let cycle_automaton = match activities {
         [] => None,
-        _ => Some(course(system, activities)?),
+        _ => Some(cycle_automaton(system, activities)?),
     };
     let first = match servers {
         true => first_tick(system, task),
         false => period + i64::from(it.delay),
     };
-    let paused = match (servers, activities, &course) {
+    let paused = match (servers, activities, &cycle_automaton) {
         (true, ..) => Vec::new(),
-        (false, [only], Some(course)) => {
+        (false, [only], Some(cycle_automaton)) => {
             let paused = after_start_up(system, &system.machines[only.machine])?;
-            let paused = paused.into_iter().filter_map(|it| course.paused_at(it));
+            let paused = paused
+                .into_iter()
+                .filter_map(|it| cycle_automaton.paused_at(it));
             paused.collect()
         }
         (false, ..) => return Err(Refusal::Ends),
@@ -258,13 +260,13 @@ fn thread(
         task,
         period,
         first,
-        course,
+        cycle_automaton,
         group: 0,
         contends: false,
         paused,
         successor: None,
         started: false,
-        start: Start::AT_ONCE,
+        start: Start::MAX_COMMITTED_STEPS,
         early: None,
     })
 }
@@ -312,7 +314,7 @@ fn waited_for(system: &TimedSystem) -> Vec<bool> {
 fn group(
     system: &TimedSystem,
     threads: &mut [Thread],
-    (codels, others): (&[CodelSet], &[Other]),
+    (codels, others): (&[CodelSet], &[OtherThread]),
     servers: bool,
 ) -> usize {
     let component = |task: usize| system.tasks[task].component;
@@ -320,7 +322,7 @@ fn group(
     // True if others of its component wait for a task, or the task for them, or others for each other.
     let disturbed = |thread: usize| {
         let own = component(tasks[thread]);
-        let others: Vec<&Other> = others.iter().filter(|it| it.component == own).collect();
+        let others: Vec<&OtherThread> = others.iter().filter(|it| it.component == own).collect();
         let mut all = others.iter().enumerate();
         all.any(|(number, it)| {
             it.meets(system, &codels[tasks[thread]])
@@ -415,7 +417,7 @@ fn hyperperiod(threads: &[Thread]) -> Result<i64, Refusal> {
         .try_fold(1usize, |all, it| all.checked_mul(beginnings(it)));
     match jobs > JOBS {
         true => Err(Refusal::Hyperperiod),
-        false if beginnings.is_none_or(|it| it > BEGINNINGS) => Err(Refusal::StartUp),
+        false if beginnings.is_none_or(|it| it > MAX_INITIAL_COMBINATIONS) => Err(Refusal::StartUp),
         false => Ok(all),
     }
 }

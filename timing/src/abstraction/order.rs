@@ -4,7 +4,7 @@
 //! codel is bounded. Otherwise the next task is started at any time, or never.
 
 use super::model::Thread;
-use super::others::{Other, interference};
+use super::others::{OtherThread, interference};
 use super::state::Span;
 use crate::system::{CodelSet, FOREVER, TimedSystem};
 
@@ -19,7 +19,7 @@ pub(super) struct Start {
 }
 
 impl Start {
-    pub(super) const AT_ONCE: Start = Start {
+    pub(super) const MAX_COMMITTED_STEPS: Start = Start {
         after: Some(Span { from: 0, to: 0 }),
         fails: false,
     };
@@ -42,8 +42,8 @@ pub(super) fn chain(system: &TimedSystem, threads: &mut [Thread], enough: bool) 
     let first_tick = periodic.map(|it| first_tick(system, it)).min();
     for component in &system.components {
         let mut before: Option<usize> = None;
-        let mut start = Start::AT_ONCE;
-        let mut earlier: Vec<(Other, bool)> = Vec::new();
+        let mut start = Start::MAX_COMMITTED_STEPS;
+        let mut earlier: Vec<(OtherThread, bool)> = Vec::new();
         for &task in &component.tasks {
             let number = threads.iter().position(|it| it.task == task);
             if let Some(number) = number {
@@ -55,7 +55,7 @@ pub(super) fn chain(system: &TimedSystem, threads: &mut [Thread], enough: bool) 
                 if let Some(before) = before.filter(|_| start.after.is_some()) {
                     threads[before].successor = Some(task);
                 }
-                (before, start) = (Some(number), Start::AT_ONCE);
+                (before, start) = (Some(number), Start::MAX_COMMITTED_STEPS);
             } else {
                 // Until the first tick, tasks without a period have the cores to themselves.
                 let alone = before.is_none()
@@ -75,7 +75,7 @@ pub(super) fn chain(system: &TimedSystem, threads: &mut [Thread], enough: bool) 
                 states.for_each(|it| codels.insert(it.codel));
             }
             let component = system.tasks[task].component;
-            earlier.push((Other { component, codels }, number.is_some()));
+            earlier.push((OtherThread { component, codels }, number.is_some()));
         }
     }
 }
@@ -90,7 +90,7 @@ pub(super) fn first_tick(system: &TimedSystem, task: usize) -> i64 {
 }
 
 /// Returns the length of the first pass of a task that is not followed. `others` are the tasks before it.
-fn first_pass(system: &TimedSystem, task: usize, others: &[Other], has_core: bool) -> Start {
+fn first_pass(system: &TimedSystem, task: usize, others: &[OtherThread], has_core: bool) -> Start {
     let unknown = Start {
         after: None,
         fails: true,
@@ -101,7 +101,7 @@ fn first_pass(system: &TimedSystem, task: usize, others: &[Other], has_core: boo
     }
     let machine = it.permanent.map(|it| system.machine_of(it));
     let Some(state) = machine.and_then(|it| it.states.get(it.start)) else {
-        return Start::AT_ONCE;
+        return Start::MAX_COMMITTED_STEPS;
     };
     let codel = &system.codels[state.codel];
     let waits = interference(system, others).map_or(Some(0), |it| it.longest[state.codel]);

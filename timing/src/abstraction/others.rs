@@ -8,12 +8,12 @@ use crate::system::{CodelSet, FOREVER, TimedSystem};
 
 /// The codels of a control task, or of a task that is not followed.
 #[derive(Debug, Clone)]
-pub(super) struct Other {
+pub(super) struct OtherThread {
     pub(super) component: usize,
     pub(super) codels: CodelSet,
 }
 
-impl Other {
+impl OtherThread {
     /// Returns true if one of its codels waits for one of `codels`, or the other way round.
     pub(super) fn meets(&self, system: &TimedSystem, codels: &CodelSet) -> bool {
         waits(system, &self.codels, codels) || waits(system, codels, &self.codels)
@@ -32,9 +32,9 @@ pub(super) fn others(
     system: &TimedSystem,
     codels: &[CodelSet],
     followed: impl Fn(usize) -> bool,
-) -> Vec<Other> {
+) -> Vec<OtherThread> {
     let requested = system.requested();
-    let mut out: Vec<Other> = Vec::new();
+    let mut out: Vec<OtherThread> = Vec::new();
     for (component, it) in system.components.iter().enumerate() {
         let mut handled = CodelSet::default();
         for &service in it.services.iter().filter(|it| requested[**it]) {
@@ -45,7 +45,7 @@ pub(super) fn others(
         let tasks = it.tasks.iter().filter(|it| !followed(**it));
         let all = tasks.map(|&it| codels[it].clone()).chain([handled]);
         let all = all.filter(|it| !it.is_empty());
-        out.extend(all.map(|codels| Other { component, codels }));
+        out.extend(all.map(|codels| OtherThread { component, codels }));
     }
     out
 }
@@ -61,7 +61,7 @@ pub(super) struct Interference {
 }
 
 /// Returns the interference of other threads of a component with its tasks; `None` if there are none.
-pub(super) fn interference(system: &TimedSystem, others: &[Other]) -> Option<Interference> {
+pub(super) fn interference(system: &TimedSystem, others: &[OtherThread]) -> Option<Interference> {
     if others.is_empty() {
         return None;
     }

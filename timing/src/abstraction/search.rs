@@ -9,7 +9,7 @@ use super::Budget;
 use super::batch::Batches;
 use super::model::Model;
 use super::refusal::Refusal;
-use super::state::{Done, MISSED, Out, State, When};
+use super::state::{MISSED, Out, State, TaskProgress, TaskTimes};
 use crate::cancel::Cancel;
 
 /// Number of states that are followed at most if a deadline may be missed.
@@ -17,8 +17,9 @@ const AFTER_MISS: usize = 20_000;
 
 /// Returns the bytes of a state with its key, as the lists of them double.
 fn bytes_of_state(model: &Model) -> usize {
-    let place = 2 * size_of::<Done>() + size_of::<When>();
-    let fixed = size_of::<State>() + size_of::<(Box<[Done]>, usize)>() + 4 * size_of::<usize>();
+    let place = 2 * size_of::<TaskProgress>() + size_of::<TaskTimes>();
+    let fixed =
+        size_of::<State>() + size_of::<(Box<[TaskProgress]>, usize)>() + 4 * size_of::<usize>();
     2 * fixed + model.threads.len() * (place + 4 * size_of::<i64>())
 }
 
@@ -31,7 +32,7 @@ pub(super) struct Search<'m> {
     budget: usize,
     /// Upper limit on the states that are kept.
     room: usize,
-    known: FxHashMap<Box<[Done]>, usize>,
+    known: FxHashMap<Box<[TaskProgress]>, usize>,
     states: Vec<State>,
     /// States that have become wider since they were followed.
     open: Vec<bool>,

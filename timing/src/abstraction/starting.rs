@@ -1,10 +1,10 @@
 //! The consequences of the end of a codel: the end of a job, the ticks that came meanwhile, and the start of
 //! the next task.
 
-use super::course::Then;
+use super::cycle_automaton::Successor;
 use super::model::Model;
 use super::refusal::Refusal;
-use super::state::{Cycle, Done, MISSED, Out, Span, Stage, State, When};
+use super::state::{Cycle, MISSED, Out, Span, Stage, State, TaskProgress, TaskTimes};
 use super::steps::not_before;
 
 /// Number of periods by which a job may be late before its task is no longer followed.
@@ -23,12 +23,12 @@ pub(super) enum End {
     Fails,
 }
 
-impl From<Then> for End {
-    fn from(it: Then) -> Self {
+impl From<Successor> for End {
+    fn from(it: Successor) -> Self {
         match it {
-            Then::Goes(place) => End::GoesOn(place),
-            Then::Rests(rest) => End::Pauses(rest),
-            Then::Ends => End::Ends,
+            Successor::Goes(place) => End::GoesOn(place),
+            Successor::Rests(rest) => End::Pauses(rest),
+            Successor::Ends => End::Ends,
         }
     }
 }
@@ -37,7 +37,7 @@ impl Model<'_> {
     /// Returns the initial states, in which no task has done anything.
     pub(super) fn initial(&self) -> Vec<State> {
         let threads = self.threads.len();
-        let off = Done {
+        let off = TaskProgress {
             stage: Stage::Off,
             cycle: Cycle::FirstPass,
             at: 0,
@@ -46,7 +46,7 @@ impl Model<'_> {
         };
         let blank = State {
             done: vec![off; threads],
-            when: vec![When::default(); threads],
+            when: vec![TaskTimes::default(); threads],
             free_from: vec![0; self.cores.unwrap_or(0)],
             free_to: vec![0; self.cores.unwrap_or(0)],
             begun: vec![Span::default(); self.groups],
@@ -77,7 +77,7 @@ impl Model<'_> {
         }
         let settled = all.into_iter().flat_map(|s| self.settle(s));
         let mut out: Vec<State> = settled.collect();
-        out.iter_mut().for_each(|it| it.tidy(self));
+        out.iter_mut().for_each(|it| it.normalise(self));
         out
     }
 
@@ -91,8 +91,10 @@ impl Model<'_> {
         at: usize,
     ) {
         // In its first pass a task asks for a core whether it has work or not.
-        let skips =
-            cycle == Cycle::Measured && self.course(thread).is_some_and(|it| it.rests[at].skips);
+        let skips = cycle == Cycle::Measured
+            && self
+                .cycle_automaton(thread)
+                .is_some_and(|it| it.rests[at].skips);
         let it = &mut s.done[thread];
         it.stage = match skips {
             true => Stage::Idle,
@@ -196,7 +198,7 @@ impl Model<'_> {
         }
         for s in all {
             for mut s in self.settle(s) {
-                s.tidy(self);
+                s.normalise(self);
                 out.states.push(s);
             }
         }
@@ -235,7 +237,7 @@ impl Model<'_> {
         all.push(asks);
         for s in all {
             for mut s in self.settle(s) {
-                s.tidy(self);
+                s.normalise(self);
                 out.states.push(s);
             }
         }
@@ -294,7 +296,7 @@ impl Model<'_> {
 
     /// Returns the possible beginnings of a job after a rest.
     pub(super) fn begins(&self, s: &State, thread: usize) -> Vec<End> {
-        match self.course(thread) {
+        match self.cycle_automaton(thread) {
             Some(it) => {
                 let begins = it.rests[s.done[thread].at as usize].begins.iter();
                 begins.map(|it| End::from(*it)).collect()

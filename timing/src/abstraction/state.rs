@@ -83,7 +83,7 @@ pub(super) enum Cycle {
 
 /// The work that a task has done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(super) struct Done {
+pub(super) struct TaskProgress {
     pub(super) stage: Stage,
     pub(super) cycle: Cycle,
     /// Active: number of the next place. Otherwise: number of the rest.
@@ -96,7 +96,7 @@ pub(super) struct Done {
 
 /// The times of a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) struct When {
+pub(super) struct TaskTimes {
     /// Waiting: release of the job. Active: time at which its next codel is ready.
     pub(super) ready: Span,
     /// Earliest time from which the response time counts.
@@ -119,8 +119,8 @@ pub(super) struct Out<'o> {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct State {
     /// Work done, by thread.
-    pub(super) done: Vec<Done>,
-    pub(super) when: Vec<When>,
+    pub(super) done: Vec<TaskProgress>,
+    pub(super) when: Vec<TaskTimes>,
     /// Times at which cores become free after the last codel of their job, in ascending order: no earlier …
     pub(super) free_from: Vec<i64>,
     /// … and no later.
@@ -135,7 +135,7 @@ pub(super) struct State {
 
 impl State {
     /// Returns the key: states with equal keys are merged.
-    pub(super) fn key(&self) -> Box<[Done]> {
+    pub(super) fn key(&self) -> Box<[TaskProgress]> {
         self.done.clone().into_boxed_slice()
     }
 
@@ -175,7 +175,7 @@ impl State {
     }
 
     /// Clears irrelevant data, and counts times from the hyperperiod in which the oldest job was released.
-    pub(super) fn tidy(&mut self, model: &Model) {
+    pub(super) fn normalise(&mut self, model: &Model) {
         let Some(now) = self.live().map(|it| self.when[it].ready.from).min() else {
             return;
         };

@@ -12,7 +12,7 @@ use crate::system::{CodelSet, Policy};
 impl Model<'_> {
     /// Writes the successors of a state. Each run that reaches the state continues in one of them.
     pub(super) fn follow(&self, s: &State, out: &mut Out) -> Result<(), Refusal> {
-        if let Some((group, until)) = self.undisturbed(s) {
+        if let Some((group, until)) = self.next_independent_group(s) {
             let own = |&it: &usize| self.threads[it].group == group;
             for thread in s.all(Stage::Active).filter(own) {
                 if self.earliest(s, thread) <= until {
@@ -25,7 +25,7 @@ impl Model<'_> {
         let active = s.all(Stage::Active).map(|it| self.latest(s, it));
         let ticks = s.all(Stage::Idle).map(|it| s.when[it].ready.to);
         let until = active.chain(ticks).min().unwrap_or(i64::MAX);
-        let given = self.given_by(s).unwrap_or(i64::MAX).min(until);
+        let given = self.next_core_grant(s).unwrap_or(i64::MAX).min(until);
         for thread in s.all(Stage::Active) {
             let earliest = self.earliest(s, thread);
             if earliest <= given {
@@ -52,7 +52,7 @@ impl Model<'_> {
 
     /// Returns a group whose next codel begins before any of its tasks without a core can get one, and the
     /// latest time of that. Other groups make no difference.
-    fn undisturbed(&self, s: &State) -> Option<(usize, i64)> {
+    fn next_independent_group(&self, s: &State) -> Option<(usize, i64)> {
         let mut until = vec![i64::MAX; self.groups];
         let mut holder = i64::MAX;
         for thread in s.all(Stage::Active) {
@@ -81,7 +81,7 @@ impl Model<'_> {
     /// Returns the next codel of an active task.
     fn codel(&self, s: &State, thread: usize) -> Option<usize> {
         let place = self
-            .course(thread)?
+            .cycle_automaton(thread)?
             .places
             .get(s.done[thread].at as usize)?;
         Some(place.codel)
@@ -139,7 +139,7 @@ impl Model<'_> {
     ) -> Result<(), Refusal> {
         let it = &self.threads[thread];
         let Some(place) = self
-            .course(thread)
+            .cycle_automaton(thread)
             .and_then(|it| it.places.get(s.done[thread].at as usize))
         else {
             return Ok(());
@@ -207,7 +207,7 @@ impl Model<'_> {
 
     /// Returns the latest time of the next grant of a core, if a task waits for one and a core is known to be
     /// free by then.
-    fn given_by(&self, s: &State) -> Option<i64> {
+    fn next_core_grant(&self, s: &State) -> Option<i64> {
         let released = s.all(Stage::Waiting).map(|it| s.when[it].ready.to).min()?;
         // Other threads may hold the cores that are free first.
         Some(released.max(*s.free_to.get(self.lent)?))
@@ -217,7 +217,7 @@ impl Model<'_> {
     fn gets_core(&self, s: &State, thread: usize) -> Option<Span> {
         let ready = s.when[thread].ready;
         let from = ready.from.max(*s.free_from.first()?).max(s.given);
-        let mut to = self.given_by(s).unwrap_or(i64::MAX);
+        let mut to = self.next_core_grant(s).unwrap_or(i64::MAX);
         for other in s.all(Stage::Waiting).filter(|&other| other != thread) {
             let released = s.when[other].ready.to;
             match self.policy {
@@ -263,7 +263,7 @@ impl Model<'_> {
             match how {
                 End::GoesOn(_) => {
                     for mut s in self.begin_job(s.clone(), thread, when, how) {
-                        s.tidy(self);
+                        s.normalise(self);
                         out.states.push(s);
                     }
                 }

@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use super::blame::suspects;
 use super::change::Change;
+use super::suspects::suspects;
 use super::trial::Trial;
 use crate::explore::Limits;
 use crate::report::{Awaited, CheckReport, Report, Verdict};
@@ -12,10 +12,10 @@ use crate::scn::names::Names;
 use crate::verify::{Cancel, Options, SystemInput, settings};
 
 /// Time limit for all verifications together: a longer search is not worth a hint.
-const PATIENCE: Duration = Duration::from_secs(2);
+const TIME_LIMIT: Duration = Duration::from_secs(2);
 
 /// Number of codels that are tried.
-const SUSPECTS: usize = 3;
+const MAX_CODELS_TRIED: usize = 3;
 
 /// Limit on the states for each question: a multiple of the states of the verification, and a minimum.
 const STATES: (usize, usize) = (4, 20_000);
@@ -55,9 +55,9 @@ pub fn remedy(
         _ => return None,
     }
     settings.checks = vec![asked];
-    let end = Some(Instant::now() + PATIENCE);
+    let end = Some(Instant::now() + TIME_LIMIT);
     let trial = Trial::new(&names, settings, limits(report, options), cancel, end);
-    let suspects = suspects(check).into_iter().take(SUSPECTS);
+    let suspects = suspects(check).into_iter().take(MAX_CODELS_TRIED);
     let by_codel = { suspects }.find_map(|codel| trial.wcet(&codel));
     let waits = || check.reason.iter().any(|it| it.awaited == Awaited::Core);
     by_codel.or_else(|| trial.cores().filter(|_| waits()))

@@ -4,9 +4,9 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-use super::blame::{distinct, suspects, tasks, waited_for};
 use super::change::Change;
 use super::remedy::limits;
+use super::suspects::{distinct, suspects, tasks, waited_for};
 use super::trial::Trial;
 use crate::explore::Limits;
 use crate::questions;
@@ -31,7 +31,7 @@ pub struct Repairs {
 
 /// The progress of [`repairs`].
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Trying {
+pub struct RepairProgress {
     /// Number of changes tried.
     pub done: usize,
     /// Number of changes to try.
@@ -51,7 +51,7 @@ enum Candidate {
 }
 
 impl Candidate {
-    fn in_words(&self, trial: &Trial) -> String {
+    fn describe(&self, trial: &Trial) -> String {
         let task = |it: &usize| trial.built().system.task_path(*it);
         match self {
             Candidate::Policy(it) => format!("policy {}", it.name()),
@@ -83,20 +83,21 @@ fn misses(it: &CheckReport) -> bool {
 }
 
 /// Callbacks for progress: the change to be tried, and each change that was found.
-pub type Tell<'a, T = Change> = (&'a (dyn Fn(Trying) + Sync), &'a (dyn Fn(&T) + Sync));
+pub type RepairCallbacks<'a, T = Change> =
+    (&'a (dyn Fn(RepairProgress) + Sync), &'a (dyn Fn(&T) + Sync));
 
 /// Finds the single changes with which every check of a deadline or a limit holds, except checks that were
 /// given up. Causes named by the runs of failed checks are tried first. Each change is verified, and reported
 /// when it is found. If no check fails, the result is empty.
 ///
-/// After `patience`, no further change is tried.
+/// After `time_limit`, no further change is tried.
 pub fn repairs(
     input: &SystemInput,
     scenario: &Scenario,
     options: &Options,
     report: &Report,
-    (cancel, patience): (&Cancel, Option<Duration>),
-    (trying, tell): Tell<'_>,
+    (cancel, time_limit): (&Cancel, Option<Duration>),
+    (trying, tell): RepairCallbacks<'_>,
 ) -> Repairs {
     let missed: Vec<&CheckReport> = report.checks.iter().filter(|it| misses(it)).collect();
     if missed.is_empty() {
@@ -123,7 +124,7 @@ pub fn repairs(
         bytes: limits.bytes / together,
         ..limits
     };
-    let end = patience.map(|it| Instant::now() + it);
+    let end = time_limit.map(|it| Instant::now() + it);
     let trial = Trial::new(&names, settings, limits, cancel, end);
     let candidates = candidates(&trial, &missed);
     let late = || end.is_some_and(|end| Instant::now() > end);
@@ -132,10 +133,10 @@ pub fn repairs(
         together,
         cancel,
         &|done, it| {
-            trying(Trying {
+            trying(RepairProgress {
                 done,
                 of: candidates.len(),
-                trying: it.in_words(&trial),
+                trying: it.describe(&trial),
             })
         },
         &|it| it.tried(&trial),

@@ -12,7 +12,7 @@ use crate::report::Verdict;
 use crate::scn::ast::{Durations, Path, Policy, Unit};
 use crate::scn::names::Names;
 use crate::system::build::build;
-use crate::system::built::Built;
+use crate::system::indexed::Built;
 use crate::system::settings::Settings;
 use crate::system::{Codel, FOREVER, SharedPorts, Ticks};
 use crate::verify::{Cancel, to_f64, verify_settings};

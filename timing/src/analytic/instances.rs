@@ -5,7 +5,7 @@ use rustc_hash::FxHashSet;
 use crate::system::{Client, ClientAction, TimedSystem};
 
 /// Number of situations of a client above which all slots are assumed to be in use.
-const SITUATIONS: usize = 2_000;
+const MAX_SITUATIONS: usize = 2_000;
 
 /// Number of combinations of activities of a task above which all slots are assumed to be in use.
 const COMBINATIONS: usize = 32;
@@ -15,7 +15,7 @@ const COMBINATIONS: usize = 32;
 /// An activity that has had a turn in a job keeps its slot until the job has ended, so all of these slots are
 /// in use at its end.
 pub(super) fn of_one_job(system: &TimedSystem) -> Vec<Vec<Vec<usize>>> {
-    let live: Vec<Option<FxHashSet<Live>>> = system
+    let live: Vec<Option<FxHashSet<ActiveInstances>>> = system
         .clients
         .iter()
         .map(|it| situations(system, it))
@@ -59,7 +59,12 @@ pub(super) fn of_one_job(system: &TimedSystem) -> Vec<Vec<Vec<usize>>> {
 }
 
 /// Adds slots for the live instances.
-fn with_slots(system: &TimedSystem, task: usize, set: &[usize], live: &Live) -> Vec<usize> {
+fn with_slots(
+    system: &TimedSystem,
+    task: usize,
+    set: &[usize],
+    live: &ActiveInstances,
+) -> Vec<usize> {
     let mut out = set.to_vec();
     for &(service, _) in live {
         let slots = system.services[service].slots.iter();
@@ -73,21 +78,22 @@ fn with_slots(system: &TimedSystem, task: usize, set: &[usize], live: &Live) -> 
 }
 
 /// Instances of activities: the service and the trackers that follow it.
-type Live = Vec<(usize, Vec<usize>)>;
+type ActiveInstances = Vec<(usize, Vec<usize>)>;
 
 /// Returns the instances that the requests of a client can have at the same time, one list for each situation
 /// of the client.
 ///
 /// Instances whose end is not awaited stay for ever here. Their end would not make another list longer: the
 /// lists already contain as many more instances as would find a slot.
-fn situations(system: &TimedSystem, client: &Client) -> Option<FxHashSet<Live>> {
-    let mut seen: FxHashSet<(usize, Live)> = FxHashSet::default();
-    let mut stack: Vec<(usize, Live)> = client.first.iter().map(|&it| (it, Vec::new())).collect();
+fn situations(system: &TimedSystem, client: &Client) -> Option<FxHashSet<ActiveInstances>> {
+    let mut seen: FxHashSet<(usize, ActiveInstances)> = FxHashSet::default();
+    let mut stack: Vec<(usize, ActiveInstances)> =
+        client.first.iter().map(|&it| (it, Vec::new())).collect();
     while let Some((at, live)) = stack.pop() {
         if !seen.insert((at, live.clone())) {
             continue;
         }
-        if seen.len() > SITUATIONS {
+        if seen.len() > MAX_SITUATIONS {
             return None;
         }
         let Some(step) = client.steps.get(at) else {

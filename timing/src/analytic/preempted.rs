@@ -94,7 +94,7 @@ fn after_tick(system: &TimedSystem, bounds: &[Option<u64>], task: usize) -> Opti
 }
 
 /// The work of other threads in a window of time.
-struct Meanwhile {
+struct WindowWork {
     /// All known work.
     work: u64,
     /// Number of threads that may work for ever.
@@ -107,8 +107,8 @@ fn meanwhile(
     threads: &[&Thread],
     bounds: &[Option<u64>],
     window: u64,
-) -> Option<Meanwhile> {
-    let mut out = Meanwhile {
+) -> Option<WindowWork> {
+    let mut out = WindowWork {
         work: 0,
         endless: 0,
     };
@@ -132,7 +132,7 @@ fn meanwhile(
     Some(out)
 }
 
-impl Meanwhile {
+impl WindowWork {
     /// Returns the longest time for which this work can keep a thread from the cores.
     fn delay(&self, system: &TimedSystem) -> Option<u64> {
         let left = system.platform.cores?.checked_sub(self.endless)?;

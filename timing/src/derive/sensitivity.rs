@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Answer, Asked, Extreme, MinimumCores, Question};
+use super::{DerivationContext, DerivedValue, Extreme, MinimumCores, Parameter};
 use crate::analytic::response_bounds;
 use crate::diagnostic::Diagnostic;
 use crate::questions;
@@ -69,7 +69,7 @@ pub struct Progress {
 
 /// An intermediate result of [`sensitivity`].
 #[derive(Debug, Clone, Copy)]
-pub enum Told<'a> {
+pub enum InterimResult<'a> {
     /// The next question.
     Asking(&'a Progress),
     /// An answer about cores.
@@ -90,28 +90,28 @@ pub fn sensitivity(
     scenario: &Scenario,
     options: &Options,
     cancel: &Cancel,
-    tell: &(dyn Fn(Told) + Sync),
+    tell: &(dyn Fn(InterimResult) + Sync),
 ) -> Result<Sensitivity, Vec<Diagnostic>> {
     let names = Names::new(&input.specs);
     let system = build(&names, &settings(scenario, options), &|_| true).system;
     let questions = questions(&system);
-    let asked = Asked::of(questions.len(), &names, scenario, options, cancel);
+    let asked = DerivationContext::of(questions.len(), &names, scenario, options, cancel);
     let answers = questions::all(
         &questions,
         asked.together,
         cancel,
         &|done, it| {
-            tell(Told::Asking(&Progress {
+            tell(InterimResult::Asking(&Progress {
                 done,
                 of: questions.len(),
-                asking: it.in_words(),
+                asking: it.describe(),
             }))
         },
         &|it| asked.one(it),
         &|it| match it {
-            Ok(Answer::Cores(it)) => tell(Told::Cores(it)),
-            Ok(Answer::Wcet(it)) => tell(Told::Wcet(it)),
-            Ok(Answer::Period(it)) => tell(Told::Period(it)),
+            Ok(DerivedValue::Cores(it)) => tell(InterimResult::Cores(it)),
+            Ok(DerivedValue::Wcet(it)) => tell(InterimResult::Wcet(it)),
+            Ok(DerivedValue::Period(it)) => tell(InterimResult::Period(it)),
             Err(_) => {}
         },
     );
@@ -127,9 +127,9 @@ pub fn sensitivity(
     };
     for answer in answers.into_iter().flatten() {
         match answer? {
-            Answer::Cores(it) => out.minimum_cores = it,
-            Answer::Wcet(it) => out.wcet.push(it),
-            Answer::Period(it) => out.period.push(it),
+            DerivedValue::Cores(it) => out.minimum_cores = it,
+            DerivedValue::Wcet(it) => out.wcet.push(it),
+            DerivedValue::Period(it) => out.period.push(it),
         }
     }
     out.next_to_break = out.next_to_break();
@@ -138,7 +138,7 @@ pub fn sensitivity(
 }
 
 /// Returns the questions, in the order of [`sensitivity`].
-fn questions(system: &TimedSystem) -> Vec<Question> {
+fn questions(system: &TimedSystem) -> Vec<Parameter> {
     let bounds = response_bounds(system);
     // The part of its period that a task may take; a task without a bound comes first.
     let near = |task: usize| match (system.tasks[task].period, bounds[task]) {
@@ -155,10 +155,10 @@ fn questions(system: &TimedSystem) -> Vec<Question> {
     };
     let mut codels: Vec<usize> = (0..system.codels.len()).filter(asked).collect();
     codels.sort_by_key(|&it| std::cmp::Reverse(system.codels[it].upper));
-    let mut out = vec![Question::Cores];
+    let mut out = vec![Parameter::Cores];
     for task in tasks {
         if system.tasks[task].period.is_some() {
-            out.push(Question::Period(Path::of(&system.task_path(task))));
+            out.push(Parameter::Period(Path::of(&system.task_path(task))));
         }
         let automata = system.automata.iter().filter(|it| it.task == task);
         let machines: Vec<usize> = automata.map(|it| it.machine).collect();
@@ -169,12 +169,12 @@ fn questions(system: &TimedSystem) -> Vec<Question> {
         let (own, others) = codels.into_iter().partition(is_own);
         codels = others;
         let own: Vec<usize> = own;
-        let of = |it: &usize| Question::Wcet(Path::of(&system.codels[*it].path));
+        let of = |it: &usize| Parameter::Wcet(Path::of(&system.codels[*it].path));
         out.extend(own.iter().map(of));
     }
     // Codels of control tasks.
     let rest = codels.iter();
-    out.extend(rest.map(|&it| Question::Wcet(Path::of(&system.codels[it].path))));
+    out.extend(rest.map(|&it| Parameter::Wcet(Path::of(&system.codels[it].path))));
     out
 }
 

@@ -1,6 +1,6 @@
 //! The findings of an exploration.
 
-use super::absent::Absent;
+use super::never_observed::NeverObserved;
 use super::reductions::Activity;
 use super::run::Run;
 use super::watch::Stop;
@@ -50,7 +50,7 @@ pub struct Findings {
     /// Predicates that are certainly never reached, even if the exploration was stopped.
     pub never: Vec<bool>,
     /// Jobs and atoms that no examined state has.
-    pub absent: Absent,
+    pub absent: NeverObserved,
     /// Run to a deadlock.
     pub deadlock: Option<Found>,
     /// There is certainly no deadlock, even if the exploration was stopped.

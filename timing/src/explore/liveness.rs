@@ -80,7 +80,7 @@ fn decide<R: Rules>(rules: &R, query: &LivenessQuery, limits: Limits, cancel: &C
 }
 
 /// Number of states between two polls of the limits.
-const LOOKS: usize = 64;
+const STEPS_PER_POLL: usize = 64;
 
 struct Graph<'a, R> {
     rules: R,
@@ -130,10 +130,10 @@ impl<R: Rules> Graph<'_, R> {
         let mut at = 0;
         while at < visits.len() {
             // A list that grows is copied: its old memory is still in use meanwhile.
-            let about_to_grow = visits.capacity() - visits.len() < LOOKS;
+            let about_to_grow = visits.capacity() - visits.len() < STEPS_PER_POLL;
             let with_copy = bytes + if about_to_grow { bytes / 4 } else { 0 };
             let full = visits.len() > self.limits.states || with_copy > self.limits.bytes;
-            if full || at.is_multiple_of(LOOKS) {
+            if full || at.is_multiple_of(STEPS_PER_POLL) {
                 stopped = Stop::reason(visits.len(), with_copy, self.limits, self.cancel);
                 if stopped.is_some() {
                     break;
@@ -205,7 +205,7 @@ impl<R: Rules> Graph<'_, R> {
     fn unanswered(&self, visits: &[Visit]) -> Option<Vec<bool>> {
         let mut open = Vec::with_capacity(visits.len());
         for (i, it) in visits.iter().enumerate() {
-            if i.is_multiple_of(LOOKS) && self.cancel.is_too_late() {
+            if i.is_multiple_of(STEPS_PER_POLL) && self.cancel.is_too_late() {
                 return None;
             }
             let s = decode(self.rules.frame(), &it.state.key, &it.state.dims);
@@ -313,7 +313,7 @@ impl<R: Rules> Graph<'_, R> {
             colour[root] = 1;
             while let Some(top) = stack.last_mut() {
                 steps += 1;
-                if steps.is_multiple_of(16 * LOOKS) && self.cancel.is_too_late() {
+                if steps.is_multiple_of(16 * STEPS_PER_POLL) && self.cancel.is_too_late() {
                     return None;
                 }
                 let node = top.0 as usize;

@@ -68,27 +68,27 @@ pub(super) struct Gauge {
     pub(super) limit: Option<Ticks>,
     /// Upper bound, if analysis knows one.
     pub(super) most: Option<Ticks>,
-    pub(super) how: How,
+    pub(super) how: MeasurementMode,
     /// Run that exceeds the limit, from an earlier exploration.
     pub(super) excess: Option<Run>,
 }
 
 /// The mode of a measurement.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum How {
+pub(super) enum MeasurementMode {
     /// In the same exploration as others.
     Shared,
     /// In an exploration of its own, later, because the time grew suspiciously.
     Alone,
     /// In an exploration of its own, until the run repeats itself.
-    Patient,
+    UntilRepetition,
     /// Finished: this run proves that there is no bound.
     Unbounded(Run),
 }
 
 impl Gauge {
     /// Returns the gauges of a [`Watch`]: first responses, then pairs of predicates.
-    pub(super) fn of(watch: &Watch, how: &How) -> Vec<Gauge> {
+    pub(super) fn of(watch: &Watch, how: &MeasurementMode) -> Vec<Gauge> {
         let responses = watch.response.iter();
         let responses = responses.map(|it| (Timing::Response(it.task), it.limit, it.most));
         let withins = watch.within.iter().enumerate();
@@ -107,11 +107,16 @@ impl Gauge {
 
     /// Returns true if the gauge is measured in the next exploration.
     pub(super) fn active(&self) -> bool {
-        matches!(self.how, How::Shared | How::Patient)
+        matches!(
+            self.how,
+            MeasurementMode::Shared | MeasurementMode::UntilRepetition
+        )
     }
 
-    pub(super) fn note(&mut self, diverging: Diverging) {
-        self.how = diverging.proof.map_or(How::Alone, How::Unbounded);
+    pub(super) fn note(&mut self, diverging: Divergence) {
+        self.how = diverging
+            .proof
+            .map_or(MeasurementMode::Alone, MeasurementMode::Unbounded);
         self.excess = self.excess.take().or(diverging.excess);
     }
 }
@@ -119,7 +124,7 @@ impl Gauge {
 /// A time that grows, with a run that proves that the time has no bound. Without a run, this is only
 /// suspected.
 #[derive(Debug, Clone)]
-pub(super) struct Diverging {
+pub(super) struct Divergence {
     pub(super) gauge: usize,
     pub(super) proof: Option<Run>,
     /// Run that exceeds the limit.

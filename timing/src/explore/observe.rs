@@ -34,7 +34,7 @@ pub(crate) fn observe<R: Rules>(
     before: Option<&State>,
     now: &mut State,
 ) {
-    observe_telling(rules, observers, before, now, |_, _| {});
+    observe_with_reports(rules, observers, before, now, |_, _| {});
 }
 
 /// Opens and closes the obligations of observers after a step. `met` gets the observer of each obligation
@@ -43,7 +43,7 @@ pub(crate) fn observe<R: Rules>(
 /// Among obligations at the same stage, only the oldest is kept: the event that meets it meets the others as
 /// well. An obligation at a later stage is older than one at an earlier stage, because the event that
 /// advanced it would have advanced the younger one, too.
-pub(crate) fn observe_telling<R: Rules>(
+pub(crate) fn observe_with_reports<R: Rules>(
     rules: &R,
     observers: &[Observer],
     before: Option<&State>,

@@ -11,12 +11,12 @@
 //! its soundness; `docs/explorer.md` gives an overview.
 
 mod ample;
+mod deferral;
 mod facts;
 mod kind;
-mod lazy;
-mod overtake;
 mod published;
 mod servers;
+mod sleep_sets;
 mod symmetry;
 
 use smallvec::SmallVec;
@@ -31,7 +31,7 @@ use crate::property::Predicate;
 use crate::system::{Ticks, TimedSystem};
 
 /// A sleep set: the actions held back for now. Executors from bit 0 on, ticks from bit 64 on.
-pub(crate) type Held = u128;
+pub(crate) type SleepSet = u128;
 
 /// The watched properties of a system, as far as reductions must respect them.
 pub(crate) struct Watched<'a> {
@@ -113,17 +113,24 @@ pub(crate) trait Reductions<R: Rules>: Sized {
     fn follow(
         &self,
         rules: &R,
-        at: (&State, Held),
+        at: (&State, SleepSet),
         enabled: &Enabled,
         first: &mut Vec<Action>,
-        out: &mut Vec<(Action, Held)>,
+        out: &mut Vec<(Action, SleepSet)>,
     );
 
     /// Returns the actions still held back after an action that led from `before` to `s`.
-    fn held_after(&self, rules: &R, before: &State, action: Action, s: &State, held: Held) -> Held;
+    fn sleep_set_after(
+        &self,
+        rules: &R,
+        before: &State,
+        action: Action,
+        s: &State,
+        held: SleepSet,
+    ) -> SleepSet;
 
     /// Returns the executors whose ends can be postponed in a calm state, if there are any.
-    fn waiters(&self, rules: &R, s: &State) -> Option<Waiters>;
+    fn waiters(&self, rules: &R, s: &State) -> Option<Deferrable>;
 
     /// Calls `found` with calm states that a calm state reaches by ends that can be postponed, and that need
     /// not be kept. Subtracts the number of examined states from the budget.
@@ -140,7 +147,7 @@ pub(crate) trait Reductions<R: Rules>: Sized {
         let waiters = self.waiters(rules, s);
         rules.next_moment(s, &|executor| {
             let waits = waiters.as_ref();
-            waits.is_some_and(|it| it.can_wait(rules.system(), executor))
+            waits.is_some_and(|it| it.can_be_deferred(rules.system(), executor))
         })
     }
 }
@@ -148,11 +155,11 @@ pub(crate) trait Reductions<R: Rules>: Sized {
 /// Tasks, control tasks and clients whose ends can be postponed in one state: numbered as *members*, in this
 /// order.
 #[derive(Debug, Clone)]
-pub(crate) struct Waiters(pub(super) SmallVec<[bool; 24]>);
+pub(crate) struct Deferrable(pub(super) SmallVec<[bool; 24]>);
 
-impl Waiters {
+impl Deferrable {
     /// Returns true if the end of an executor's work can be postponed.
-    pub(crate) fn can_wait(&self, system: &TimedSystem, executor: usize) -> bool {
+    pub(crate) fn can_be_deferred(&self, system: &TimedSystem, executor: usize) -> bool {
         let automata = &system.automata;
         let member = match automata.get(executor) {
             Some(it) => it.task,
@@ -208,20 +215,20 @@ impl<R: Rules> Reductions<R> for NoReductions {
     fn follow(
         &self,
         _: &R,
-        (_, held): (&State, Held),
+        (_, held): (&State, SleepSet),
         enabled: &Enabled,
         _: &mut Vec<Action>,
-        out: &mut Vec<(Action, Held)>,
+        out: &mut Vec<(Action, SleepSet)>,
     ) {
         out.clear();
         out.extend(enabled.actions.iter().map(|&it| (it, held)));
     }
 
-    fn held_after(&self, _: &R, _: &State, _: Action, _: &State, _: Held) -> Held {
+    fn sleep_set_after(&self, _: &R, _: &State, _: Action, _: &State, _: SleepSet) -> SleepSet {
         0
     }
 
-    fn waiters(&self, _: &R, _: &State) -> Option<Waiters> {
+    fn waiters(&self, _: &R, _: &State) -> Option<Deferrable> {
         None
     }
 

@@ -203,15 +203,15 @@ pub(crate) trait Rules: Sized {
     fn apply(&self, s: &mut State, action: Action);
 
     /// Returns the time after a calm state for which no state needs to be examined, in base units: until the
-    /// next moment at which an action may become possible or, for executors whose end `can_wait`, must
+    /// next moment at which an action may become possible or, for executors whose end `can_be_deferred`, must
     /// happen. `None`: for ever.
-    fn next_moment(&self, s: &State, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks>;
+    fn next_moment(&self, s: &State, can_be_deferred: &dyn Fn(usize) -> bool) -> Option<Ticks>;
 
     /// Lets time pass, at most until the next moment.
     fn elapse(&self, s: &mut State, time: Ticks);
 
     /// Returns true if time brings an executor nearer to the end of its work.
-    fn gets_on(&self, _s: &State, _executor: usize) -> bool {
+    fn progresses(&self, _s: &State, _executor: usize) -> bool {
         true
     }
 

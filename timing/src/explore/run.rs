@@ -10,7 +10,7 @@ use crate::cancel::Cancel;
 use crate::system::{FOREVER, Ticks, TimedSystem};
 
 /// Upper limit on the steps of a prolonged run.
-const PROLONGED: usize = 10_000;
+const MAX_STEPS_OF_REPETITION: usize = 10_000;
 
 /// A run from time 0.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -113,7 +113,7 @@ impl Run {
             let shift = round * (to - from);
             let again = within(from, to).map(|(time, action)| (time + shift, action));
             run.steps.extend(again.filter(|it| it.0 < end));
-            if run.steps.len() > PROLONGED {
+            if run.steps.len() > MAX_STEPS_OF_REPETITION {
                 return None;
             }
         }

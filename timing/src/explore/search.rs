@@ -1,24 +1,24 @@
-//! Exploration: strategies that follow the rules in different orders, and a supervisor.
+//! Exploration: strategies that follow the rules in different orders, and a search control.
 //!
-//! [`goals`] lists what is searched for. [`watching`] performs single steps and records what they show.
-//! [`layers`] proceed from moment to moment, keep a [`graph`] and reconstruct runs. [`mod@chase`] proceeds
-//! depth first, in random orders. [`zones`] search in dense time. The [`supervisor`] divides the effort
+//! [`goals`] lists what is searched for. [`observations`] performs single steps and records what they show.
+//! [`layers`] proceed from moment to moment, keep a [`graph`] and reconstruct runs. [`mod@depth_first`] proceeds
+//! depth first, in random orders. [`zones`] search in dense time. The [`control`] divides the effort
 //! between these strategies and ends the exploration.
 
-mod chase;
+mod control;
+mod depth_first;
 mod goals;
 mod graph;
 mod layers;
-mod supervisor;
-mod watching;
+mod observations;
 mod zones;
 
-pub use self::chase::chase;
+use self::control::{CarryOver, FindingsReceiver, SearchControl};
+pub use self::depth_first::search_once;
 use self::layers::Layers;
-use self::supervisor::{Legacy, Supervisor, Teller};
-pub use self::zones::{InZones, in_zones};
+pub use self::zones::{ZoneFindings, search_zones};
 use super::findings::Findings;
-use super::measure::{Gauge, How, Timing};
+use super::measure::{Gauge, MeasurementMode, Timing};
 use super::reductions::Reduced;
 use super::rules::with_rules;
 use super::watch::{Limits, Stop, Watch};
@@ -27,12 +27,12 @@ use crate::system::TimedSystem;
 
 /// Explores all runs of a system.
 pub fn explore(system: &TimedSystem, watch: &Watch, limits: Limits, cancel: &Cancel) -> Findings {
-    explore_telling(system, watch, limits, cancel, &mut |_| {})
+    explore_with_reports(system, watch, limits, cancel, &mut |_| {})
 }
 
 /// Explores all runs of a system, and reports failures and reached predicates as soon as they are seen. Such
 /// findings contain nothing else; a finding may be reported again.
-pub fn explore_telling(
+pub fn explore_with_reports(
     system: &TimedSystem,
     watch: &Watch,
     limits: Limits,
@@ -49,12 +49,12 @@ pub(super) fn explore_by<R: Reduced>(
     cancel: &Cancel,
     news: &mut dyn FnMut(&Findings),
 ) -> Findings {
-    let mut gauges = Gauge::of(watch, &How::Shared);
+    let mut gauges = Gauge::of(watch, &MeasurementMode::Shared);
     let mut findings = until_measured(rules, watch, &mut gauges, limits, cancel, news);
     // A time that grew suspiciously is measured alone, so that clocks do not multiply.
     for (i, gauge) in gauges.iter().enumerate() {
         let given_up = findings.stopped.is_some_and(|it| it != Stop::Answered);
-        if gauge.how != How::Alone || given_up {
+        if gauge.how != MeasurementMode::Alone || given_up {
             continue;
         }
         let mut alone = Watch::default();
@@ -68,7 +68,7 @@ pub(super) fn explore_by<R: Reduced>(
                 &mut findings.within[i]
             }
         };
-        let mut own = Gauge::of(&alone, &How::Patient);
+        let mut own = Gauge::of(&alone, &MeasurementMode::UntilRepetition);
         own[0].excess.clone_from(&gauge.excess);
         let mut found = until_measured(rules, &alone, &mut own, limits, cancel, &mut |_| {});
         *place = found.response.pop().or(found.within.pop()).flatten();
@@ -84,18 +84,18 @@ fn until_measured<R: Reduced>(
     gauges: &mut [Gauge],
     limits: Limits,
     cancel: &Cancel,
-    news: Teller,
+    news: FindingsReceiver,
 ) -> Findings {
-    let mut legacy = Legacy::none(rules, watch, limits);
+    let mut carry_over = CarryOver::none(rules, watch, limits);
     loop {
         let mut layers = Layers::new(rules, watch, gauges, limits, cancel);
-        let mut supervisor = Supervisor::new(legacy, &mut *news);
-        let diverging = layers.run(&mut supervisor);
-        cancel.ended(supervisor.states(&layers));
+        let mut control = SearchControl::new(carry_over, &mut *news);
+        let diverging = layers.run(&mut control);
+        cancel.ended(control.states(&layers));
         let Some(diverging) = diverging else {
-            return supervisor.findings(&layers);
+            return control.findings(&layers);
         };
-        legacy = supervisor.hand_on(&layers);
+        carry_over = control.into_carry_over(&layers);
         for it in layers.of_all_alike(&diverging) {
             gauges[it.gauge].note(it);
         }

@@ -183,10 +183,10 @@ impl<'s> Stepper<'s> {
         self.walk.next_moment(&|_| false)
     }
 
-    /// Returns the time for which no new action is possible, in base units, if the executors with `can_wait`
+    /// Returns the time for which no new action is possible, in base units, if the executors with `can_be_deferred`
     /// may end at any time.
-    pub fn next_moment_but(&self, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks> {
-        self.walk.next_moment(can_wait)
+    pub fn next_moment_but(&self, can_be_deferred: &dyn Fn(usize) -> bool) -> Option<Ticks> {
+        self.walk.next_moment(can_be_deferred)
     }
 
     /// Lets time pass, at most until the next moment, and appends the events of that moment.
@@ -253,7 +253,7 @@ trait Walk {
     fn executors(&self) -> usize;
     fn window(&self, executor: usize) -> Option<(Ticks, Ticks)>;
     fn set_window(&mut self, executor: usize, window: (Ticks, Ticks));
-    fn next_moment(&self, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks>;
+    fn next_moment(&self, can_be_deferred: &dyn Fn(usize) -> bool) -> Option<Ticks>;
     fn pass(&mut self, time: Ticks, seen: &mut Vec<Seen>);
     fn job(&self, task: usize) -> Option<Ticks>;
     fn awaited(&self, within: usize) -> Option<Ticks>;
@@ -336,7 +336,7 @@ impl<R: Rules> Walker<R> {
 
     fn observe(&mut self, before: Option<&State>, seen: &mut Vec<Seen>) {
         let met = |within, after| seen.push(Seen::Answered { within, after });
-        observe::observe_telling(&self.rules, &self.observers, before, &mut self.s, met);
+        observe::observe_with_reports(&self.rules, &self.observers, before, &mut self.s, met);
     }
 
     fn jobs(&self, seen: &mut Vec<Seen>) {
@@ -474,8 +474,8 @@ impl<R: Rules> Walk for Walker<R> {
         }
     }
 
-    fn next_moment(&self, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks> {
-        self.rules.next_moment(&self.s, can_wait)
+    fn next_moment(&self, can_be_deferred: &dyn Fn(usize) -> bool) -> Option<Ticks> {
+        self.rules.next_moment(&self.s, can_be_deferred)
     }
 
     fn pass(&mut self, time: Ticks, seen: &mut Vec<Seen>) {

@@ -444,10 +444,10 @@ impl<R: Rules> Rules for Tracked<'_, R> {
         self.follow(Some((&before, ended)), s);
     }
 
-    fn next_moment(&self, s: &State, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks> {
+    fn next_moment(&self, s: &State, can_be_deferred: &dyn Fn(usize) -> bool) -> Option<Ticks> {
         match self.status(s) {
             status::OVER => None,
-            _ => self.rules.next_moment(s, can_wait),
+            _ => self.rules.next_moment(s, can_be_deferred),
         }
     }
 
@@ -463,8 +463,8 @@ impl<R: Rules> Rules for Tracked<'_, R> {
         }
     }
 
-    fn gets_on(&self, s: &State, executor: usize) -> bool {
-        self.rules.gets_on(s, executor)
+    fn progresses(&self, s: &State, executor: usize) -> bool {
+        self.rules.progresses(s, executor)
     }
 
     fn job(&self, s: &State, task: usize) -> TaskStatus {

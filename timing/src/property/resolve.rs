@@ -6,7 +6,7 @@ use super::{Atom, Predicate, SlotStatus, StatePhase, TaskState};
 use crate::diagnostic::Diagnostic;
 use crate::scn::ast::{Path, Pred};
 use crate::scn::names::{Names, STATUSES, Target};
-use crate::system::built::Built;
+use crate::system::indexed::Built;
 
 /// Appends the components of a predicate, which must not be separated.
 pub(crate) fn components_of(names: &Names, built: &Built, pred: &Pred, out: &mut Vec<usize>) {

@@ -70,7 +70,7 @@ enum Block {
 
 /// The kind of path that is expected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Wanted {
+enum PathKind {
     Task,
     TaskOrService,
     Service,
@@ -219,10 +219,10 @@ impl<'f> Finder<'f> {
             "pause" if !begun => self.rules(PauseRule::ALL),
             "exceptions" | "order" if !begun => self.words(&["on", "off"]),
             "exceptions" => {
-                self.path(Wanted::TaskOrService, &rest[1..]);
+                self.path(PathKind::TaskOrService, &rest[1..]);
             }
             "affinity" => {
-                self.path(Wanted::Task, rest);
+                self.path(PathKind::Task, rest);
             }
             "durations" if !begun => self.words(&["interval", "fixed", "open"]),
             "locks" if !begun => self.rules(LockRule::ALL),
@@ -231,19 +231,19 @@ impl<'f> Finder<'f> {
             "idle" if !begun => self.words(&["drop", "keep"]),
             "loop" if !begun => self.words(&["once", "free"]),
             "idle" => {
-                self.path(Wanted::Task, &rest[1..]);
+                self.path(PathKind::Task, &rest[1..]);
             }
             "loop" => {
-                self.path(Wanted::TaskOrService, &rest[1..]);
+                self.path(PathKind::TaskOrService, &rest[1..]);
             }
             "unit" => {
                 self.unit(rest);
             }
             "duration" => {
-                let _ = self.path(Wanted::Codel, rest) || self.unit(rest);
+                let _ = self.path(PathKind::Codel, rest) || self.unit(rest);
             }
             "slots" => {
-                self.path(Wanted::TaskOrActivity, rest);
+                self.path(PathKind::TaskOrActivity, rest);
             }
             "connect" => {
                 let to = rest.iter().position(|it| word(self.text, Some(it)) == "to");
@@ -252,10 +252,10 @@ impl<'f> Finder<'f> {
                         if rest[to + 1..].is_empty() {
                             self.words(&["none"]);
                         }
-                        self.path(Wanted::Output, &rest[to + 1..]);
+                        self.path(PathKind::Output, &rest[to + 1..]);
                     }
                     None => {
-                        if !self.path(Wanted::Input, rest) {
+                        if !self.path(PathKind::Input, rest) {
                             self.words(&["to"]);
                         }
                     }
@@ -278,13 +278,13 @@ impl<'f> Finder<'f> {
                 if rest.is_empty() {
                     self.all();
                 }
-                self.path(Wanted::Task, rest);
+                self.path(PathKind::Task, rest);
             }
             "response" => {
                 if rest.is_empty() {
                     self.all();
                 }
-                if !self.path(Wanted::Task, rest) {
+                if !self.path(PathKind::Task, rest) {
                     self.unit(rest);
                 }
             }
@@ -301,7 +301,7 @@ impl<'f> Finder<'f> {
     fn step(&mut self, first: &str, rest: &[&Token]) {
         match first {
             "send" => {
-                self.path(Wanted::Service, rest);
+                self.path(PathKind::Service, rest);
             }
             "await" => match rest.split_first() {
                 None => self.words(&["accepted", "ended"]),
@@ -311,14 +311,14 @@ impl<'f> Finder<'f> {
                         self.words(&["ok", "failed"]);
                     }
                     let chosen = matches!(how, "ok" | "failed") && rest.len() != 2;
-                    self.path(Wanted::Service, &rest[usize::from(chosen)..]);
+                    self.path(PathKind::Service, &rest[usize::from(chosen)..]);
                 }
             },
             "abort" => {
                 if rest.is_empty() {
                     self.sent_labels();
                 }
-                self.path(Wanted::Activity, rest);
+                self.path(PathKind::Activity, rest);
             }
             "kill" | "connect" if rest.is_empty() => {
                 for (label, target) in self.names.after(None) {
@@ -428,20 +428,20 @@ impl<'f> Finder<'f> {
             it.kind == Kind::Arrow || it.kind == Kind::Comma || word(self.text, Some(it)) == "via"
         };
         let Some(last) = rest.iter().rposition(after) else {
-            self.path(Wanted::Port, rest);
+            self.path(PathKind::Port, rest);
             return;
         };
         if rest[last].kind != Kind::Arrow {
-            self.path(Wanted::Port, &rest[last + 1..]);
-            self.path(Wanted::TaskOrService, &rest[last + 1..]);
-            self.path(Wanted::Codel, &rest[last + 1..]);
-        } else if !self.path(Wanted::Output, &rest[last + 1..]) {
+            self.path(PathKind::Port, &rest[last + 1..]);
+            self.path(PathKind::TaskOrService, &rest[last + 1..]);
+            self.path(PathKind::Codel, &rest[last + 1..]);
+        } else if !self.path(PathKind::Output, &rest[last + 1..]) {
             self.words(&["via"]);
         }
     }
 
     /// Adds whole paths of the expected kind. Returns true if this is a place for a path.
-    fn path(&mut self, wanted: Wanted, rest: &[&Token]) -> bool {
+    fn path(&mut self, wanted: PathKind, rest: &[&Token]) -> bool {
         let Some((0, path)) = self.written(rest) else {
             return false;
         };
@@ -482,26 +482,26 @@ impl<'f> Finder<'f> {
         });
     }
 
-    fn paths(&self, wanted: Wanted) -> Vec<(String, Target)> {
+    fn paths(&self, wanted: PathKind) -> Vec<(String, Target)> {
         let mut out = Vec::new();
         for (component, target) in self.names.after(None) {
             for (name, member) in self.names.after(Some(&target)) {
                 let path = format!("{component}.{name}");
                 let fits = match (wanted, &member) {
                     (
-                        Wanted::Task | Wanted::TaskOrService | Wanted::TaskOrActivity,
+                        PathKind::Task | PathKind::TaskOrService | PathKind::TaskOrActivity,
                         Target::Task(..),
                     )
-                    | (Wanted::Service | Wanted::TaskOrService, Target::Service(..)) => true,
-                    (Wanted::TaskOrActivity | Wanted::Activity, &Target::Service(c, s)) => {
+                    | (PathKind::Service | PathKind::TaskOrService, Target::Service(..)) => true,
+                    (PathKind::TaskOrActivity | PathKind::Activity, &Target::Service(c, s)) => {
                         self.names.is_activity(c, s)
                     }
-                    (Wanted::Port, Target::Port(..)) => true,
-                    (Wanted::Input | Wanted::Output, &Target::Port(c, p)) => {
+                    (PathKind::Port, Target::Port(..)) => true,
+                    (PathKind::Input | PathKind::Output, &Target::Port(c, p)) => {
                         let port = &self.names.components[c].component.ports[p as usize];
-                        (port.dir == PortDir::In) == (wanted == Wanted::Input)
+                        (port.dir == PortDir::In) == (wanted == PathKind::Input)
                     }
-                    (Wanted::Codel, Target::Task(..) | Target::Service(..)) => {
+                    (PathKind::Codel, Target::Task(..) | Target::Service(..)) => {
                         let codels = self.names.after(Some(&member)).into_iter();
                         out.extend(codels.map(|(state, it)| (format!("{path}.{state}"), it)));
                         false

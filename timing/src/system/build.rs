@@ -15,7 +15,7 @@ use std::ops::Range;
 use dotgen_analysis::model::{Owner, Src};
 use num_rational::Ratio;
 
-use super::built::Built;
+use super::indexed::Built;
 use super::locks::exclude_codels;
 use super::settings::Settings;
 use super::{LockOrder, Platform, Policy, TimedSystem};

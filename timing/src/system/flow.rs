@@ -10,8 +10,8 @@ use dotgen_analysis::model::{
     CodelKind, Owner, Param, ParamDir, ParamSource, PathElement, PortDir,
 };
 
-use super::built::{Built, not_a};
 use super::chain::{Chain, ChainKind, DataPlace};
+use super::indexed::{Built, not_a};
 use super::locks::{Connections, connections, live_codels, locks_of};
 use super::settings::Settings;
 use crate::diagnostic::Diagnostic;
@@ -19,7 +19,7 @@ use crate::scn::ast::Path;
 use crate::scn::names::{Names, Target};
 
 /// Number of paths of the data that are listed. Further paths are only mentioned.
-const WAYS: usize = 6;
+const MAX_LISTED_PATHS: usize = 6;
 
 /// Upper limit on the partial paths that the search extends.
 const STEPS: usize = 20_000;
@@ -86,7 +86,7 @@ pub(crate) fn chain(
     let ends = (flow.key(&first), flow.key(&last));
     let relevant = relevant(&uses, &ends);
     if !relevant.contains(&ends.1) || !relevant.contains(&ends.0) {
-        return Err(no_way(asked));
+        return Err(no_path_diagnostic(asked));
     }
     for it in &mut uses {
         it.reads.retain(|it| relevant.contains(it));
@@ -126,7 +126,7 @@ pub(crate) fn chain(
         last: number(&ends.1),
         external,
     };
-    let on_way = |it: &&Use| !it.writes.is_empty() || !it.reads.is_empty();
+    let on_way = |it: &&DataAccesses| !it.writes.is_empty() || !it.reads.is_empty();
     let mut components: Vec<usize> = uses.iter().filter(on_way).map(|it| it.component).collect();
     components.extend([first.0, last.0]);
     components.sort_unstable();
@@ -139,7 +139,7 @@ pub(crate) fn chain(
     })
 }
 
-fn no_way(asked: &ChainQuery) -> Diagnostic {
+fn no_path_diagnostic(asked: &ChainQuery) -> Diagnostic {
     let (from, to) = (asked.from.text(), asked.to.text());
     let via = match asked.via.is_empty() {
         true => "",
@@ -158,7 +158,7 @@ fn no_way(asked: &ChainQuery) -> Diagnostic {
 
 /// The data accesses of a codel, by its number in the system.
 #[derive(Debug, Default)]
-struct Use {
+struct DataAccesses {
     component: usize,
     reads: BTreeSet<Key>,
     writes: BTreeSet<Key>,
@@ -206,7 +206,7 @@ impl Flow<'_> {
     }
 
     /// Returns the places that each codel reads and writes: every named part of its parameters.
-    fn uses(&self) -> Vec<Use> {
+    fn uses(&self) -> Vec<DataAccesses> {
         let live = live_codels(self.built);
         let named = |id: usize| -> Vec<(ParamDir, Key)> {
             if !live[id] {
@@ -230,10 +230,10 @@ impl Flow<'_> {
                 .collect::<Vec<Key>>()
         };
         let of_codel = |(id, list): (usize, &Vec<(ParamDir, Key)>)| {
-            let mut out = Use {
+            let mut out = DataAccesses {
                 component: self.component_of(id),
                 carries: true,
-                ..Use::default()
+                ..DataAccesses::default()
             };
             for (dir, key) in list {
                 // Writing a part of a port writes the port.
@@ -316,7 +316,7 @@ impl Flow<'_> {
 
     /// Applies `via`. If codels of a component are named, only these codels carry data there. If ports of a
     /// component are named, only these ports are written there.
-    fn restrict(&self, via: &[Path], uses: &mut [Use]) -> Result<(), Diagnostic> {
+    fn restrict(&self, via: &[Path], uses: &mut [DataAccesses]) -> Result<(), Diagnostic> {
         let mut codels: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
         let mut ports: BTreeMap<usize, BTreeSet<u32>> = BTreeMap::new();
         for path in via {
@@ -376,7 +376,7 @@ impl Flow<'_> {
 }
 
 /// Returns the places that the first datum can reach, and from which the last one can be reached.
-fn relevant(uses: &[Use], (first, last): &(Key, Key)) -> BTreeSet<Key> {
+fn relevant(uses: &[DataAccesses], (first, last): &(Key, Key)) -> BTreeSet<Key> {
     let spread = |from: &Key, forward: bool| {
         let mut out = BTreeSet::from([from.clone()]);
         loop {
@@ -401,7 +401,7 @@ fn relevant(uses: &[Use], (first, last): &(Key, Key)) -> BTreeSet<Key> {
 }
 
 /// Returns paths of the data from codel to codel, without repetition, and whether there are more.
-fn ways(uses: &[Use], (first, last): &(Key, Key)) -> (Vec<Vec<usize>>, bool) {
+fn ways(uses: &[DataAccesses], (first, last): &(Key, Key)) -> (Vec<Vec<usize>>, bool) {
     let mut out: Vec<Vec<usize>> = Vec::new();
     let mut steps = 0;
     let begins = |it: &usize| uses[*it].carries && uses[*it].reads.contains(first);
@@ -409,7 +409,7 @@ fn ways(uses: &[Use], (first, last): &(Key, Key)) -> (Vec<Vec<usize>>, bool) {
     open.reverse();
     while let Some(way) = open.pop() {
         steps += 1;
-        if steps > STEPS || out.len() > WAYS {
+        if steps > STEPS || out.len() > MAX_LISTED_PATHS {
             break;
         }
         let Some(&at) = way.last() else { continue };
@@ -429,7 +429,7 @@ fn ways(uses: &[Use], (first, last): &(Key, Key)) -> (Vec<Vec<usize>>, bool) {
             }
         }
     }
-    let more = out.len() > WAYS || steps > STEPS;
-    out.truncate(WAYS);
+    let more = out.len() > MAX_LISTED_PATHS || steps > STEPS;
+    out.truncate(MAX_LISTED_PATHS);
     (out, more)
 }

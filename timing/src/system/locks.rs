@@ -4,7 +4,7 @@ use dotgen_analysis::model::mutex::{self, Excluded};
 use dotgen_analysis::model::{CodelKind, CodelRef, Component, Owner, ParamSource, PortDir};
 
 use super::Codel;
-use super::built::{Built, not_a};
+use super::indexed::{Built, not_a};
 use super::settings::Settings;
 use crate::diagnostic::Diagnostic;
 use crate::scn::names::{Names, Target};

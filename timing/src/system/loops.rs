@@ -69,7 +69,7 @@ pub(crate) fn can_pause(machine: &Machine, state: usize) -> bool {
 
 /// Returns the states that a machine can reach without an interruption, if it can neither pause nor end in
 /// any of them.
-pub(crate) fn runs_for_ever(machine: &Machine) -> Option<Vec<usize>> {
+pub(crate) fn states_of_endless_run(machine: &Machine) -> Option<Vec<usize>> {
     let mut found = vec![machine.start];
     let mut at = 0;
     while let Some(&state) = found.get(at) {

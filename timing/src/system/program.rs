@@ -22,7 +22,7 @@ pub(crate) trait Resolve {
 
 /// The request that a tracker follows.
 #[derive(Debug, Clone, PartialEq, Eq)]
-enum Followed {
+enum TrackedRequest {
     /// The last request.
     Last,
     /// The last request for a service.
@@ -100,7 +100,7 @@ pub(crate) fn labelled<'s>(steps: &'s [Step], out: &mut Vec<(&'s str, &'s Path)>
 
 struct Program<'p> {
     steps: Vec<ClientStep>,
-    trackers: Vec<Followed>,
+    trackers: Vec<TrackedRequest>,
     /// Labels of requests, each with the requested path.
     labels: Vec<(&'p str, &'p Path)>,
     resolve: &'p dyn Resolve,
@@ -135,15 +135,15 @@ impl Program<'_> {
         Ok(())
     }
 
-    fn awaited(&self, path: Option<&Path>) -> Result<Followed, Diagnostic> {
+    fn awaited(&self, path: Option<&Path>) -> Result<TrackedRequest, Diagnostic> {
         Ok(match path {
-            None => Followed::Last,
-            Some(path) => Followed::Service(self.resolve.service(path)?),
+            None => TrackedRequest::Last,
+            Some(path) => TrackedRequest::Service(self.resolve.service(path)?),
         })
     }
 
     /// Returns the request that `abort` names: one for an activity, or one with a label.
-    fn aborted(&self, path: &Path) -> Result<Followed, Diagnostic> {
+    fn aborted(&self, path: &Path) -> Result<TrackedRequest, Diagnostic> {
         if let [name] = path.names.as_slice() {
             let mut requests = self
                 .labels
@@ -161,32 +161,32 @@ impl Program<'_> {
             for &(_, requested) in requests {
                 self.resolve.activity(requested)?;
             }
-            return Ok(Followed::Labelled(name.value.clone()));
+            return Ok(TrackedRequest::Labelled(name.value.clone()));
         }
-        Ok(Followed::Accepted(self.resolve.activity(path)?))
+        Ok(TrackedRequest::Accepted(self.resolve.activity(path)?))
     }
 
-    fn tracker(&self, of: &Followed) -> usize {
+    fn tracker(&self, of: &TrackedRequest) -> usize {
         self.trackers.iter().position(|it| it == of).unwrap_or(0)
     }
 
     /// Returns the action of a request of any kind.
     fn request(&self, service: usize, label: Option<&str>, aborts: Option<usize>) -> ClientAction {
-        let trackers = |follows: &dyn Fn(&Followed) -> bool| {
+        let trackers = |follows: &dyn Fn(&TrackedRequest) -> bool| {
             let all = self.trackers.iter().enumerate();
             all.filter(|it| follows(it.1)).map(|it| it.0).collect()
         };
         ClientAction::Send {
             service,
             trackers: trackers(&|it| match it {
-                Followed::Last => true,
-                Followed::Service(of) => *of == service,
-                Followed::Accepted(_) | Followed::Labelled(_) => false,
+                TrackedRequest::Last => true,
+                TrackedRequest::Service(of) => *of == service,
+                TrackedRequest::Accepted(_) | TrackedRequest::Labelled(_) => false,
             }),
             accepted: trackers(&|it| match it {
-                Followed::Last | Followed::Service(_) => false,
-                Followed::Accepted(of) => *of == service,
-                Followed::Labelled(of) => Some(of.as_str()) == label,
+                TrackedRequest::Last | TrackedRequest::Service(_) => false,
+                TrackedRequest::Accepted(of) => *of == service,
+                TrackedRequest::Labelled(of) => Some(of.as_str()) == label,
             }),
             aborts,
         }

@@ -131,7 +131,7 @@ impl Group<'_> {
                     let what = format!("the job has taken more than {}", limit_text(it));
                     let (component, name) = self.task_names(task);
                     let src = self.built.system.tasks[self.built.tasks[&task]].src;
-                    self.shown_by(&mut out).push(Event {
+                    self.run_of_refutation(&mut out).push(Event {
                         task: Some(name),
                         src: src.map(|(c, src)| (self.names.components[c].spec_index, src)),
                         ..self.excess_event(end, component, what)
@@ -151,7 +151,7 @@ impl Group<'_> {
                         self.names.components[it].component.name.to_string()
                     });
                     let event = self.excess_event(end, component, what);
-                    self.shown_by(&mut out).push(event);
+                    self.run_of_refutation(&mut out).push(event);
                 }
             }
             What::Chain(_) | What::LeadsTo(..) | What::Eventually(_) => {}

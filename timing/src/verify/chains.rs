@@ -38,7 +38,7 @@ impl Group<'_> {
                 self.names.components[it].component.name.to_string()
             });
             let event = self.excess_event(end, component, what);
-            self.shown_by(&mut out).push(event);
+            self.run_of_refutation(&mut out).push(event);
         }
         if measured.is_some_and(|value| !is_exact(system, &it.chain, value.bound)) {
             // The age reached the counting limit: the value is a lower bound.

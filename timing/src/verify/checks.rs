@@ -5,8 +5,8 @@ use crate::property::{PropertyKind, resolve};
 use crate::report::TaskId;
 use crate::scn::ast::{Bound, ChainKind, ChainPath, Check, CheckKind, Path, Pred};
 use crate::scn::names::Names;
-use crate::system::built::Built;
 use crate::system::flow;
+use crate::system::indexed::Built;
 use crate::system::settings::Settings;
 
 /// A check of a single subject.

@@ -5,7 +5,7 @@ use num_rational::Ratio;
 
 use super::Group;
 use super::units::to_f64;
-use crate::explore::{About, Blocker, Executing, Moment, MomentKind, Run};
+use crate::explore::{Blocker, Executing, Moment, MomentDetails, MomentKind, Run};
 use crate::report::{Blocking, CheckReport, Event, Verdict};
 use crate::scn::names::Names;
 use crate::system::TimedSystem;
@@ -15,7 +15,7 @@ impl Group<'_> {
     pub(super) fn refute(&self, run: &Run, out: &mut CheckReport) {
         out.verdict = Verdict::Refuted;
         out.reason = self.reason(run, out.id.task);
-        *self.shown_by(out) = self.events(run);
+        *self.run_of_refutation(out) = self.events(run);
         out.left_out = run.left_out;
         out.cycle = run.cycle.map(|at| {
             let prefix = Run {
@@ -28,7 +28,7 @@ impl Group<'_> {
 
     /// Returns the field for a run that refutes a check. With rounded durations, the run need not exist in
     /// the system.
-    pub(super) fn shown_by<'r>(&self, out: &'r mut CheckReport) -> &'r mut Vec<Event> {
+    pub(super) fn run_of_refutation<'r>(&self, out: &'r mut CheckReport) -> &'r mut Vec<Event> {
         match out.rounded {
             true => &mut out.possible_run,
             false => &mut out.counterexample,
@@ -75,15 +75,15 @@ pub(super) fn told(names: &Names, system: &TimedSystem, unit: Seconds, run: &Run
         let time = to_f64(factor * Ratio::from_integer(i128::from(it.time)));
         let mut event = Event {
             task: it.task.map(|task| system.tasks[task].name.clone()),
-            for_core: it.about == About::AwaitsCore,
+            for_core: it.about == MomentDetails::AwaitsCore,
             codel: it.codel.map(path),
             action: it.action,
             src,
             ..Event::of_component(time, it.component, it.kind, it.what)
         };
         match it.about {
-            About::Nothing | About::AwaitsCore => {}
-            About::Blocked(by) => {
+            MomentDetails::Nothing | MomentDetails::AwaitsCore => {}
+            MomentDetails::Blocked(by) => {
                 let blocking = |it: Blocker| Blocking {
                     codel: path(it.codel),
                     by: name(it.by),
@@ -91,11 +91,11 @@ pub(super) fn told(names: &Names, system: &TimedSystem, unit: Seconds, run: &Run
                 };
                 event.waits_for = by.into_iter().map(blocking).collect();
             }
-            About::Requested { client, .. } => {
+            MomentDetails::Requested { client, .. } => {
                 event.client = Some(system.clients[client].name.clone());
             }
-            About::Released { task } => event.releases = Some(system.task_path(task)),
-            About::Preempted(it) => event.preempts = Some(name(it)),
+            MomentDetails::Released { task } => event.releases = Some(system.task_path(task)),
+            MomentDetails::Preempted(it) => event.preempts = Some(name(it)),
         }
         event
     };

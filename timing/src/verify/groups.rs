@@ -3,7 +3,7 @@
 use super::checks::{Single, What};
 use crate::scn::names::Names;
 use crate::system::ClientAction;
-use crate::system::built::Built;
+use crate::system::indexed::Built;
 
 /// Divides the components into groups that share no lock, core, client or check. Such groups do not influence
 /// each other (section 11).

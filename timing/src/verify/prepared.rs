@@ -13,7 +13,7 @@ use crate::scn::ast::{Pred, Scenario, Unit};
 use crate::scn::names::Names;
 use crate::system::Ticks;
 use crate::system::build::build;
-use crate::system::built::Built;
+use crate::system::indexed::Built;
 use dotgen_analysis::model::Seconds;
 
 /// A system, and the questions of its checks.
@@ -22,7 +22,7 @@ pub struct Prepared {
     /// The system.
     pub built: Built,
     /// Checks, in order of the scenario; `*` gives one per task.
-    pub checks: Vec<Asked>,
+    pub checks: Vec<PreparedCheck>,
     /// Unit of the report, in seconds.
     pub unit: Seconds,
     /// The report before any answer: names, assumptions, diagnostics. If one of the diagnostics is an error,
@@ -32,7 +32,7 @@ pub struct Prepared {
 
 /// A check, resolved in the system.
 #[derive(Debug, Clone)]
-pub struct Asked {
+pub struct PreparedCheck {
     /// Report of the check, without an answer.
     pub report: CheckReport,
     /// Question.
@@ -85,7 +85,7 @@ pub fn prepare(input: &SystemInput, scenario: &Scenario, options: &Options) -> P
         tell: &|_| {},
     };
     let checks = singles.iter().filter_map(|it| {
-        Some(Asked {
+        Some(PreparedCheck {
             report: group.open(it),
             question: group.question(it)?,
         })

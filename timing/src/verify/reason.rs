@@ -29,7 +29,7 @@ impl Group<'_> {
             return Vec::new();
         };
         let system = &self.built.system;
-        let followed = Followed::new(system, &run.moments(system), *task, run.end);
+        let followed = Intervals::new(system, &run.moments(system), *task, run.end);
         let factor = system.unit / self.unit;
         let time = |at: u64| to_f64(factor * Ratio::from_integer(i128::from(at)));
         let path = |codel: usize| system.codels[codel].path.clone();
@@ -65,16 +65,16 @@ impl Group<'_> {
 }
 
 /// The waits and possessions of a run.
-struct Followed {
+struct Intervals {
     /// Waits of the last job of the task that took time, each with its end.
     waits: Vec<(Wait, u64)>,
     /// Possessions of all threads.
     possessions: Vec<Possession>,
 }
 
-impl Followed {
+impl Intervals {
     fn new(system: &TimedSystem, moments: &[Moment], task: usize, end: u64) -> Self {
-        let mut out = Followed {
+        let mut out = Intervals {
             waits: Vec::new(),
             possessions: Vec::new(),
         };

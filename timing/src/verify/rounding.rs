@@ -1,6 +1,6 @@
 //! The effect of rounding to the unit of a scenario (section 20 of the timed semantics).
 
-use crate::system::built::Built;
+use crate::system::indexed::Built;
 use crate::system::units;
 use dotgen_analysis::quantity;
 

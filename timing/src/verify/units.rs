@@ -15,7 +15,7 @@ impl Group<'_> {
         Value::Time(to_f64(time / self.unit))
     }
 
-    pub(super) fn in_words(&self, ticks: Ticks) -> String {
+    pub(super) fn describe(&self, ticks: Ticks) -> String {
         self.with_unit(self.time(ticks))
     }
 

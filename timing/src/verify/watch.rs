@@ -1,7 +1,7 @@
 //! The watch list of the explorer, from the checks.
 
 use super::Group;
-use super::analysed::Analysed;
+use super::bounds::ResponseBounds;
 use super::checks::{Single, What};
 use crate::explore::{ResponseTime, Watch, Within};
 use crate::property::{Predicate, resolve};
@@ -26,7 +26,7 @@ impl Group<'_> {
         &self,
         checks: &[Single],
         part: impl Iterator<Item = usize>,
-        analysed: &Analysed,
+        analysed: &ResponseBounds,
     ) -> (Watch, Vec<(usize, usize)>) {
         let mut watch = Watch::default();
         let mut places = Vec::new();

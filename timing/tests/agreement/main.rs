@@ -15,8 +15,8 @@ use brute::{Brute, CAP, Results};
 use dotgen_timing::abstraction::{Budget, abstract_bounds};
 use dotgen_timing::analytic::{meets_deadlines, response_bounds};
 use dotgen_timing::explore::{
-    Bound, Found, InZones, Kind, Limits, Measured, ResponseTime, Stop, Watch, Within, chase,
-    explore, in_zones,
+    Bound, Found, Kind, Limits, Measured, ResponseTime, Stop, Watch, Within, ZoneFindings, explore,
+    search_once, search_zones,
 };
 use dotgen_timing::property::Predicate;
 use dotgen_timing::system::TimedSystem;
@@ -290,7 +290,7 @@ fn chased(seed: u64, brute: &Brute, expected: &Results) -> Result<(), String> {
     };
     for number in 0..5 {
         let cancel = Cancel::default();
-        let found = chase(
+        let found = search_once(
             brute.system,
             &watch,
             (number, 1_000_000),
@@ -298,12 +298,12 @@ fn chased(seed: u64, brute: &Brute, expected: &Results) -> Result<(), String> {
             &cancel,
         );
         if found.stopped.is_some() {
-            return Err(format!("chase {number} gave up"));
+            return Err(format!("search {number} gave up"));
         }
         let shows = |it: &Found, pick: fn(&Results) -> &Vec<bool>, task: usize| {
             let last = brute.replay(&it.run.steps, it.run.end);
             last.map(|it| pick(&it)[task])
-                .map_err(|why| format!("chase {number}: {why}: {:?}", it.run))
+                .map_err(|why| format!("search {number}: {why}: {:?}", it.run))
         };
         let lists = [
             (
@@ -321,7 +321,7 @@ fn chased(seed: u64, brute: &Brute, expected: &Results) -> Result<(), String> {
                     None => complete && pick(expected)[task],
                 };
                 if wrong {
-                    return Err(format!("chase {number}: task {task}, found {it:?}"));
+                    return Err(format!("search {number}: task {task}, found {it:?}"));
                 }
             }
         }
@@ -506,7 +506,7 @@ fn compare_reachable(seed: u64) -> Option<Result<(), String>> {
     };
     let expected = brute.explore(30_000)?;
     let refused = (0..system.services.len()).filter(|&it| expected.refused[it]);
-    let expected = InZones {
+    let expected = ZoneFindings {
         deadlock: expected.deadlock,
         refused: refused.collect(),
         reached: expected.reached,
@@ -517,8 +517,8 @@ fn compare_reachable(seed: u64) -> Option<Result<(), String>> {
         ..Watch::default()
     };
     let check = || -> Result<(), String> {
-        let zones =
-            in_zones(&system, &goals, 1_000_000, limits(seed).without).ok_or("zones gave up")?;
+        let zones = search_zones(&system, &goals, 1_000_000, limits(seed).without)
+            .ok_or("zones gave up")?;
         if zones != expected {
             return Err(format!("brute {expected:?}, zones {zones:?}"));
         }
@@ -527,7 +527,7 @@ fn compare_reachable(seed: u64) -> Option<Result<(), String>> {
         if found.stopped.is_some() && !answered {
             return Err("gave up".to_owned());
         }
-        let all = InZones {
+        let all = ZoneFindings {
             reached: found.reached.iter().map(Option::is_some).collect(),
             deadlock: found.deadlock.is_some(),
             // After all questions are answered, the exploration stops.

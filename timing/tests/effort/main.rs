@@ -10,7 +10,9 @@ use std::sync::{Arc, Mutex};
 use counting::Counting;
 use dotgen_analysis::host::UnitResult;
 use dotgen_loaders::unit;
-use dotgen_timing::derive::{Told, largest_wcet, minimum_cores, sensitivity, smallest_period};
+use dotgen_timing::derive::{
+    InterimResult, largest_wcet, minimum_cores, sensitivity, smallest_period,
+};
 use dotgen_timing::explore::{Limits, Stop};
 use dotgen_timing::report::{CheckReport, Value, Verdict};
 use dotgen_timing::scn::ast::{Path, Scenario};
@@ -380,8 +382,8 @@ fn the_number_of_threads_changes_no_derived_answer() {
         let (found, looked) = by_threads(threads, |options, cancel| {
             let mut options = options.clone();
             options.limits.bytes = bytes;
-            let tell = |it: Told| {
-                if let Told::Asking(it) = it {
+            let tell = |it: InterimResult| {
+                if let InterimResult::Asking(it) = it {
                     told.lock().unwrap().push(it.clone());
                 }
             };

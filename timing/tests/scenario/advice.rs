@@ -4,7 +4,7 @@ use std::sync::Mutex;
 use std::time::Duration;
 
 use dotgen_timing::advice::{Change, Repairs, repairs};
-use dotgen_timing::derive::{Quantity, Told, sensitivity};
+use dotgen_timing::derive::{InterimResult, Quantity, sensitivity};
 use dotgen_timing::report::{Report, Verdict};
 use dotgen_timing::scn::ast::Policy;
 use dotgen_timing::scn::parse;
@@ -205,11 +205,11 @@ fn limits_come_by_use_without_what_nobody_asks_for_and_say_what_breaks_first() {
     let asked = |items: &str| {
         with(&fine, &scenario(items), |input, scenario| {
             let told = Mutex::new(Vec::new());
-            let tell = |it: Told| {
+            let tell = |it: InterimResult| {
                 told.lock().unwrap().extend(match it {
-                    Told::Asking(_) => None,
-                    Told::Cores(_) => Some("cores".to_owned()),
-                    Told::Wcet(it) | Told::Period(it) => Some(it.of.clone()),
+                    InterimResult::Asking(_) => None,
+                    InterimResult::Cores(_) => Some("cores".to_owned()),
+                    InterimResult::Wcet(it) | InterimResult::Period(it) => Some(it.of.clone()),
                 })
             };
             let cancel = Cancel::default();

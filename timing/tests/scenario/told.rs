@@ -2,7 +2,7 @@
 
 use std::sync::Mutex;
 
-use dotgen_timing::verify::{Interrupt, verify_telling};
+use dotgen_timing::verify::{Interrupt, verify_with_reports};
 
 use super::*;
 
@@ -33,7 +33,7 @@ fn told(items: &str, options: &Options, cancel: &Cancel) -> (Vec<Report>, Report
     assert_eq!(parsed.errors, []);
     let told = Mutex::new(Vec::new());
     let tell = |it: &Report| told.lock().unwrap().push(it.clone());
-    let report = verify_telling(&input, &parsed.scenario, options, cancel, &tell);
+    let report = verify_with_reports(&input, &parsed.scenario, options, cancel, &tell);
     (told.into_inner().unwrap(), report)
 }
 
@@ -120,7 +120,7 @@ fn nothing_is_told_to_those_who_do_not_want_it_any_more() {
         cancel.abandon();
     };
     let options = published();
-    verify_telling(&input, &scenario.scenario, &options, &cancel, &tell);
+    verify_with_reports(&input, &scenario.scenario, &options, &cancel, &tell);
     assert_eq!(times.into_inner().unwrap(), 1);
 }
 
@@ -199,7 +199,7 @@ fn what_was_caught_beside_an_exploration_is_told_while_it_goes_on() {
     let told = Mutex::new(Vec::new());
     let tell = |it: &Report| told.lock().unwrap().push(it.clone());
     let cancel = Cancel::default();
-    let last = verify_telling(&input, &parsed.scenario, &some, &cancel, &tell);
+    let last = verify_with_reports(&input, &parsed.scenario, &some, &cancel, &tell);
     let verdicts = |it: &Report| it.checks.iter().map(|it| it.verdict).collect::<Vec<_>>();
     let told = told.into_inner().unwrap();
     let all: Vec<_> = told.iter().map(verdicts).collect();

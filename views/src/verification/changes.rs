@@ -8,7 +8,7 @@ use dotgen_analysis::diagnostic::FileEdit;
 use dotgen_analysis::host::{Analysis, Cancellable};
 use dotgen_analysis::ide::TaskTime;
 use dotgen_analysis::model::{Seconds, Src};
-use dotgen_timing::advice::{self, Change, Tell};
+use dotgen_timing::advice::{self, Change, RepairCallbacks};
 use dotgen_timing::report::Report;
 use dotgen_timing::scn::edit;
 use dotgen_timing::verify::{Cancel, Options, SystemInput, settings};
@@ -43,7 +43,7 @@ pub fn repairs(
     options: &Options,
     report: &Report,
     until: (&Cancel, Option<Duration>),
-    (trying, tell): Tell<'_, Repair>,
+    (trying, tell): RepairCallbacks<'_, Repair>,
 ) -> Repairs {
     let input = SystemInput {
         specs: problem.specs(),

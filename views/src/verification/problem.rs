@@ -7,11 +7,11 @@ use dotgen_analysis::diagnostic::{Diagnostic, Related, Severity};
 use dotgen_analysis::host::{Analysis, BatchInput, Cancellable, FileContent, Input, UnitResult};
 use dotgen_analysis::model::{Component, ComponentKind, Spec, Src};
 use dotgen_analysis::source_map::Locations;
-use dotgen_timing::derive::{Sensitivity, Told, sensitivity};
+use dotgen_timing::derive::{InterimResult, Sensitivity, sensitivity};
 use dotgen_timing::report::Report;
 use dotgen_timing::scn::ast::{Item, Scenario, Spanned};
 use dotgen_timing::scn::{self, Platform, default_text_on};
-use dotgen_timing::verify::{Cancel, Options, SystemInput, verify_telling};
+use dotgen_timing::verify::{Cancel, Options, SystemInput, verify_with_reports};
 
 use dotgen_platform::files::vfs;
 
@@ -264,7 +264,7 @@ impl Problem {
         &self,
         options: &Options,
         cancel: &Cancel,
-        tell: &(dyn Fn(Told) + Sync),
+        tell: &(dyn Fn(InterimResult) + Sync),
     ) -> Result<Sensitivity, Vec<dotgen_timing::diagnostic::Diagnostic>> {
         let input = SystemInput {
             specs: self.specs(),
@@ -282,7 +282,7 @@ impl Problem {
         let input = SystemInput {
             specs: self.specs(),
         };
-        verify_telling(&input, &self.scenario, options, cancel, tell)
+        verify_with_reports(&input, &self.scenario, options, cancel, tell)
     }
 }
 

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use dotgen_timing::advice::Tell;
+use dotgen_timing::advice::RepairCallbacks;
 use dotgen_timing::derive::minimum_cores;
 use dotgen_timing::property::PropertyKind;
 use dotgen_timing::report::Verdict;
@@ -82,7 +82,7 @@ pub fn run(
     }
     if report.seconds < QUICK_SECONDS && !cancel.is_over() {
         let until = (cancel, Some(REPAIR_TIMEOUT));
-        let untold: Tell<'_, Repair> = (&|_| {}, &|_| {});
+        let untold: RepairCallbacks<'_, Repair> = (&|_| {}, &|_| {});
         let repairs = changes::repairs(&problem, &options, &report, until, untold);
         if !repairs.all.is_empty() && !cancel.is_abandoned() {
             tell(Interim::Answer(with(&why, repairs)));

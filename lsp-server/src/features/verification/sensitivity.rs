@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::model::Src;
-use dotgen_timing::derive::{Extreme, Sensitivity, Told};
+use dotgen_timing::derive::{Extreme, InterimResult, Sensitivity};
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::build::build;
 use dotgen_timing::verify::{Cancel, Options, settings};
@@ -105,7 +105,7 @@ pub(crate) async fn ask(
     let (asked, with) = (problem.clone(), options.clone());
     let work = tokio::task::spawn_blocking(move || {
         asked.sensitivity(&with, &cancel, &|it| {
-            if let (Some(token), Told::Asking(it)) = (&token, it) {
+            if let (Some(token), InterimResult::Asking(it)) = (&token, it) {
                 to.notify::<notification::Progress>(ProgressParams {
                     token: token.clone(),
                     value: ProgressParamsValue::WorkDone(WorkDoneProgress::Report(

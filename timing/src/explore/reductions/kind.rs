@@ -23,7 +23,7 @@ pub enum Kind {
     /// Let a state with wider windows and older clocks cover a state with narrower windows and younger
     /// clocks.
     WindowInclusion,
-    /// Keep uncalm states of crowded moments, and do not follow them again at later moments.
+    /// Keep uncalm states of dense instants, and do not follow them again at later moments.
     MomentCovering,
     /// Look for unreachable predicates with zones as well.
     Zones,

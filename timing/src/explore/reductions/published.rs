@@ -1,12 +1,13 @@
 //! Reductions that are proved sound under the published rules.
 
 use super::ample::Ample;
+use super::deferral::Deferral;
 use super::facts::Facts;
-use super::lazy::Lazy;
-use super::overtake::{Now, Overtake};
+use super::sleep_sets::{Now, Overtake};
 use super::symmetry::{Orbits, Renaming, Symmetry};
 use super::{
-    Activity, Held, Kind, Kinds, Reason, Reduced, Reduction, Reductions, Setting, Waiters, Watched,
+    Activity, Deferrable, Kind, Kinds, Reason, Reduced, Reduction, Reductions, Setting, SleepSet,
+    Watched,
 };
 use crate::explore::rules::published::Published;
 use crate::explore::rules::{Action, Enabled};
@@ -19,7 +20,7 @@ pub(crate) struct OfPublished {
     facts: Facts,
     ample: Option<Ample>,
     overtake: Option<Overtake>,
-    lazy: Option<Lazy>,
+    lazy: Option<Deferral>,
     symmetry: Option<Symmetry>,
     /// Orbits without symmetry.
     alone: Orbits,
@@ -48,7 +49,7 @@ impl Reductions<Published<'_>> for OfPublished {
             Kind::PersistentSets,
         ));
         let overtake = Overtake::examine(&setting, &mut notes);
-        let lazy = Lazy::examine(&setting, &mut notes);
+        let lazy = Deferral::examine(&setting, &mut notes);
         let resting = lazy.as_ref().map(|it| it.without_rest(&setting));
         notes.push(part(Kind::RestingLoops, resting, Kind::Deferral));
         let symmetry = Symmetry::examine(&setting, &mut notes);
@@ -77,10 +78,10 @@ impl Reductions<Published<'_>> for OfPublished {
     fn follow(
         &self,
         rules: &Published,
-        (s, held): (&State, Held),
+        (s, held): (&State, SleepSet),
         enabled: &Enabled,
         first: &mut Vec<Action>,
-        out: &mut Vec<(Action, Held)>,
+        out: &mut Vec<(Action, SleepSet)>,
     ) {
         self.persistent(rules, s, enabled, first);
         let now = Now {
@@ -98,24 +99,24 @@ impl Reductions<Published<'_>> for OfPublished {
         }
         let waiters = self.lazy.as_ref().filter(|_| enabled.is_calm());
         if let Some(waiters) = waiters.and_then(|it| it.waiters(rules, s)) {
-            let waits = |executor| waiters.can_wait(rules.system, executor);
+            let waits = |executor| waiters.can_be_deferred(rules.system, executor);
             out.retain(|it| !matches!(it.0, Action::Finish { executor, .. } if waits(executor)));
         }
     }
 
-    fn held_after(
+    fn sleep_set_after(
         &self,
         rules: &Published,
         before: &State,
         action: Action,
         s: &State,
-        held: Held,
-    ) -> Held {
+        held: SleepSet,
+    ) -> SleepSet {
         let overtake = self.overtake.as_ref();
         overtake.map_or(0, |it| it.after(rules, before, action, s, held))
     }
 
-    fn waiters(&self, rules: &Published, s: &State) -> Option<Waiters> {
+    fn waiters(&self, rules: &Published, s: &State) -> Option<Deferrable> {
         self.lazy.as_ref()?.waiters(rules, s)
     }
 

@@ -7,7 +7,7 @@
 //! without preemption, actions that free a core, or let a task ask for one, are followed in every order, as
 //! the order of the queue depends on them. So are the actions of a group of which a task waits for a core.
 //!
-//! *Deferral.* As for the published rules (see [`super::lazy`]): with least times of 0, an end that no other
+//! *Deferral.* As for the published rules (see [`super::deferral`]): with least times of 0, an end that no other
 //! executor waits for gains nothing before the next tick or end of a window. All that follows the end can
 //! follow there, in the same order and in no time. Tickets are taken in that order, so that the queue is the
 //! same, and codels begun later have wider windows. A group is *lazy* if all its codels and delays have lower
@@ -23,9 +23,10 @@
 use rustc_hash::FxHashSet;
 use smallvec::SmallVec;
 
-use super::lazy::rest;
+use super::deferral::rest;
 use super::{
-    Activity, Held, Kind, Kinds, Orbits, Reason, Reduced, Reductions, Renaming, Waiters, Watched,
+    Activity, Deferrable, Kind, Kinds, Orbits, Reason, Reduced, Reductions, Renaming, SleepSet,
+    Watched,
 };
 use crate::explore::rules::servers::Servers;
 use crate::explore::rules::{Action, Enabled, Rules};
@@ -122,7 +123,7 @@ impl OfServers {
     }
 
     /// Returns true if the ends of lazy executors can be postponed in a calm state.
-    fn put_off(&self, rules: &Servers, s: &State) -> bool {
+    fn can_defer_ends(&self, rules: &Servers, s: &State) -> bool {
         self.lazy.contains(&true)
             && !rules.keeps_first_tick(s, |task| self.lazy[task])
             && (self.rest.iter()).all(|&(task, state)| rules.rests(s, task, state))
@@ -205,26 +206,33 @@ impl Reductions<Servers<'_>> for OfServers {
     fn follow(
         &self,
         rules: &Servers,
-        (s, held): (&State, Held),
+        (s, held): (&State, SleepSet),
         enabled: &Enabled,
         first: &mut Vec<Action>,
-        out: &mut Vec<(Action, Held)>,
+        out: &mut Vec<(Action, SleepSet)>,
     ) {
         self.persistent(rules, s, enabled, first);
         out.clear();
         out.extend(first.iter().map(|&it| (it, held)));
-        if enabled.is_calm() && self.put_off(rules, s) {
+        if enabled.is_calm() && self.can_defer_ends(rules, s) {
             out.retain(
                 |it| !matches!(it.0, Action::Finish { executor, .. } if self.lazy[executor]),
             );
         }
     }
 
-    fn held_after(&self, _: &Servers, _: &State, _: Action, _: &State, _: Held) -> Held {
+    fn sleep_set_after(
+        &self,
+        _: &Servers,
+        _: &State,
+        _: Action,
+        _: &State,
+        _: SleepSet,
+    ) -> SleepSet {
         0
     }
 
-    fn waiters(&self, _: &Servers, _: &State) -> Option<Waiters> {
+    fn waiters(&self, _: &Servers, _: &State) -> Option<Deferrable> {
         None
     }
 
@@ -235,7 +243,7 @@ impl Reductions<Servers<'_>> for OfServers {
         budget: &mut usize,
         mut found: impl FnMut(&Encoded),
     ) {
-        if !self.put_off(rules, s) {
+        if !self.can_defer_ends(rules, s) {
             return;
         }
         let mut seen: FxHashSet<Encoded> = FxHashSet::default();
@@ -290,8 +298,8 @@ impl Reductions<Servers<'_>> for OfServers {
     }
 
     fn next_moment(&self, rules: &Servers, s: &State) -> Option<Ticks> {
-        let put_off = self.put_off(rules, s);
-        rules.next_moment(s, &|executor| put_off && self.lazy[executor])
+        let can_defer_ends = self.can_defer_ends(rules, s);
+        rules.next_moment(s, &|executor| can_defer_ends && self.lazy[executor])
     }
 }
 

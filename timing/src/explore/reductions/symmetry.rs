@@ -10,13 +10,13 @@
 //! The reconstruction of runs does not use symmetry, see `explore::search::layers::trace`: after a state was
 //! put in order on the way, the rest of the run is renamed to the units as they were before.
 
-mod alike;
+mod automorphisms;
 
 use std::cmp::Ordering;
 
 use smallvec::SmallVec;
 
-pub(crate) use self::alike::Label;
+pub(crate) use self::automorphisms::Label;
 use super::{Kind, Reason, Reduction, Setting};
 use crate::explore::rules::Action;
 use crate::explore::rules::published::Published;
@@ -137,7 +137,7 @@ impl Reduction<Published<'_>> for Symmetry {
 
     fn applies(setting: &Setting<Published>) -> Result<Self, Reason> {
         let (system, layout) = (setting.system(), &setting.rules.layout);
-        let mut classes = alike::classes(system, setting.asked);
+        let mut classes = automorphisms::classes(system, setting.asked);
         if classes.is_empty() {
             return Err(Reason::NothingAlike);
         }

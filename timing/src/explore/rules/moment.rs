@@ -1,7 +1,7 @@
 //! Lines of a run for readers.
 
 use super::Action;
-use crate::explore::about::About;
+use crate::explore::details::MomentDetails;
 
 /// One line of a run for readers.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -19,7 +19,7 @@ pub struct Moment {
     /// Kind, for timelines.
     pub kind: MomentKind,
     /// Details.
-    pub about: About,
+    pub about: MomentDetails,
     /// Action; `None` before the first action.
     pub action: Option<Action>,
 }

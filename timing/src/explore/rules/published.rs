@@ -8,11 +8,11 @@
 mod atoms;
 mod control_task;
 mod cycle;
+mod describe;
 pub(crate) mod layout;
 mod perform;
 mod possible;
 mod time;
-mod words;
 
 use std::cell::Cell;
 
@@ -131,8 +131,8 @@ impl Rules for Published<'_> {
         self.perform(s, action);
     }
 
-    fn next_moment(&self, s: &State, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks> {
-        self.until_next(s, can_wait)
+    fn next_moment(&self, s: &State, can_be_deferred: &dyn Fn(usize) -> bool) -> Option<Ticks> {
+        self.until_next(s, can_be_deferred)
     }
 
     #[inline]
@@ -274,6 +274,6 @@ impl Rules for Published<'_> {
         time: u64,
         out: &mut Vec<Moment>,
     ) {
-        self.in_words(before, after, action, time, out);
+        self.describe(before, after, action, time, out);
     }
 }

@@ -11,15 +11,15 @@
 
 mod control_task;
 mod cores;
+mod describe;
 mod layout;
 mod pass;
 mod perform;
 mod possible;
+mod predicates;
 mod reach;
-mod see;
 mod shutdown;
 mod time;
-mod words;
 
 use std::cell::Cell;
 
@@ -120,7 +120,7 @@ impl<'s> Servers<'s> {
     }
 
     /// Returns true if an executor executes a codel that blocks the waiting one.
-    fn holds_up(&self, s: &State, waiting: &Codel, executor: usize) -> bool {
+    fn blocks(&self, s: &State, waiting: &Codel, executor: usize) -> bool {
         (self.codel(s, executor)).is_some_and(|it| waiting.conflicts.contains(it))
     }
 
@@ -210,15 +210,15 @@ impl Rules for Servers<'_> {
         self.list_ready(s);
     }
 
-    fn next_moment(&self, s: &State, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks> {
-        self.until_next(s, can_wait)
+    fn next_moment(&self, s: &State, can_be_deferred: &dyn Fn(usize) -> bool) -> Option<Ticks> {
+        self.until_next(s, can_be_deferred)
     }
 
     fn elapse(&self, s: &mut State, time: Ticks) {
-        self.let_pass(s, time);
+        self.pass_time(s, time);
     }
 
-    fn gets_on(&self, s: &State, executor: usize) -> bool {
+    fn progresses(&self, s: &State, executor: usize) -> bool {
         !self.preempts() || self.executes_on(s, self.running(s), executor)
     }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Index;
 
-use super::watching::Sight;
+use super::observations::Sight;
 use crate::explore::segments::Segments;
 use crate::explore::state::{Frame, State};
 use crate::explore::store::{Covering, Encoded, Store, decode_to};

@@ -7,13 +7,13 @@ pub(super) mod trace;
 
 use rustc_hash::FxHashSet;
 
-use self::trace::{Target, Traced};
+use self::trace::{ReconstructedRuns, Target};
 use super::graph::{Graph, Links, NodeId};
-use super::watching::{Sight, Watching};
+use super::observations::{Observations, Sight};
 use crate::cancel::Cancel;
-use crate::explore::measure::{Diverging, Gauge, How};
+use crate::explore::measure::{Divergence, Gauge, MeasurementMode};
 use crate::explore::observe;
-use crate::explore::reductions::{Activity, Held, Kind, Reason, Reduced, Reductions};
+use crate::explore::reductions::{Activity, Kind, Reason, Reduced, Reductions, SleepSet};
 use crate::explore::rules::Enabled;
 use crate::explore::run::Run;
 use crate::explore::state::State;
@@ -22,23 +22,23 @@ use crate::explore::watch::{Limits, Stop, Watch};
 use crate::system::Ticks;
 
 /// Number of states examined, per state of a layer, to find the states that are reached by postponed ends.
-const CLOSURES: usize = 1;
+const CLOSURE_STATES_PER_STATE: usize = 1;
 
 /// Bytes for a state that may reach others: the list of such states doubles as it grows, and sorting needs
 /// half of its size in addition.
-const SOURCE: usize = 4 * size_of::<(usize, u32, &[Ticks], u32)>();
+const SOURCE_BYTES: usize = 4 * size_of::<(usize, u32, &[Ticks], u32)>();
 
 /// Bytes of a tag in a set of tags.
-const REDUNDANT: usize = size_of::<u32>() + 1;
+const TAG_BYTES: usize = size_of::<u32>() + 1;
 
 /// Bytes that the reconstruction of a run may take, even if the states have used up the limit.
-const LEAST_FOR_RUN: usize = 8 << 20;
+const MIN_BYTES_FOR_RUN: usize = 8 << 20;
 
 /// Number of states between two polls of the limits.
-pub(super) const LOOKS: usize = 64;
+pub(super) const STATES_PER_POLL: usize = 64;
 
-/// Number of steps per kept state above which moments are crowded: then most effort goes into single moments.
-const CROWDED: u64 = 64;
+/// Number of steps per kept state above which instants are dense: then most effort goes into single moments.
+const STEPS_PER_STATE_OF_DENSE_INSTANTS: u64 = 64;
 
 /// Returns the covering of states within these limits.
 pub(super) fn covering(limits: Limits) -> Covering {
@@ -61,7 +61,7 @@ struct Layer {
 }
 
 /// The controller of an exploration.
-pub(super) trait Overseer<'a, R: Reduced> {
+pub(super) trait PollControl<'a, R: Reduced> {
     /// Polls an exploration every few steps: applies limits, and gives effort to other strategies. Returns
     /// true if the exploration is over.
     fn look(&mut self, layers: &mut Layers<'a, R>) -> bool;
@@ -72,23 +72,23 @@ pub(super) trait Overseer<'a, R: Reduced> {
 
 /// A breadth-first exploration in order of time.
 pub(super) struct Layers<'a, R: Reduced> {
-    pub(super) watching: Watching<'a, R, NodeId>,
+    pub(super) observations: Observations<'a, R, NodeId>,
     pub(super) graph: Graph,
     layer: Layer,
-    /// All states of earlier crowded moments.
-    crowd: Store,
+    /// All states of earlier dense instants.
+    dense_states: Store,
     pub(super) steps: u64,
     /// Present moment, in base units.
     pub(super) now: u64,
     pub(super) deadlock: Option<Sight<NodeId>>,
     /// Runs that were reconstructed already.
-    pub(super) traced: Traced,
+    pub(super) traced: ReconstructedRuns,
     /// Value of a clock above which the clock is examined for divergence, in base units.
-    pub(super) patience: Ticks,
+    pub(super) divergence_threshold: Ticks,
     /// Search for a repetition until one is found.
     patient: bool,
     /// Divergence found while a layer was closed.
-    pub(super) diverging: Option<Diverging>,
+    pub(super) diverging: Option<Divergence>,
     pub(super) limits: Limits,
     pub(super) cancel: &'a Cancel,
     pub(super) stopped: Option<Stop>,
@@ -104,7 +104,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
         limits: Limits,
         cancel: &'a Cancel,
     ) -> Self {
-        let watching = Watching::new(rules, watch, gauges, limits.without);
+        let observations = Observations::new(rules, watch, gauges, limits.without);
         let system = rules.system();
         let longest = system
             .tasks
@@ -123,10 +123,10 @@ impl<'a, R: Reduced> Layers<'a, R> {
                 }
             })
             .fold(0u32, |sum, it| sum.saturating_add(it));
-        let clocks = watching.rules.frame().clocks();
+        let clocks = observations.rules.frame().clocks();
         let covering = covering(limits);
         Layers {
-            watching,
+            observations,
             graph: Graph::new(clocks, covering),
             layer: Layer {
                 states: Store::new(clocks, covering),
@@ -134,13 +134,15 @@ impl<'a, R: Reduced> Layers<'a, R> {
                 under_way: 0,
                 released: (0, 0),
             },
-            crowd: Store::new(clocks, covering),
+            dense_states: Store::new(clocks, covering),
             steps: 0,
             now: 0,
             deadlock: None,
-            traced: Traced::default(),
-            patience: longest.saturating_add(work).max(16),
-            patient: gauges.iter().any(|it| it.how == How::Patient),
+            traced: ReconstructedRuns::default(),
+            divergence_threshold: longest.saturating_add(work).max(16),
+            patient: gauges
+                .iter()
+                .any(|it| it.how == MeasurementMode::UntilRepetition),
             diverging: None,
             limits,
             cancel,
@@ -152,10 +154,10 @@ impl<'a, R: Reduced> Layers<'a, R> {
     // ---- From moment to moment -------------------------------------------------------------
 
     /// Explores until all states have been examined, the exploration is stopped, or a time diverges.
-    pub(super) fn run(&mut self, by: &mut dyn Overseer<'a, R>) -> Option<Diverging> {
-        let initial = self.watching.rules.initial();
+    pub(super) fn run(&mut self, by: &mut dyn PollControl<'a, R>) -> Option<Divergence> {
+        let initial = self.observations.rules.initial();
         self.close_layer(0, vec![(initial, NodeId::ROOT)], true, by);
-        while self.goes_on()
+        while self.continues()
             && let Some((time, parents)) = self.graph.next_moment()
         {
             self.now = time;
@@ -166,22 +168,22 @@ impl<'a, R: Reduced> Layers<'a, R> {
             }
             let mut states = Vec::with_capacity(parents.len());
             for (i, parent) in parents.into_iter().enumerate() {
-                if i % LOOKS == LOOKS - 1 && by.look(self) {
+                if i % STATES_PER_POLL == STATES_PER_POLL - 1 && by.look(self) {
                     break;
                 }
                 let mut s = self.spare.pop().unwrap_or_default();
-                let frame = self.watching.rules.frame();
+                let frame = self.observations.rules.frame();
                 self.graph.state_to(frame, parent, &mut s);
                 let at = Sight { parent, time };
                 let jump = self.graph.since(at);
                 self.limits_in_jump(&s, parent, jump);
-                self.watching.rules.elapse(&mut s, jump);
+                self.observations.rules.elapse(&mut s, jump);
                 if self.diverging.is_none() {
                     self.diverging = self.clocks_after_jump(&mut s, at, by);
                 }
                 states.push((s, parent));
             }
-            if self.goes_on() {
+            if self.continues() {
                 self.close_layer(time, states, false, by);
             }
         }
@@ -197,21 +199,21 @@ impl<'a, R: Reduced> Layers<'a, R> {
 
     /// Releases the memory that the reconstruction of runs does not need.
     fn release(&mut self) {
-        self.layer.released = (self.layer.states.len(), self.beside_graph());
+        self.layer.released = (self.layer.states.len(), self.memory_outside_graph());
         self.layer.under_way = 0;
         self.layer.calm = Vec::new();
         self.layer.states = Store::default();
-        self.crowd = Store::default();
+        self.dense_states = Store::default();
         self.spare = Vec::new();
     }
 
-    fn goes_on(&self) -> bool {
+    fn continues(&self) -> bool {
         self.diverging.is_none() && self.stopped.is_none()
     }
 
     /// Returns true if the search is over, possibly because all questions are answered.
     fn is_stopped(&mut self) -> bool {
-        if self.watching.seen.enough {
+        if self.observations.seen.enough {
             self.stopped.get_or_insert(Stop::Answered);
         }
         self.stopped.is_some()
@@ -223,20 +225,25 @@ impl<'a, R: Reduced> Layers<'a, R> {
         time: u64,
         states: Vec<(State, NodeId)>,
         initial: bool,
-        by: &mut dyn Overseer<'a, R>,
+        by: &mut dyn PollControl<'a, R>,
     ) {
         self.layer.states.clear();
         self.layer.calm.clear();
         let mut links = Links::default();
-        let mut stack: Vec<(State, NodeId, Held)> = states
+        let mut stack: Vec<(State, NodeId, SleepSet)> = states
             .into_iter()
             .map(|(s, parent)| (s, parent, 0))
             .collect();
         if initial {
             for (s, parent, _) in &mut stack {
-                observe::observe(&self.watching.rules, &self.watching.observers, None, s);
+                observe::observe(
+                    &self.observations.rules,
+                    &self.observations.observers,
+                    None,
+                    s,
+                );
                 let parent = *parent;
-                self.watching.check(None, s, Sight { parent, time });
+                self.observations.check(None, s, Sight { parent, time });
             }
         }
         let mut enabled = Enabled::default();
@@ -252,15 +259,15 @@ impl<'a, R: Reduced> Layers<'a, R> {
                 return;
             }
             let at = Sight { parent, time };
-            self.watching
+            self.observations
                 .settle(&mut s, &mut held, &mut enabled, |_| at);
-            encode(self.watching.rules.frame(), &s, &mut it);
+            encode(self.observations.rules.frame(), &s, &mut it);
             // States with different sleep sets have different actions to follow, and are different.
             if held != 0 {
                 it.key.extend(held.to_le_bytes());
             }
-            // An earlier crowded moment has followed the state already.
-            if self.crowd.holds(&it) {
+            // An earlier dense instant has followed the state already.
+            if self.dense_states.holds(&it) {
                 self.spare.push(s);
                 continue;
             }
@@ -274,25 +281,25 @@ impl<'a, R: Reduced> Layers<'a, R> {
             if key as usize == self.layer.calm.len() {
                 self.layer.calm.push(!enabled.urgent);
             }
-            self.watching
+            self.observations
                 .followed((&s, held), &enabled, &mut first, &mut followed);
             for &(action, mut held) in &followed {
                 let mut next = self.spare.pop().unwrap_or_default();
                 next.clone_from(&s);
-                self.watching.step(&mut next, action, &mut held, at);
+                self.observations.step(&mut next, action, &mut held, at);
                 stack.push((next, parent, held));
             }
             self.spare.push(s);
         }
         self.is_stopped();
         self.keep_calm(time, &links, by);
-        self.keep_crowd(by);
+        self.keep_dense_instant(by);
     }
 
-    /// Keeps the states of a crowded moment, because most of them occur again at later moments, where their
+    /// Keeps the states of a dense instant, because most of them occur again at later moments, where their
     /// successors are then known.
-    fn keep_crowd(&mut self, by: &mut dyn Overseer<'a, R>) {
-        if !self.is_crowded() || self.limits.without.contains(Kind::MomentCovering) {
+    fn keep_dense_instant(&mut self, by: &mut dyn PollControl<'a, R>) {
+        if !self.is_dense() || self.limits.without.contains(Kind::MomentCovering) {
             return;
         }
         let layer = std::mem::take(&mut self.layer.states);
@@ -307,7 +314,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
             for (dims, _) in layer.covers(key) {
                 it.dims.clear();
                 it.dims.extend(dims);
-                self.crowd.insert(&it, 0, |_, _| 0);
+                self.dense_states.insert(&it, 0, |_, _| 0);
             }
         }
         self.layer.under_way = 0;
@@ -315,11 +322,11 @@ impl<'a, R: Reduced> Layers<'a, R> {
     }
 
     /// Turns the calm states of the layer into nodes, unless earlier nodes cover them.
-    fn keep_calm(&mut self, time: u64, links: &Links, by: &mut dyn Overseer<'a, R>) {
+    fn keep_calm(&mut self, time: u64, links: &Links, by: &mut dyn PollControl<'a, R>) {
         let layer = std::mem::take(&mut self.layer.states);
         self.layer.under_way = layer.memory() + links.memory();
         let redundant = self.redundant(&layer);
-        self.layer.under_way += redundant.capacity() * REDUNDANT;
+        self.layer.under_way += redundant.capacity() * TAG_BYTES;
         let mut it = Encoded::default();
         let mut s = State::default();
         for key in 0..layer.len() as u32 {
@@ -340,9 +347,9 @@ impl<'a, R: Reduced> Layers<'a, R> {
                 let Some(node) = self.graph.keep(&it, time, links.list(tag)) else {
                     continue;
                 };
-                let Watching {
+                let Observations {
                     rules, reductions, ..
-                } = &self.watching;
+                } = &self.observations;
                 self.graph.state_to(rules.frame(), node, &mut s);
                 match reductions.next_moment(rules, &s) {
                     Some(jump) => self.graph.wait(node, time + u64::from(jump)),
@@ -360,7 +367,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
 
     /// Returns true if time cannot pass in a box, because a window is at its end.
     fn ends_now(&self, dims: &[Ticks]) -> bool {
-        let windows = dims.len() - self.watching.rules.frame().clocks();
+        let windows = dims.len() - self.observations.rules.frame().clocks();
         dims[..windows].chunks_exact(2).any(|w| w[1] == 0)
     }
 
@@ -368,13 +375,13 @@ impl<'a, R: Reduced> Layers<'a, R> {
     /// incomplete if there are very many, because finding them must not take longer than following them. It
     /// is empty if there is no memory for the search.
     fn redundant(&self, layer: &Store) -> FxHashSet<u32> {
-        let Watching {
+        let Observations {
             rules, reductions, ..
-        } = &self.watching;
+        } = &self.observations;
         // States with the most executing codels reach the most other states.
         let mut sources: Vec<(usize, u32, &[Ticks], u32)> = Vec::new();
         let room = self.limits.bytes.saturating_sub(self.memory());
-        if layer.count() > room / SOURCE {
+        if layer.count() > room / SOURCE_BYTES {
             return FxHashSet::default();
         }
         for key in (0..layer.len() as u32).filter(|&it| self.layer.calm[it as usize]) {
@@ -383,7 +390,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
         }
         sources.sort_by_key(|it| std::cmp::Reverse(it.0));
         let mut out = FxHashSet::default();
-        let mut budget = 1000 + CLOSURES * layer.len();
+        let mut budget = 1000 + CLOSURE_STATES_PER_STATE * layer.len();
         for (_, key, dims, tag) in sources {
             if budget == 0 || self.cancel.is_over() {
                 break;
@@ -410,11 +417,11 @@ impl<'a, R: Reduced> Layers<'a, R> {
         if self.diverging.is_some() {
             return;
         }
-        let mut gauges = 0..self.watching.gauges.len();
-        let gauge = gauges.find(|&it| self.watching.measures(it, s).is_some());
+        let mut gauges = 0..self.observations.gauges.len();
+        let gauge = gauges.find(|&it| self.observations.measures(it, s).is_some());
         if let Some(gauge) = gauge {
             self.limits_in_jump(s, at.parent, Ticks::MAX);
-            self.diverging = Some(Diverging {
+            self.diverging = Some(Divergence {
                 gauge,
                 proof: Some(self.trace(at, &Target::Deadlock)),
                 excess: None,
@@ -428,26 +435,26 @@ impl<'a, R: Reduced> Layers<'a, R> {
         &mut self,
         s: &mut State,
         at: Sight<NodeId>,
-        by: &mut dyn Overseer<'a, R>,
-    ) -> Option<Diverging> {
-        self.watching.waiting_after_jump(s, at);
-        for gauge in 0..self.watching.gauges.len() {
-            let Some(value) = self.watching.longest_after_jump(gauge, s, at) else {
+        by: &mut dyn PollControl<'a, R>,
+    ) -> Option<Divergence> {
+        self.observations.waiting_after_jump(s, at);
+        for gauge in 0..self.observations.gauges.len() {
+            let Some(value) = self.observations.longest_after_jump(gauge, s, at) else {
                 continue;
             };
-            if value <= self.patience || by.look(self) {
+            if value <= self.divergence_threshold || by.look(self) {
                 continue;
             }
-            self.patience = self.patience.saturating_mul(2);
-            let Gauge { of, limit, .. } = self.watching.gauges[gauge];
+            self.divergence_threshold = self.divergence_threshold.saturating_mul(2);
+            let Gauge { of, limit, .. } = self.observations.gauges[gauge];
             let run = self.trace(at, &Target::Lasts(of, value));
-            let mut out = Diverging {
+            let mut out = Divergence {
                 gauge,
                 proof: None,
                 excess: None,
             };
-            let rules = &self.watching.rules;
-            let recent = (&self.watching.observers[..], value);
+            let rules = &self.observations.rules;
+            let recent = (&self.observations.observers[..], value);
             let age = |s: &State| of.age(rules.frame(), s);
             if let Some(cycle) = run.repetition(rules, recent, &age, self.cancel) {
                 let left = limit.and_then(|it| it.checked_sub(value));
@@ -465,9 +472,10 @@ impl<'a, R: Reduced> Layers<'a, R> {
     /// Records the limits that are exceeded in a jump from a node, and the times. The first moment counts,
     /// and jumps overlap.
     fn limits_in_jump(&mut self, s: &State, parent: NodeId, jump: Ticks) {
-        let watching = &mut self.watching;
-        for i in 0..watching.gauges.len() {
-            let (Some(limit), Some(clock)) = (watching.gauges[i].limit, watching.measures(i, s))
+        let observations = &mut self.observations;
+        for i in 0..observations.gauges.len() {
+            let (Some(limit), Some(clock)) =
+                (observations.gauges[i].limit, observations.measures(i, s))
             else {
                 continue;
             };
@@ -476,9 +484,9 @@ impl<'a, R: Reduced> Layers<'a, R> {
                 continue;
             };
             let time = self.graph[parent].time + u64::from(left) + 1;
-            if watching.seen.excess[i].is_none_or(|it| time < it.time) {
-                for it in watching.alike(i) {
-                    watching.seen.excess[it] = Some(Sight { parent, time });
+            if observations.seen.excess[i].is_none_or(|it| time < it.time) {
+                for it in observations.alike(i) {
+                    observations.seen.excess[it] = Some(Sight { parent, time });
                 }
             }
         }
@@ -486,15 +494,15 @@ impl<'a, R: Reduced> Layers<'a, R> {
 
     /// Records the limits that are exceeded in jumps under way at the end of the exploration.
     fn limits_under_way(&mut self) {
-        if self.watching.gauges.iter().all(|it| it.limit.is_none()) {
+        if self.observations.gauges.iter().all(|it| it.limit.is_none()) {
             return;
         }
         for (time, parents) in self.graph.take_queue() {
             for (i, parent) in parents.into_iter().enumerate() {
-                if i % LOOKS == 0 && self.cancel.is_abandoned() {
+                if i % STATES_PER_POLL == 0 && self.cancel.is_abandoned() {
                     return;
                 }
-                let s = self.graph.state(self.watching.rules.frame(), parent);
+                let s = self.graph.state(self.observations.rules.frame(), parent);
                 let jump = self.graph.since(Sight { parent, time });
                 self.limits_in_jump(&s, parent, jump);
             }
@@ -503,29 +511,29 @@ impl<'a, R: Reduced> Layers<'a, R> {
 
     /// Returns a run in which a gauge has just exceeded its limit.
     pub(super) fn excess_run(&self, gauge: usize) -> Option<Run> {
-        let Gauge { of, limit, .. } = self.watching.gauges[gauge];
-        let at = self.watching.seen.excess[gauge]?;
+        let Gauge { of, limit, .. } = self.observations.gauges[gauge];
+        let at = self.observations.seen.excess[gauge]?;
         Some(self.trace(at, &Target::Lasts(of, limit? + 1)))
     }
 
     /// Copies the finding for one gauge to all gauges of its orbit.
-    pub(super) fn of_all_alike(&self, found: &Diverging) -> Vec<Diverging> {
-        let task = |gauge: usize| self.watching.gauges[gauge].of.task();
+    pub(super) fn of_all_alike(&self, found: &Divergence) -> Vec<Divergence> {
+        let task = |gauge: usize| self.observations.gauges[gauge].of.task();
         let of = |gauge: usize| {
             let run = |it: &Option<Run>| {
                 it.as_ref()
                     .map(|it| match (task(found.gauge), task(gauge)) {
-                        (Some(from), Some(to)) => self.watching.exchanged(it, from, to),
+                        (Some(from), Some(to)) => self.observations.exchanged(it, from, to),
                         _ => it.clone(),
                     })
             };
-            Diverging {
+            Divergence {
                 gauge,
                 proof: run(&found.proof),
                 excess: run(&found.excess),
             }
         };
-        self.watching
+        self.observations
             .alike(found.gauge)
             .into_iter()
             .map(of)
@@ -535,8 +543,8 @@ impl<'a, R: Reduced> Layers<'a, R> {
     // ---- Effort ----------------------------------------------------------------------------
 
     /// Returns true if most effort goes into single moments.
-    pub(super) fn is_crowded(&self) -> bool {
-        self.steps > CROWDED * self.graph.len() as u64
+    pub(super) fn is_dense(&self) -> bool {
+        self.steps > STEPS_PER_STATE_OF_DENSE_INSTANTS * self.graph.len() as u64
     }
 
     /// Returns the number of states that are kept, or were reached at the present moment.
@@ -555,26 +563,26 @@ impl<'a, R: Reduced> Layers<'a, R> {
 
     /// Returns the bytes of a state in the work list.
     fn bytes_to_do(&self) -> usize {
-        size_of::<(NodeId, Held)>() + self.watching.rules.frame().state_bytes()
+        size_of::<(NodeId, SleepSet)>() + self.observations.rules.frame().state_bytes()
     }
 
     /// Returns the bytes in use.
     pub(super) fn memory(&self) -> usize {
-        self.graph.memory() + self.beside_graph() + self.layer.released.1
+        self.graph.memory() + self.memory_outside_graph() + self.layer.released.1
     }
 
-    fn beside_graph(&self) -> usize {
+    fn memory_outside_graph(&self) -> usize {
         self.layer.states.memory()
-            + self.crowd.memory()
+            + self.dense_states.memory()
             + self.layer.under_way
-            + self.spare.len() * self.watching.rules.frame().state_bytes()
+            + self.spare.len() * self.observations.rules.frame().state_bytes()
     }
 
     /// Returns the bytes that the reconstruction of a run may take.
     fn room_for_run(&self) -> usize {
-        let used = self.graph.memory() + self.beside_graph();
+        let used = self.graph.memory() + self.memory_outside_graph();
         let left = self.limits.bytes.saturating_sub(used);
-        left.max(self.limits.bytes / 8).max(LEAST_FOR_RUN)
+        left.max(self.limits.bytes / 8).max(MIN_BYTES_FOR_RUN)
     }
 
     /// Returns the reductions in use.
@@ -589,7 +597,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
             let off = off.then_some(Reason::SwitchedOff);
             Activity { kind, off }
         });
-        let own = self.watching.reductions.activities().iter().copied();
+        let own = self.observations.reductions.activities().iter().copied();
         own.chain(switched)
     }
 }

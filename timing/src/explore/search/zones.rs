@@ -16,7 +16,7 @@ use smallvec::SmallVec;
 
 use self::zone::{GREATEST, Zone};
 use super::layers::Layers;
-use crate::explore::absent::Absent;
+use crate::explore::never_observed::NeverObserved;
 use crate::explore::observe;
 use crate::explore::reductions::{Kind, Kinds, Reason, Reduced, Reductions, Watched};
 use crate::explore::rules::{Action, Enabled, with_rules};
@@ -26,23 +26,23 @@ use crate::property::Predicate;
 use crate::system::{ClientAction, FOREVER, Ticks, TimedSystem};
 
 /// Steps after which a search counts as large.
-const SMALL: u64 = 1000;
+const STEPS_OF_LARGE_SEARCH: u64 = 1000;
 
 /// Time from which on a duration counts as long, in base units.
-const LONG: Ticks = 8;
+const MIN_LONG_TIME: Ticks = 8;
 
 /// Number of steps in zones for each step of the breadth-first search.
-const SHARE: u64 = 4;
+const ZONE_STEPS_PER_STEP: u64 = 4;
 
 /// Steps between two polls of the limits.
-const LOOKS: u64 = 128;
+const STEPS_PER_POLL: u64 = 128;
 
 /// Bytes for a key in addition to its contents, with room to grow.
-const KEY: usize = 2 * size_of::<(Box<[u16]>, Vec<(u32, Zone)>)>();
+const KEY_BYTES: usize = 2 * size_of::<(Box<[u16]>, Vec<(u32, Zone)>)>();
 
 /// Upper limit on committed steps that are performed at once. It is needed because a client may loop without
 /// time passing.
-const AT_ONCE: usize = 16;
+const MAX_COMMITTED_STEPS: usize = 16;
 
 /// A search in zones for predicates and for deadlocks.
 pub(super) struct Zones<'a, R: Reduced> {
@@ -52,7 +52,7 @@ pub(super) struct Zones<'a, R: Reduced> {
     /// Goals that were reached.
     reached: Vec<bool>,
     /// Jobs and atoms that no state has had so far.
-    absent: Absent,
+    absent: NeverObserved,
     deadlock: bool,
     /// Reached zones with their numbers, by discrete state.
     passed: FxHashMap<Box<[u16]>, Vec<(u32, Zone)>>,
@@ -73,7 +73,7 @@ impl<'a, R: Reduced> Zones<'a, R> {
             rules,
             goals,
             reached: vec![false; goals.len()],
-            absent: Absent::of_predicates(goals),
+            absent: NeverObserved::of_predicates(goals),
             deadlock: false,
             passed: FxHashMap::default(),
             covered: Vec::new(),
@@ -157,7 +157,7 @@ impl<'a, R: Reduced> Zones<'a, R> {
     fn keep(&mut self, mut s: State, mut zone: Zone) {
         let mut enabled = Enabled::default();
         self.rules.enabled(&s, &mut enabled);
-        for _ in 0..AT_ONCE {
+        for _ in 0..MAX_COMMITTED_STEPS {
             if !enabled.committed || enabled.actions.len() != 1 {
                 break;
             }
@@ -189,7 +189,7 @@ impl<'a, R: Reduced> Zones<'a, R> {
         } else {
             let first = vec![(number, zone.clone())];
             self.passed.insert(s.d.clone().into(), first);
-            self.bytes += size_of_val(&s.d[..]) + KEY;
+            self.bytes += size_of_val(&s.d[..]) + KEY_BYTES;
         }
         self.bytes += zone.memory() + self.bytes_to_do(&zone);
         self.covered.push(false);
@@ -199,8 +199,8 @@ impl<'a, R: Reduced> Zones<'a, R> {
     /// Returns the bytes that the growth of the table takes in addition, if it is about to grow.
     fn growth(&self) -> usize {
         let left = self.passed.capacity() - self.passed.len();
-        match left < 8 * LOOKS as usize {
-            true => self.passed.capacity() * KEY,
+        match left < 8 * STEPS_PER_POLL as usize {
+            true => self.passed.capacity() * KEY_BYTES,
             false => 0,
         }
     }
@@ -242,7 +242,7 @@ pub(super) fn suit(system: &TimedSystem, watch: &Watch, limits: Limits) -> Resul
         if longest > GREATEST {
             return Err(Reason::TooLong);
         }
-        long |= longest >= LONG;
+        long |= longest >= MIN_LONG_TIME;
         varies |= lower < upper;
     }
     match (long, varies) {
@@ -254,7 +254,7 @@ pub(super) fn suit(system: &TimedSystem, watch: &Watch, limits: Limits) -> Resul
 
 /// The findings of a complete search in zones.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct InZones {
+pub struct ZoneFindings {
     /// Predicates that can be reached.
     pub reached: Vec<bool>,
     /// There is a deadlock.
@@ -265,9 +265,9 @@ pub struct InZones {
 
 /// The results of a search in zones, and its effort.
 #[derive(Debug, Clone)]
-pub(super) struct Proof {
-    seen: InZones,
-    absent: Absent,
+pub(super) struct ZoneResult {
+    seen: ZoneFindings,
+    absent: NeverObserved,
     states: usize,
     steps: u64,
     /// Bytes used at the end, including those of the breadth-first search.
@@ -276,10 +276,10 @@ pub(super) struct Proof {
 
 impl<R: Reduced> Zones<'_, R> {
     /// Returns the results, if the search is complete.
-    fn proof(&self) -> Option<Proof> {
+    fn proof(&self) -> Option<ZoneResult> {
         let services = 0..self.rules.system().services.len();
-        self.todo.is_empty().then(|| Proof {
-            seen: InZones {
+        self.todo.is_empty().then(|| ZoneResult {
+            seen: ZoneFindings {
                 reached: self.reached.clone(),
                 deadlock: self.deadlock,
                 refused: services.filter(|&it| self.refused(it)).collect(),
@@ -294,86 +294,94 @@ impl<R: Reduced> Zones<'_, R> {
 
 /// Searches for predicates in zones, in a system without periodic tasks. Returns `None` after too many steps.
 /// The reductions in `without` are switched off.
-pub fn in_zones(
+pub fn search_zones(
     system: &TimedSystem,
     goals: &[Predicate],
     steps: u64,
     without: Kinds,
-) -> Option<InZones> {
-    with_rules!(system, in_zones_by(goals, steps, without))
+) -> Option<ZoneFindings> {
+    with_rules!(system, search_zones_by(goals, steps, without))
 }
 
-fn in_zones_by<R: Reduced>(
+fn search_zones_by<R: Reduced>(
     rules: &R,
     goals: &[Predicate],
     steps: u64,
     without: Kinds,
-) -> Option<InZones> {
+) -> Option<ZoneFindings> {
     let mut zones = Zones::new(rules, goals, without);
     zones.run(steps);
     zones.proof().map(|it| it.seen)
 }
 
 /// A search in zones next to layers.
-pub(super) enum Proving<'a, R: Reduced> {
+pub(super) enum ZoneSearch<'a, R: Reduced> {
     /// The search does not suit the system, or the watched properties.
     Unsuited(Reason),
     /// The search has not begun, or is under way.
     Open(Option<Box<Zones<'a, R>>>),
     /// The search is complete.
-    Done(Proof),
+    Done(ZoneResult),
 }
 
-impl<'a, R: Reduced> Proving<'a, R> {
+impl<'a, R: Reduced> ZoneSearch<'a, R> {
     /// Creates a search, possibly with known results, or the reason against one.
-    pub(super) fn new(zones: Result<Option<Proof>, Reason>) -> Self {
+    pub(super) fn new(zones: Result<Option<ZoneResult>, Reason>) -> Self {
         match zones {
-            Err(reason) => Proving::Unsuited(reason),
-            Ok(None) => Proving::Open(None),
-            Ok(Some(proof)) => Proving::Done(proof),
+            Err(reason) => ZoneSearch::Unsuited(reason),
+            Ok(None) => ZoneSearch::Open(None),
+            Ok(Some(proof)) => ZoneSearch::Done(proof),
         }
     }
 
     /// Returns the results for another search, or the reason against one.
-    pub(super) fn into_proof(self) -> Result<Option<Proof>, Reason> {
+    pub(super) fn into_proof(self) -> Result<Option<ZoneResult>, Reason> {
         match self {
-            Proving::Unsuited(reason) => Err(reason),
-            Proving::Open(_) => Ok(None),
-            Proving::Done(proof) => Ok(Some(proof)),
+            ZoneSearch::Unsuited(reason) => Err(reason),
+            ZoneSearch::Open(_) => Ok(None),
+            ZoneSearch::Done(proof) => Ok(Some(proof)),
         }
     }
 
     /// Searches for a while, if it is due.
-    pub(super) fn work_if_due(&mut self, layers: &Layers<'a, R>) {
-        let Proving::Open(zones) = self else { return };
-        let watching = &layers.watching;
-        let mut predicates = watching.goals.reached();
-        let open = predicates.any(|it| watching.seen.goals[it.0].is_none())
-            || (watching.watch.deadlock && layers.deadlock.is_none());
-        if !open || layers.steps < SMALL {
+    pub(super) fn run_if_due(&mut self, layers: &Layers<'a, R>) {
+        let ZoneSearch::Open(zones) = self else {
+            return;
+        };
+        let observations = &layers.observations;
+        let mut predicates = observations.goals.reached();
+        let open = predicates.any(|it| observations.seen.goals[it.0].is_none())
+            || (observations.watch.deadlock && layers.deadlock.is_none());
+        if !open || layers.steps < STEPS_OF_LARGE_SEARCH {
             return;
         }
         let without = layers.limits.without;
-        let new = || Box::new(Zones::new(&watching.rules, &watching.watch.reach, without));
+        let new = || {
+            Box::new(Zones::new(
+                &observations.rules,
+                &observations.watch.reach,
+                without,
+            ))
+        };
         let zones = zones.get_or_insert_with(new);
-        zones.run((SHARE * layers.steps).min(zones.steps + LOOKS));
+        zones.run((ZONE_STEPS_PER_STEP * layers.steps).min(zones.steps + STEPS_PER_POLL));
         if let Some(mut proof) = zones.proof() {
             proof.bytes = layers.memory() + zones.bytes;
-            *self = Proving::Done(proof);
+            *self = ZoneSearch::Done(proof);
         }
     }
 
     /// Returns the reason against a search in zones.
-    pub(super) fn unsuited(&self) -> Option<Reason> {
+    pub(super) fn reason_against(&self) -> Option<Reason> {
         match self {
-            Proving::Unsuited(reason) => Some(*reason),
+            ZoneSearch::Unsuited(reason) => Some(*reason),
             _ => None,
         }
     }
 
-    fn proof(&self) -> Option<&Proof> {
+    fn proof(&self) -> Option<&ZoneResult> {
         match self {
-            Proving::Done(proof) => Some(proof),
+            ZoneSearch::Done(proof) => Some(proof),
             _ => None,
         }
     }
@@ -389,7 +397,7 @@ impl<'a, R: Reduced> Proving<'a, R> {
     }
 
     /// Returns the jobs and atoms that no state has.
-    pub(super) fn absent(&self) -> Option<&Absent> {
+    pub(super) fn absent(&self) -> Option<&NeverObserved> {
         self.proof().map(|it| &it.absent)
     }
 
@@ -407,8 +415,8 @@ impl<'a, R: Reduced> Proving<'a, R> {
     /// Returns the number of examined states.
     pub(super) fn states(&self) -> usize {
         match self {
-            Proving::Open(Some(zones)) => zones.covered.len(),
-            Proving::Done(proof) => proof.states,
+            ZoneSearch::Open(Some(zones)) => zones.covered.len(),
+            ZoneSearch::Done(proof) => proof.states,
             _ => 0,
         }
     }
@@ -416,8 +424,8 @@ impl<'a, R: Reduced> Proving<'a, R> {
     /// Returns the number of steps.
     pub(super) fn steps(&self) -> u64 {
         match self {
-            Proving::Open(Some(zones)) => zones.steps,
-            Proving::Done(proof) => proof.steps,
+            ZoneSearch::Open(Some(zones)) => zones.steps,
+            ZoneSearch::Done(proof) => proof.steps,
             _ => 0,
         }
     }
@@ -425,13 +433,13 @@ impl<'a, R: Reduced> Proving<'a, R> {
     /// Returns the bytes in use.
     pub(super) fn bytes(&self) -> usize {
         match self {
-            Proving::Open(Some(zones)) => zones.bytes + zones.growth(),
+            ZoneSearch::Open(Some(zones)) => zones.bytes + zones.growth(),
             _ => 0,
         }
     }
 
     /// Returns the bytes in use at the end of the search, including those of the layers.
-    pub(super) fn bytes_in_the_end(&self) -> usize {
+    pub(super) fn final_bytes(&self) -> usize {
         self.proof().map_or(0, |it| it.bytes)
     }
 }

@@ -11,14 +11,14 @@ use crate::system::{FOREVER, Ticks};
 
 /// A codel that can run, and its thread: a task, or the control task of its component (`None`).
 #[derive(Clone, Copy, PartialEq, Eq)]
-struct Live {
+struct RunnableCodel {
     codel: usize,
     component: usize,
     task: Option<usize>,
 }
 
-impl Live {
-    fn same_thread(self, other: Live) -> bool {
+impl RunnableCodel {
+    fn same_thread(self, other: RunnableCodel) -> bool {
         (self.component, self.task) == (other.component, other.task)
     }
 }
@@ -45,7 +45,7 @@ impl Builder<'_> {
         }
     }
 
-    fn live(&self) -> Vec<Live> {
+    fn live(&self) -> Vec<RunnableCodel> {
         let system = &self.out.system;
         let mut task_of = vec![None; system.codels.len()];
         for automaton in &system.automata {
@@ -55,7 +55,7 @@ impl Builder<'_> {
         }
         let live = live_codels(&self.out).into_iter().enumerate();
         live.filter(|it| it.1)
-            .map(|(codel, _)| Live {
+            .map(|(codel, _)| RunnableCodel {
                 codel,
                 component: system.codels[codel].component,
                 task: task_of[codel],
@@ -63,7 +63,7 @@ impl Builder<'_> {
             .collect()
     }
 
-    fn waits_for(&self, waiting: Live, it: Live) -> bool {
+    fn waits_for(&self, waiting: RunnableCodel, it: RunnableCodel) -> bool {
         let system = &self.out.system;
         !waiting.same_thread(it) && system.codels[waiting.codel].conflicts.contains(it.codel)
     }
@@ -71,9 +71,9 @@ impl Builder<'_> {
     /// Returns the task with the shortest period of at most `time`, among the tasks of some codels.
     fn shortest<'l>(
         &self,
-        codels: impl Iterator<Item = &'l Live>,
+        codels: impl Iterator<Item = &'l RunnableCodel>,
         time: Ticks,
-    ) -> Option<(&'l Live, usize, Ticks)> {
+    ) -> Option<(&'l RunnableCodel, usize, Ticks)> {
         let with_period = codels.filter_map(|it| {
             let task = it.task?;
             Some((it, task, self.out.system.tasks[task].period?))
@@ -82,7 +82,12 @@ impl Builder<'_> {
         too_short.min_by_key(|it| it.2)
     }
 
-    fn holds_port(&self, live: &[Live], long: Live, time: Ticks) -> Option<Remark> {
+    fn holds_port(
+        &self,
+        live: &[RunnableCodel],
+        long: RunnableCodel,
+        time: Ticks,
+    ) -> Option<Remark> {
         let others = live.iter().filter(|it| it.component != long.component);
         let waiting = others.filter(|it| self.waits_for(**it, long));
         let (other, task, period) = self.shortest(waiting, time)?;
@@ -96,19 +101,24 @@ impl Builder<'_> {
         })
     }
 
-    fn holds_up_queue(&self, live: &[Live], long: Live, time: Ticks) -> Option<Remark> {
+    fn holds_up_queue(
+        &self,
+        live: &[RunnableCodel],
+        long: RunnableCodel,
+        time: Ticks,
+    ) -> Option<Remark> {
         let semantics = self.settings.semantics();
         if semantics.is_published() || semantics.locks != LockRule::Queue {
             return None;
         }
         let own = || live.iter().filter(|it| it.component == long.component);
-        let heads: Vec<Live> = own()
+        let heads: Vec<RunnableCodel> = own()
             .filter(|it| self.waits_for(**it, long))
             .copied()
             .collect();
         // A task that shares a lock with the codel waits in any case, and is not reported. Any codel of such
         // a task can be at the head of the queue.
-        let shares = |it: &Live| heads.iter().any(|head| head.same_thread(*it));
+        let shares = |it: &RunnableCodel| heads.iter().any(|head| head.same_thread(*it));
         let behind = own().filter(|it| !it.same_thread(long) && !shares(it));
         let (_, task, period) = self.shortest(behind, time)?;
         let system = &self.out.system;

@@ -7,7 +7,7 @@ use crate::diagnostic::Diagnostic;
 use crate::diagnostic::remark::Remark;
 use crate::scn::ast::{self, Ending, Path, StepKind, Unit};
 use crate::scn::names::Target;
-use crate::system::built::not_a;
+use crate::system::indexed::not_a;
 use crate::system::{Builtin, Client, Codel, FOREVER, Service, program, units};
 
 impl Builder<'_> {

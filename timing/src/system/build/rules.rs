@@ -8,7 +8,7 @@ use super::Builder;
 use crate::diagnostic::Diagnostic;
 use crate::scn::ast::Policy;
 use crate::scn::names::Target;
-use crate::system::built::not_a;
+use crate::system::indexed::not_a;
 
 impl Builder<'_> {
     /// Looks up the subjects of the rules.

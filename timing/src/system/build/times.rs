@@ -10,7 +10,7 @@ use super::Builder;
 use crate::diagnostic::{Diagnostic, Place};
 use crate::scn::ast::{self, Durations, StepKind};
 use crate::scn::names::Target;
-use crate::system::built::Rounded;
+use crate::system::indexed::Rounded;
 use crate::system::{FOREVER, Ticks, units};
 
 /// The subject of a time.

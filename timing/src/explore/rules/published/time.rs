@@ -7,8 +7,12 @@ use crate::system::{FOREVER, Ticks};
 impl Published<'_> {
     /// Returns the time after a state without urgent actions for which no state needs to be examined, in base
     /// units: until the next moment at which an action may become possible or, for executors whose end
-    /// `can_wait`, must happen. `None`: for ever.
-    pub(super) fn until_next(&self, s: &State, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks> {
+    /// `can_be_deferred`, must happen. `None`: for ever.
+    pub(super) fn until_next(
+        &self,
+        s: &State,
+        can_be_deferred: &dyn Fn(usize) -> bool,
+    ) -> Option<Ticks> {
         let l = &self.layout;
         let mut least = FOREVER;
         for (task, it) in self.system.tasks.iter().enumerate() {
@@ -20,7 +24,11 @@ impl Published<'_> {
         }
         for executor in l.executing(s) {
             let (a, b) = l.window(s, executor);
-            least = least.min(if can_wait(executor) { b } else { a.max(1) });
+            least = least.min(if can_be_deferred(executor) {
+                b
+            } else {
+                a.max(1)
+            });
         }
         (least != FOREVER).then_some(least)
     }

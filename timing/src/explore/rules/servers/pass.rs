@@ -19,13 +19,13 @@ impl Servers<'_> {
         l.lower(s, task, flag::RUNNABLE);
         l.set_thread(s, task, thread::AGAIN);
         for it in l.slots(task) {
-            self.notice(s, task, it, runnable);
+            self.update_activity(s, task, it, runnable);
         }
-        self.go_on(s, task, l.slots(task).start);
+        self.proceed(s, task, l.slots(task).start);
     }
 
     /// Updates an activity that was released, interrupted or resumed since the last pass.
-    fn notice(&self, s: &mut State, task: usize, it: usize, runnable: bool) {
+    fn update_activity(&self, s: &mut State, task: usize, it: usize, runnable: bool) {
         let l = &self.layout;
         let mode = l.mode(s, it);
         let flags = mode & !slot::STATUS;
@@ -64,7 +64,7 @@ impl Servers<'_> {
     }
 
     /// Proceeds to the first automaton of a pass from a slot on; ends the pass if there is none.
-    fn go_on(&self, s: &mut State, task: usize, from: usize) {
+    fn proceed(&self, s: &mut State, task: usize, from: usize) {
         let l = &self.layout;
         for it in from..l.slots(task).end {
             let mode = l.mode(s, it);
@@ -120,7 +120,7 @@ impl Servers<'_> {
             Some(Yield::End) => self.end_activity(s, task, it, true),
             None => self.end_activity(s, task, it, false),
         }
-        self.go_on(s, task, it + 1);
+        self.proceed(s, task, it + 1);
     }
 
     /// Ends a pass: sets the flag of the task itself, and signals the control task.

@@ -57,7 +57,7 @@ impl Servers<'_> {
             Action::Request { client, next } => self.request(s, client, next),
             Action::Mark { .. } => {}
             Action::Reply { component } => self.reply(s, component),
-            Action::Shut { component } => self.shut(s, component),
+            Action::Shut { component } => self.shutdown_step(s, component),
         }
     }
 

@@ -27,7 +27,7 @@ impl Servers<'_> {
             if !out.actions.is_empty() {
                 return;
             }
-            self.grants(s, out);
+            self.list_grants(s, out);
             if !out.actions.is_empty() {
                 return;
             }
@@ -160,7 +160,7 @@ impl Servers<'_> {
             && l.slots(task).any(could_run)
     }
 
-    fn grants(&self, s: &State, out: &mut Enabled) {
+    fn list_grants(&self, s: &State, out: &mut Enabled) {
         let l = &self.layout;
         let queue = l.core_queue(s);
         if queue.is_empty() || !self.core_free(s) {
@@ -244,7 +244,7 @@ impl Servers<'_> {
             }
             _ => {}
         }
-        if self.shuts(s, component) {
+        if self.can_shut_down(s, component) {
             out.actions.push(Action::Shut { component });
         }
         match self.semantics.locks {
@@ -286,7 +286,7 @@ impl Servers<'_> {
             LockRule::Queue => ahead.next().is_none(),
             LockRule::Fifo => {
                 let codel = self.codel(s, executor).map(|it| &self.system.codels[it]);
-                !codel.is_some_and(|codel| ahead.any(|it| self.holds_up(s, codel, it)))
+                !codel.is_some_and(|codel| ahead.any(|it| self.blocks(s, codel, it)))
             }
             LockRule::Free => true,
         };
@@ -299,7 +299,7 @@ impl Servers<'_> {
             return true;
         };
         let codel = &self.system.codels[codel];
-        !(self.layout.executing(s)).any(|other| other != executor && self.holds_up(s, codel, other))
+        !(self.layout.executing(s)).any(|other| other != executor && self.blocks(s, codel, other))
     }
 
     fn requests(&self, s: &State, out: &mut Enabled) {

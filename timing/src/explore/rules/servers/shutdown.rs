@@ -112,7 +112,7 @@ impl Servers<'_> {
     }
 
     /// Returns true if the shutdown of a component can proceed.
-    pub(super) fn shuts(&self, s: &State, component: usize) -> bool {
+    pub(super) fn can_shut_down(&self, s: &State, component: usize) -> bool {
         let l = &self.layout;
         match self.stage(s, component) {
             None => false,
@@ -141,7 +141,7 @@ impl Servers<'_> {
     }
 
     /// Performs one step of a shutdown.
-    pub(super) fn shut(&self, s: &mut State, component: usize) {
+    pub(super) fn shutdown_step(&self, s: &mut State, component: usize) {
         let l = &self.layout;
         let (Some(stage), Some(place)) = (self.stage(s, component), l.shutdown[component]) else {
             return;

@@ -19,7 +19,11 @@ impl Servers<'_> {
     }
 
     /// Returns the time in base units for which no action can become possible, except by ends that can wait.
-    pub(super) fn until_next(&self, s: &State, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks> {
+    pub(super) fn until_next(
+        &self,
+        s: &State,
+        can_be_deferred: &dyn Fn(usize) -> bool,
+    ) -> Option<Ticks> {
         let l = &self.layout;
         let mut least = FOREVER;
         let running = self.running(s);
@@ -34,13 +38,17 @@ impl Servers<'_> {
             .filter(|&it| self.executes_on(s, running, it))
         {
             let (a, b) = l.window(s, executor);
-            least = least.min(if can_wait(executor) { b } else { a.max(1) });
+            least = least.min(if can_be_deferred(executor) {
+                b
+            } else {
+                a.max(1)
+            });
         }
         (least != FOREVER).then_some(least)
     }
 
     /// Lets time pass.
-    pub(super) fn let_pass(&self, s: &mut State, time: Ticks) {
+    pub(super) fn pass_time(&self, s: &mut State, time: Ticks) {
         let l = &self.layout;
         for (task, it) in self.system.tasks.iter().enumerate() {
             if self.counts(s, task) {

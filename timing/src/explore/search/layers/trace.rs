@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use rustc_hash::FxHashMap;
 
-use super::{LOOKS, Layers};
+use super::{Layers, STATES_PER_POLL};
 use crate::explore::measure::Timing;
 use crate::explore::observe;
 use crate::explore::reductions::{Reduced, Reductions, Renaming};
@@ -12,7 +12,7 @@ use crate::explore::rules::{Action, Enabled};
 use crate::explore::run::Run;
 use crate::explore::search::goals::{Goal, GoalId};
 use crate::explore::search::graph::NodeId;
-use crate::explore::search::watching::Sight;
+use crate::explore::search::observations::Sight;
 use crate::explore::state::State;
 use crate::explore::store::{Encoded, encode, holds};
 use crate::system::Ticks;
@@ -27,11 +27,12 @@ pub(in crate::explore::search) enum Target<'g> {
 
 /// Reconstructed runs, by goal and place. A run that was reported is not reconstructed again, and does not
 /// change.
-pub(in crate::explore::search) type Traced = RefCell<FxHashMap<(GoalId, NodeId, u64), Run>>;
+pub(in crate::explore::search) type ReconstructedRuns =
+    RefCell<FxHashMap<(GoalId, NodeId, u64), Run>>;
 
 /// A match of a state with the target.
 #[derive(Default)]
-struct Hit {
+struct TargetMatch {
     /// Task for which it holds, among the tasks of an orbit.
     task: Option<usize>,
     /// Renaming that puts the state in order.
@@ -44,11 +45,11 @@ type Point = Vec<Option<Ticks>>;
 impl<R: Reduced> Layers<'_, R> {
     /// Returns the run to a goal, if the goal was reached.
     pub(in crate::explore::search) fn run_to(&self, goal: GoalId) -> Option<Run> {
-        let at = self.watching.seen.goals[goal]?;
+        let at = self.observations.seen.goals[goal]?;
         let key = (goal, at.parent, at.time);
         let before = self.traced.borrow().get(&key).cloned();
         Some(before.unwrap_or_else(|| {
-            let run = self.trace(at, &Target::Goal(self.watching.goals.get(goal)));
+            let run = self.trace(at, &Target::Goal(self.observations.goals.get(goal)));
             self.traced.borrow_mut().insert(key, run.clone());
             run
         }))
@@ -106,20 +107,20 @@ impl<R: Reduced> Layers<'_, R> {
         }
         run.end = at.time;
         match (task, goal.task()) {
-            (Some(from), Some(to)) if from != to => self.watching.exchanged(&run, from, to),
+            (Some(from), Some(to)) if from != to => self.observations.exchanged(&run, from, to),
             _ => run,
         }
     }
 
     fn state_of(&self, node: NodeId) -> State {
-        self.graph.state(self.watching.rules.frame(), node)
+        self.graph.state(self.observations.rules.frame(), node)
     }
 
     fn any_point(&self, s: &State) -> Point {
-        (0..self.watching.rules.frame().executors())
+        (0..self.observations.rules.frame().executors())
             .map(|e| {
-                let executing = self.watching.rules.frame().is_executing(s, e);
-                let (a, b) = self.watching.rules.frame().window(s, e);
+                let executing = self.observations.rules.frame().is_executing(s, e);
+                let (a, b) = self.observations.rules.frame().window(s, e);
                 // Any end within the window is possible. The latest end is chosen, or the earliest if there
                 // is no upper bound.
                 executing.then_some(if b == crate::system::FOREVER { a } else { b })
@@ -136,16 +137,16 @@ impl<R: Reduced> Layers<'_, R> {
     ) -> Point {
         let s = self.state_of(node);
         let jump = (time - self.graph[node].time) as Ticks;
-        (0..self.watching.rules.frame().executors())
+        (0..self.observations.rules.frame().executors())
             .map(|e| {
-                if !self.watching.rules.frame().is_executing(&s, e) {
+                if !self.observations.rules.frame().is_executing(&s, e) {
                     return None;
                 }
                 let ended = actions
                     .iter()
                     .any(|it| matches!(it, Action::Finish { executor, .. } if *executor == e));
                 // The remaining time of an executor without a core does not change.
-                let progress = if self.watching.rules.gets_on(&s, e) {
+                let progress = if self.observations.rules.progresses(&s, e) {
                     jump
                 } else {
                     0
@@ -170,14 +171,14 @@ impl<R: Reduced> Layers<'_, R> {
         let mut s = self.state_of(node);
         for (e, remaining) in point.iter().enumerate() {
             if let Some(remaining) = *remaining {
-                self.watching
+                self.observations
                     .rules
                     .frame()
                     .set_window(&mut s, e, (remaining, remaining));
             }
         }
         let mut wanted = Encoded::default();
-        encode(self.watching.rules.frame(), &s, &mut wanted);
+        encode(self.observations.rules.frame(), &s, &mut wanted);
         let goal = Target::Calm(&wanted.key, &wanted.dims);
         self.graph.parents(node).find_map(|parent| {
             let (actions, _, hit) = self.segment(parent, time, &goal)?;
@@ -191,19 +192,24 @@ impl<R: Reduced> Layers<'_, R> {
         parent: NodeId,
         time: u64,
         goal: &Target,
-    ) -> Option<(Vec<Action>, State, Hit)> {
+    ) -> Option<(Vec<Action>, State, TargetMatch)> {
         let mut start = if parent == NodeId::ROOT {
-            let mut s = self.watching.rules.initial();
-            observe::observe(&self.watching.rules, &self.watching.observers, None, &mut s);
+            let mut s = self.observations.rules.initial();
+            observe::observe(
+                &self.observations.rules,
+                &self.observations.observers,
+                None,
+                &mut s,
+            );
             s
         } else {
             let mut s = self.state_of(parent);
-            self.watching
+            self.observations
                 .rules
                 .elapse(&mut s, (time - self.graph[parent].time) as Ticks);
             s
         };
-        self.watching.clamp_waiting(&mut start);
+        self.observations.clamp_waiting(&mut start);
         let mut seen = rustc_hash::FxHashSet::default();
         // Breadth-first search, for short runs: (state, predecessor, action).
         let mut found: Vec<(State, usize, Option<Action>)> = vec![(start, usize::MAX, None)];
@@ -217,12 +223,12 @@ impl<R: Reduced> Layers<'_, R> {
         while at < found.len() {
             // A list that grows exists twice meanwhile, and so does a set.
             let full = found.len() * 2 > room;
-            if full || at % LOOKS == 0 && self.cancel.is_too_late() {
+            if full || at % STATES_PER_POLL == 0 && self.cancel.is_too_late() {
                 return None;
             }
             let s = found[at].0.clone();
             let before = found.get(found[at].1).map(|it| it.0.clone());
-            self.watching.rules.enabled(&s, &mut enabled);
+            self.observations.rules.enabled(&s, &mut enabled);
             if let Some(hit) = self.is_goal(before.as_ref(), &s, &enabled, goal) {
                 let mut actions = Vec::new();
                 let mut back = at;
@@ -233,24 +239,27 @@ impl<R: Reduced> Layers<'_, R> {
                 actions.reverse();
                 return Some((actions, s, hit));
             }
-            self.watching
-                .reductions
-                .persistent(&self.watching.rules, &s, &enabled, &mut followed);
+            self.observations.reductions.persistent(
+                &self.observations.rules,
+                &s,
+                &enabled,
+                &mut followed,
+            );
             for &action in &followed {
                 let mut next = s.clone();
-                self.watching.rules.apply(&mut next, action);
+                self.observations.rules.apply(&mut next, action);
                 observe::observe(
-                    &self.watching.rules,
-                    &self.watching.observers,
+                    &self.observations.rules,
+                    &self.observations.observers,
                     Some(&s),
                     &mut next,
                 );
-                self.watching.begin_waiting(&mut next, action);
+                self.observations.begin_waiting(&mut next, action);
                 ordered.clone_from(&next);
-                self.watching
+                self.observations
                     .reductions
-                    .order(&self.watching.rules, &mut ordered);
-                encode(self.watching.rules.frame(), &ordered, &mut it);
+                    .order(&self.observations.rules, &mut ordered);
+                encode(self.observations.rules.frame(), &ordered, &mut it);
                 // Such a target is seen in a step, not in the state after the step.
                 let by_step = matches!(
                     goal,
@@ -269,7 +278,7 @@ impl<R: Reduced> Layers<'_, R> {
     fn bytes_of_found(&self) -> usize {
         let list = size_of::<(usize, Option<Action>)>();
         let set = size_of::<(Encoded, bool)>() + size_of::<usize>();
-        list + set + 2 * self.watching.rules.frame().state_bytes()
+        list + set + 2 * self.observations.rules.frame().state_bytes()
     }
 
     fn is_goal(
@@ -278,52 +287,56 @@ impl<R: Reduced> Layers<'_, R> {
         s: &State,
         enabled: &Enabled,
         goal: &Target,
-    ) -> Option<Hit> {
-        let l = self.watching.rules.frame();
+    ) -> Option<TargetMatch> {
+        let l = self.observations.rules.frame();
         let some_task = |task: usize, found: &dyn Fn(usize) -> bool| {
             let mut orbit = self
-                .watching
+                .observations
                 .reductions
                 .orbits()
                 .of_task(task)
                 .iter()
                 .copied();
             let task = orbit.find(|&it| found(it));
-            task.map(|it| Hit {
+            task.map(|it| TargetMatch {
                 task: Some(it),
                 order: None,
             })
         };
         let lasts = |of: Timing, value| {
-            of.runs(&self.watching.rules, s)
+            of.runs(&self.observations.rules, s)
                 && of.clock(l, s).is_none_or(|clock| s.t[clock] >= value)
         };
         match *goal {
             Target::Goal(Goal::Missed(task)) => {
-                some_task(task, &|it| self.watching.rules.missed(s, it))
+                some_task(task, &|it| self.observations.rules.missed(s, it))
             }
             Target::Goal(Goal::Overdue(task)) => {
-                some_task(task, &|it| self.watching.rules.overdue(s, it))
+                some_task(task, &|it| self.observations.rules.overdue(s, it))
             }
             Target::Goal(Goal::Reached(it)) => {
-                observe::predicate(&self.watching.rules, before, s, it).then(Hit::default)
+                observe::predicate(&self.observations.rules, before, s, it)
+                    .then(TargetMatch::default)
             }
             Target::Lasts(Timing::Response(task), value) => {
                 some_task(task, &|it| lasts(Timing::Response(it), value))
             }
             Target::Lasts(of, value) => (lasts(of, value)
-                || value == 0 && self.watching.is_answered_at_once(before, s, of))
-            .then(Hit::default),
+                || value == 0 && self.observations.is_answered_at_once(before, s, of))
+            .then(TargetMatch::default),
             Target::Calm(key, dims) => {
                 if enabled.committed || enabled.urgent {
                     return None;
                 }
                 let mut s = s.clone();
-                let order = self.watching.reductions.order(&self.watching.rules, &mut s);
+                let order = self
+                    .observations
+                    .reductions
+                    .order(&self.observations.rules, &mut s);
                 let mut it = Encoded::default();
-                encode(self.watching.rules.frame(), &s, &mut it);
+                encode(self.observations.rules.frame(), &s, &mut it);
                 let same = it.key == key && holds(l, &it.dims, dims);
-                same.then_some(Hit { task: None, order })
+                same.then_some(TargetMatch { task: None, order })
             }
             Target::Deadlock => None,
         }

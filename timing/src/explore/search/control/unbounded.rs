@@ -4,39 +4,39 @@
 //! depth-first search, mostly with codels that take their longest time, a job that is kept from ending soon
 //! exceeds any plausible time. If the run repeats itself meanwhile, it can continue like that for ever.
 
-use super::Supervisor;
-use crate::explore::measure::{Diverging, Gauge, How, Timing};
+use super::SearchControl;
+use crate::explore::measure::{Divergence, Gauge, MeasurementMode, Timing};
 use crate::explore::reductions::Reduced;
 use crate::explore::run::Run;
-use crate::explore::search::chase::{Chase, Order};
+use crate::explore::search::depth_first::{DepthFirstSearch, Order};
 use crate::explore::search::layers::Layers;
-use crate::explore::search::watching::Watching;
+use crate::explore::search::observations::Observations;
 use crate::explore::watch::{ResponseTime, Watch, Within};
 use crate::system::Ticks;
 
-/// Number of times that a chase without a repetition is prolonged.
-const DOUBLED: u32 = 5;
+/// Number of times that a search without a repetition is prolonged.
+const MAX_DOUBLINGS: u32 = 5;
 
-impl<'a, R: Reduced> Supervisor<'a, R> {
+impl<'a, R: Reduced> SearchControl<'a, R> {
     /// Returns the next time to examine, among those that may have no bound.
-    pub(super) fn next_endless(&self, layers: &Layers<'a, R>) -> Option<usize> {
-        let hunt = self.hunt.as_ref().ok()?;
-        let gauges = layers.watching.gauges.iter().enumerate();
+    pub(super) fn next_unbounded(&self, layers: &Layers<'a, R>) -> Option<usize> {
+        let random_search = self.random_search.as_ref().ok()?;
+        let gauges = layers.observations.gauges.iter().enumerate();
         let endless = |&(i, it): &(usize, &Gauge)| {
-            it.active() && it.most.is_none() && !hunt.bounded.contains(&i)
+            it.active() && it.most.is_none() && !random_search.bounded.contains(&i)
         };
         let open: Vec<usize> = gauges.filter(endless).map(|it| it.0).collect();
-        let turn = hunt.chases / Order::KINDS;
+        let turn = random_search.searches / Order::KINDS;
         open.get(turn as usize % open.len().max(1)).copied()
     }
 
-    /// Runs some chases for a time without a bound.
-    pub(super) fn hunt_endless(
+    /// Runs some searches for a time without a bound.
+    pub(super) fn search_unbounded(
         &mut self,
         layers: &Layers<'a, R>,
         gauge: usize,
-    ) -> Option<Diverging> {
-        let Gauge { of, limit, .. } = layers.watching.gauges[gauge];
+    ) -> Option<Divergence> {
+        let Gauge { of, limit, .. } = layers.observations.gauges[gauge];
         let mut watch = Watch::default();
         match of {
             Timing::Response(task) => watch.response.push(ResponseTime {
@@ -46,38 +46,38 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
             }),
             Timing::Within(it) => watch.within.push(Within {
                 limit: None,
-                ..layers.watching.watch.within[it].clone()
+                ..layers.observations.watch.within[it].clone()
             }),
         }
-        let gauges = Gauge::of(&watch, &How::Shared);
-        let rules = &layers.watching.rules;
-        let watching = Watching::new(rules, &watch, &gauges, layers.limits.without);
-        let mut chase = Chase::new(watching, layers.limits, layers.cancel);
+        let gauges = Gauge::of(&watch, &MeasurementMode::Shared);
+        let rules = &layers.observations.rules;
+        let observations = Observations::new(rules, &watch, &gauges, layers.limits.without);
+        let mut search = DepthFirstSearch::new(observations, layers.limits, layers.cancel);
         for _ in 0..Order::KINDS {
-            if !self.is_hunt_due(layers) {
+            if !self.is_random_search_due(layers) {
                 return None;
             }
-            let order = self.hunt.as_mut().ok()?.next_order().steady();
+            let order = self.random_search.as_mut().ok()?.next_order().steady();
             // A repetition may begin only after some time.
-            for doubled in 0..DOUBLED {
-                chase.lasts = Some(layers.patience.saturating_mul(1 << doubled));
-                self.run_chase(layers, &mut chase, order, None);
-                let Some((run, value)) = chase.lasted() else {
+            for doubled in 0..MAX_DOUBLINGS {
+                search.lasts = Some(layers.divergence_threshold.saturating_mul(1 << doubled));
+                self.run_search(layers, &mut search, order, None);
+                let Some((run, value)) = search.longest_run() else {
                     break;
                 };
-                if let Some(cycle) = chase.repetition(&run, value) {
-                    return Some(Diverging {
+                if let Some(cycle) = search.repetition(&run, value) {
+                    return Some(Divergence {
                         gauge,
                         excess: limit.and_then(|limit| exceeding(&run, value, limit, cycle)),
                         proof: Some(run.repeating(cycle)),
                     });
                 }
             }
-            if let Ok(hunt) = &mut self.hunt
-                && chase.is_exhausted()
+            if let Ok(random_search) = &mut self.random_search
+                && search.is_exhausted()
                 && !order.late
             {
-                hunt.bounded.insert(gauge);
+                random_search.bounded.insert(gauge);
             }
         }
         None

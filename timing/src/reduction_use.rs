@@ -5,7 +5,7 @@ use crate::explore::{Activity, Kind, Reason};
 
 /// The use of each reduction, over all explorations.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Explained {
+pub struct ReductionUse {
     /// Number of explorations.
     pub explorations: usize,
     /// The outcomes of schedule abstraction before the explorations, each with its count: used, or refused.
@@ -13,12 +13,12 @@ pub struct Explained {
     /// Tasks without bounds of schedule abstraction, in systems in which other tasks have bounds.
     pub left_open: Vec<(String, Refusal)>,
     /// Reductions, in the order of their first occurrence.
-    pub reductions: Vec<Explanation>,
+    pub reductions: Vec<UseOfReduction>,
 }
 
 /// The use of one reduction.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Explanation {
+pub struct UseOfReduction {
     /// Kind of the reduction.
     pub kind: Kind,
     /// Number of explorations in which it was used.
@@ -27,14 +27,14 @@ pub struct Explanation {
     pub off: Vec<(Reason, usize)>,
 }
 
-impl Explained {
+impl ReductionUse {
     /// Adds an exploration.
     pub(crate) fn add(&mut self, activities: &[Activity]) {
         self.explorations += 1;
         for it in activities {
             let known = self.reductions.iter().position(|all| all.kind == it.kind);
             let at = known.unwrap_or_else(|| {
-                self.reductions.push(Explanation {
+                self.reductions.push(UseOfReduction {
                     kind: it.kind,
                     used: 0,
                     off: Vec::new(),
@@ -81,7 +81,7 @@ impl Explained {
 
     /// Returns one line for each reduction: its name, and how often it was used or why not.
     pub fn lines(&self) -> Vec<(&'static str, String)> {
-        let line = |it: &Explanation| {
+        let line = |it: &UseOfReduction| {
             let mut parts = Vec::new();
             match it.used {
                 0 => {}
@@ -108,7 +108,7 @@ mod tests {
     #[test]
     fn explorations_that_differ_are_counted() {
         let it = |kind, off| Activity { kind, off };
-        let mut all = Explained::default();
+        let mut all = ReductionUse::default();
         all.add(&[
             it(Kind::SleepSets, Some(Reason::Clients)),
             it(Kind::Symmetry, None),

@@ -27,7 +27,7 @@ impl Group<'_> {
         let id = *self.built.tasks.get(&of)?;
         let task = &system.tasks[id];
         let machine = system.machine_of(task.permanent?);
-        let states = loops::runs_for_ever(machine)?;
+        let states = loops::states_of_endless_run(machine)?;
         let throws = |&it: &usize| system.codels[machine.states[it].codel].throws;
         // A client that kills a component leads its activities to `stop`. In the published models a task
         // executes its activities all the same.

@@ -2,7 +2,7 @@
 
 use super::Published;
 use super::layout::control;
-use crate::explore::about::{About, Blocker, Executing};
+use crate::explore::details::{Blocker, Executing, MomentDetails};
 use crate::explore::rules::Action;
 use crate::explore::rules::{Moment, MomentKind};
 use crate::explore::state::{State, TaskStatus, phase};
@@ -10,7 +10,7 @@ use crate::system::{ClientAction, Yield};
 
 impl Published<'_> {
     /// Describes the effects of an action; without an action, those of the initial state.
-    pub(super) fn in_words(
+    pub(super) fn describe(
         &self,
         before: &State,
         after: &State,
@@ -19,11 +19,11 @@ impl Published<'_> {
         out: &mut Vec<Moment>,
     ) {
         if let Some(action) = action {
-            self.action_in_words(before, after, action, time, out);
+            self.describe_action(before, after, action, time, out);
         }
         let l = &self.layout;
         for e in 0..l.executors() {
-            self.executor_in_words((before, after), action, e, time, out);
+            self.describe_executor((before, after), action, e, time, out);
         }
         for task in 0..l.tasks {
             let ended = l.status(before, task) != TaskStatus::Idle
@@ -45,12 +45,12 @@ impl Published<'_> {
             codel: None,
             what,
             kind,
-            about: About::Nothing,
+            about: MomentDetails::Nothing,
             action: None,
         }
     }
 
-    fn action_in_words(
+    fn describe_action(
         &self,
         before: &State,
         after: &State,
@@ -60,7 +60,7 @@ impl Published<'_> {
     ) {
         let system = self.system;
         let l = &self.layout;
-        let of_component = |component: usize, what: String, about: About| Moment {
+        let of_component = |component: usize, what: String, about: MomentDetails| Moment {
             time,
             component: system.components[component].name.clone(),
             task: None,
@@ -82,8 +82,8 @@ impl Published<'_> {
             }
             Action::Release { task } => {
                 let (what, about) = match l.status(after, task) {
-                    TaskStatus::Waiting => ("released, asks for a core", About::AwaitsCore),
-                    _ => ("released", About::Nothing),
+                    TaskStatus::Waiting => ("released, asks for a core", MomentDetails::AwaitsCore),
+                    _ => ("released", MomentDetails::Nothing),
                 };
                 out.push(Moment {
                     about,
@@ -127,7 +127,7 @@ impl Published<'_> {
                         codel: Some(codel),
                         what,
                         kind: MomentKind::End,
-                        about: About::Nothing,
+                        about: MomentDetails::Nothing,
                         action: None,
                     });
                 }
@@ -136,7 +136,7 @@ impl Published<'_> {
                 out.push(of_component(
                     component,
                     "reports ended activities".to_owned(),
-                    About::Nothing,
+                    MomentDetails::Nothing,
                 ));
             }
             Action::Request { client, .. } => {
@@ -150,7 +150,7 @@ impl Published<'_> {
                             system.service_path(service),
                             system.clients[client].name
                         ),
-                        About::Requested { client, service },
+                        MomentDetails::Requested { client, service },
                     ));
                 }
             }
@@ -168,7 +168,7 @@ impl Published<'_> {
     }
 
     /// Describes a codel that begins, or begins to wait.
-    fn executor_in_words(
+    fn describe_executor(
         &self,
         (before, after): (&State, &State),
         action: Option<Action>,
@@ -206,10 +206,14 @@ impl Published<'_> {
             (
                 MomentKind::Wait,
                 format!("{path} goes on waiting: {faster} was faster"),
-                About::Blocked(vec![blocker]),
+                MomentDetails::Blocked(vec![blocker]),
             )
         } else if now == phase::EXECUTING {
-            (MomentKind::Begin, format!("{path} begins"), About::Nothing)
+            (
+                MomentKind::Begin,
+                format!("{path} begins"),
+                MomentDetails::Nothing,
+            )
         } else {
             // Free locks are taken in a step of their own at the same moment, which needs no line.
             let holders: Vec<Blocker> = (0..l.automata + l.components)
@@ -225,7 +229,7 @@ impl Published<'_> {
             (
                 MomentKind::Wait,
                 format!("{path} waits for {}", paths.join(", ")),
-                About::Blocked(holders),
+                MomentDetails::Blocked(holders),
             )
         };
         out.push(Moment {

@@ -2,7 +2,7 @@
 
 /// The details of a [moment](super::Moment) beyond its task and its codel.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub enum About {
+pub enum MomentDetails {
     /// No details.
     #[default]
     Nothing,

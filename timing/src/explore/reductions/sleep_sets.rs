@@ -24,7 +24,7 @@
 //! * the end of a cycle after which the task joins the queue again depends on other ends of this kind.
 
 use super::facts::Facts;
-use super::{Held, Kind, Reason, Reduction, Setting};
+use super::{Kind, Reason, Reduction, Setting, SleepSet};
 use crate::explore::rules::published::Published;
 use crate::explore::rules::published::layout::mode;
 use crate::explore::rules::{Action, Enabled};
@@ -109,9 +109,9 @@ impl Overtake {
     pub(crate) fn select(
         &self,
         now: Now,
-        held: Held,
+        held: SleepSet,
         first: &[Action],
-        out: &mut Vec<(Action, Held)>,
+        out: &mut Vec<(Action, SleepSet)>,
     ) {
         out.clear();
         let enabled = now.enabled;
@@ -122,7 +122,7 @@ impl Overtake {
         };
         if enabled.committed || enabled.is_calm() {
             out.extend(first.iter().map(|&it| (it, held)));
-        } else if moment.undecided() {
+        } else if moment.may_depend_on_order() {
             out.extend(enabled.actions.iter().map(|&it| (it, 0)));
         } else {
             let whole = first.len() == enabled.actions.len();
@@ -137,8 +137,8 @@ impl Overtake {
         before: &State,
         action: Action,
         s: &State,
-        held: Held,
-    ) -> Held {
+        held: SleepSet,
+    ) -> SleepSet {
         if held == 0 {
             return 0;
         }
@@ -183,7 +183,7 @@ fn settled(rules: &Published, s: &State, task: usize) -> bool {
             .is_none_or(|a| matches!(rules.layout.mode(s, a), mode::NORMAL | mode::ENDED))
 }
 
-fn bits(mut held: Held) -> impl Iterator<Item = usize> {
+fn bits(mut held: SleepSet) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let bit = (held != 0).then(|| held.trailing_zeros() as usize)?;
         held &= held - 1;
@@ -192,14 +192,14 @@ fn bits(mut held: Held) -> impl Iterator<Item = usize> {
 }
 
 fn members(tasks: Tasks) -> impl Iterator<Item = usize> {
-    bits(Held::from(tasks))
+    bits(SleepSet::from(tasks))
 }
 
 /// One state in which some action is due.
 struct DueState<'m, 's> {
     overtake: &'m Overtake,
     now: Now<'m, 's>,
-    held: Held,
+    held: SleepSet,
 }
 
 impl<'m, 's> std::ops::Deref for DueState<'m, 's> {
@@ -213,15 +213,15 @@ impl<'m, 's> std::ops::Deref for DueState<'m, 's> {
 impl DueState<'_, '_> {
     /// Returns true if orders beyond the known dependencies may matter: a job that waits for a core may have
     /// work or not, depending on its start-up.
-    fn undecided(&self) -> bool {
+    fn may_depend_on_order(&self) -> bool {
         (0..self.rules.layout.tasks).any(|task| {
             self.rules.layout.status(self.s, task) == TaskStatus::Waiting
                 && !settled(self.rules, self.s, task)
         })
     }
 
-    fn select(&self, first: &[Action], whole: bool, out: &mut Vec<(Action, Held)>) {
-        let mut due: Held = 0;
+    fn select(&self, first: &[Action], whole: bool, out: &mut Vec<(Action, SleepSet)>) {
+        let mut due: SleepSet = 0;
         for &action in &self.enabled.actions {
             due |= self.bit(action);
         }
@@ -258,7 +258,7 @@ impl DueState<'_, '_> {
     }
 
     /// Returns the bit of a due action, or 0 for an end that is not due.
-    fn bit(&self, action: Action) -> Held {
+    fn bit(&self, action: Action) -> SleepSet {
         match action {
             Action::Tick { task } => 1 << (TICKS + task),
             Action::Acquire { executor } => 1 << executor,

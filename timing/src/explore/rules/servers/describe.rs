@@ -2,7 +2,7 @@
 
 use super::layout::{flag, slot, thread};
 use super::{Action, Servers};
-use crate::explore::about::{About, Blocker, Executing};
+use crate::explore::details::{Blocker, Executing, MomentDetails};
 use crate::explore::rules::{Moment, MomentKind};
 use crate::explore::state::{State, phase};
 use crate::system::{ClientAction, Yield};
@@ -17,11 +17,11 @@ impl Servers<'_> {
         out: &mut Vec<Moment>,
     ) {
         if let Some(action) = action {
-            self.action_in_words(before, after, action, time, out);
+            self.describe_action(before, after, action, time, out);
         }
         let l = &self.layout;
         for executor in 0..l.tasks + l.components {
-            self.executor_in_words((before, after), executor, time, out);
+            self.describe_executor((before, after), executor, time, out);
         }
         for task in 0..l.tasks {
             // A pass without codels begins and ends in one step.
@@ -47,7 +47,7 @@ impl Servers<'_> {
             codel: None,
             what,
             kind,
-            about: About::Nothing,
+            about: MomentDetails::Nothing,
             action: None,
         }
     }
@@ -60,7 +60,7 @@ impl Servers<'_> {
             codel: None,
             what,
             kind: MomentKind::Request,
-            about: About::Nothing,
+            about: MomentDetails::Nothing,
             action: None,
         }
     }
@@ -81,12 +81,12 @@ impl Servers<'_> {
             codel: Some(codel),
             what,
             kind,
-            about: About::Nothing,
+            about: MomentDetails::Nothing,
             action: None,
         }
     }
 
-    fn action_in_words(
+    fn describe_action(
         &self,
         before: &State,
         after: &State,
@@ -116,7 +116,7 @@ impl Servers<'_> {
             Action::Release { task } => {
                 let what = "released, asks for a core".to_owned();
                 out.push(Moment {
-                    about: About::AwaitsCore,
+                    about: MomentDetails::AwaitsCore,
                     ..self.of_task(task, MomentKind::Release, time, what)
                 });
             }
@@ -136,7 +136,7 @@ impl Servers<'_> {
                 self.passing(before, after, task, time, out);
             }
             Action::Finish { executor, outcome } => {
-                self.end_in_words(before, executor, outcome, time, out)
+                self.describe_end(before, executor, outcome, time, out)
             }
             Action::Signal { component } => {
                 let what = "reports ended activities".to_owned();
@@ -162,7 +162,7 @@ impl Servers<'_> {
                         });
                     }
                     out.push(Moment {
-                        about: About::Requested { client: k, service },
+                        about: MomentDetails::Requested { client: k, service },
                         ..self.of_component(component, time, what)
                     });
                 }
@@ -193,7 +193,7 @@ impl Servers<'_> {
                     false => self.of_component(by - l.tasks, time, what),
                 };
                 out.push(Moment {
-                    about: About::Preempted(self.executing(executor)),
+                    about: MomentDetails::Preempted(self.executing(executor)),
                     ..moment
                 });
             }
@@ -269,7 +269,7 @@ impl Servers<'_> {
                 if new & slot::START != 0 {
                     let what = format!("releases {}", name());
                     out.push(Moment {
-                        about: About::Released { task },
+                        about: MomentDetails::Released { task },
                         ..self.of_component(component, time, what)
                     });
                 }
@@ -280,7 +280,7 @@ impl Servers<'_> {
         }
     }
 
-    fn end_in_words(
+    fn describe_end(
         &self,
         before: &State,
         executor: usize,
@@ -324,7 +324,7 @@ impl Servers<'_> {
     }
 
     /// Describes a codel that begins, or begins to wait.
-    fn executor_in_words(
+    fn describe_executor(
         &self,
         (before, after): (&State, &State),
         executor: usize,
@@ -355,7 +355,7 @@ impl Servers<'_> {
             })
         };
         let holders =
-            (l.executing(after)).filter(|&it| self.holds_up(after, &self.system.codels[codel], it));
+            (l.executing(after)).filter(|&it| self.blocks(after, &self.system.codels[codel], it));
         let mut blockers: Vec<Blocker> = holders.filter_map(|it| blocker(it, false)).collect();
         if let Some(component) = self.component_of(executor) {
             let queue = l.lock_queue(after, component).iter();
@@ -376,7 +376,7 @@ impl Servers<'_> {
             let named: Vec<String> = named.collect();
             let what = format!("{path} waits for {}", named.join(", "));
             out.push(Moment {
-                about: About::Blocked(blockers),
+                about: MomentDetails::Blocked(blockers),
                 ..self.of_codel(codel, executor, time, MomentKind::Wait, what)
             });
         }

@@ -15,7 +15,7 @@ impl Client {
 
     /// Returns the client that stays for ever at a delay without an upper bound, after it has passed `most`
     /// of them.
-    fn staying_after(&self, most: usize) -> Client {
+    fn waiting_forever_after(&self, most: usize) -> Client {
         let n = self.steps.len();
         let done = n * (most + 1);
         let at = |round: usize, step: usize| match (self.may_stay(step), round == most) {
@@ -66,10 +66,10 @@ impl Client {
 impl TimedSystem {
     /// Returns the system whose clients stay for ever at a delay without an upper bound, after they have
     /// passed `most` of them. `None` if no client has such a delay.
-    pub(crate) fn staying_after(&self, most: usize) -> Option<TimedSystem> {
+    pub(crate) fn waiting_forever_after(&self, most: usize) -> Option<TimedSystem> {
         let stays = |it: &Client| (0..it.steps.len()).any(|step| it.may_stay(step));
         self.clients.iter().any(stays).then(|| TimedSystem {
-            clients: (self.clients.iter().map(|it| it.staying_after(most)))
+            clients: (self.clients.iter().map(|it| it.waiting_forever_after(most)))
                 .filter(|it| !it.steps.is_empty())
                 .collect(),
             ..self.clone()
@@ -120,7 +120,7 @@ mod tests {
 
     #[test]
     fn a_client_stays_at_last() {
-        let program = |most| program(&any().staying_after(most));
+        let program = |most| program(&any().waiting_forever_after(most));
         assert_eq!(program(0), "[0]: ");
         assert_eq!(program(1), "[0]: stay [1, 2], send 0 [3], send 1 [3]");
         assert_eq!(
@@ -133,6 +133,6 @@ mod tests {
     fn a_client_that_has_to_go_on_does() {
         let mut client = any();
         client.steps[0].action = ClientAction::Delay(0, 5);
-        assert_eq!(program(&client.staying_after(1)), program(&client));
+        assert_eq!(program(&client.waiting_forever_after(1)), program(&client));
     }
 }

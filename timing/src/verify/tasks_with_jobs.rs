@@ -8,9 +8,10 @@ const STEPS: usize = 10_000;
 
 /// By task: true if a run of the system has a job of it. Three runs are tried, with choices that have no
 /// pattern: codels end as early as they may, as late, and now early, now late.
-pub(crate) fn seen_released(system: &TimedSystem) -> Vec<bool> {
+pub(crate) fn tasks_with_jobs(system: &TimedSystem) -> Vec<bool> {
     let mut released = vec![false; system.tasks.len()];
-    let late: [fn(usize) -> bool; 3] = [|_| false, |_| true, |step| mixed(step) & 0x80 == 0];
+    let late: [fn(usize) -> bool; 3] =
+        [|_| false, |_| true, |step| pseudo_random(step) & 0x80 == 0];
     for late in late {
         run(system, late, &mut released);
     }
@@ -38,7 +39,7 @@ fn run(system: &TimedSystem, late: fn(usize) -> bool, released: &mut [bool]) {
                 continue;
             }
         }
-        match actions.get(mixed(step) % actions.len().max(1)) {
+        match actions.get(pseudo_random(step) % actions.len().max(1)) {
             Some(&action) => stepper.perform(action, &mut seen),
             None => return,
         }
@@ -46,6 +47,6 @@ fn run(system: &TimedSystem, late: fn(usize) -> bool, released: &mut [bool]) {
 }
 
 /// A number without a pattern, the same for the same step.
-fn mixed(step: usize) -> usize {
+fn pseudo_random(step: usize) -> usize {
     (step.wrapping_mul(0x9e37_79b9) >> 12) & 0xffff
 }

@@ -16,7 +16,7 @@
 //! Groups meet only at cores: while a task of another group waits for a core no end can be postponed. (A lazy
 //! task that waits loses nothing by a later grant: its release is past, and its codels have wider windows.)
 //! Start-up is lazy only if no timer starts at its end, and if there are clients (its overtaking, see
-//! [`super::overtake`], is not examined). No group is lazy while a lazy task has a pending tick: its next job
+//! [`super::sleep_sets`], is not examined). No group is lazy while a lazy task has a pending tick: its next job
 //! is released, and measured, from the end of the present one. The order of steps of different groups is not
 //! preserved, so groups that a predicate observes are not lazy. And there has to be a next hard moment: some
 //! task is periodic.
@@ -26,7 +26,7 @@ pub(super) mod rest;
 use rustc_hash::FxHashSet;
 use smallvec::SmallVec;
 
-use super::{Kind, Reason, Reduction, Setting, Waiters};
+use super::{Deferrable, Kind, Reason, Reduction, Setting};
 use crate::explore::rules::published::Published;
 use crate::explore::rules::published::layout::mode;
 use crate::explore::rules::{Action, Enabled, Rules};
@@ -36,7 +36,7 @@ use crate::system::{ClientAction, TimedSystem};
 
 /// The lazy groups. Tasks, control tasks and clients are numbered as *members*, in this order.
 #[derive(Debug)]
-pub(crate) struct Lazy {
+pub(crate) struct Deferral {
     members: Vec<bool>,
     /// Group of each member.
     group: Vec<usize>,
@@ -49,14 +49,14 @@ pub(crate) struct Lazy {
 /// Upper limit on the states of a lazy closure. Larger closures are truncated, and fewer states are dropped.
 const CLOSURE: usize = 1024;
 
-impl Reduction<Published<'_>> for Lazy {
+impl Reduction<Published<'_>> for Deferral {
     const KIND: Kind = Kind::Deferral;
 
     fn applies(setting: &Setting<Published>) -> Result<Self, Reason> {
         if (setting.system().tasks.iter()).all(|it| it.period.is_none()) {
             return Err(Reason::NothingPeriodic);
         }
-        let groups = Lazy::new(setting);
+        let groups = Deferral::new(setting);
         match groups.members.contains(&true) {
             true => Ok(groups),
             false => Err(Reason::NothingToPutOff),
@@ -64,7 +64,7 @@ impl Reduction<Published<'_>> for Lazy {
     }
 }
 
-impl Lazy {
+impl Deferral {
     /// Returns the reason why no loop rests.
     pub(super) fn without_rest(&self, setting: &Setting<Published>) -> Option<Reason> {
         if setting.without.contains(Kind::RestingLoops) {
@@ -176,7 +176,7 @@ impl Lazy {
             let mut resting = rest.iter().map(|&(a, _)| group[system.automata[a].task]);
             members[control] && resting.all(|it| it != group[control])
         };
-        Lazy {
+        Deferral {
             starts: (0..system.tasks.len())
                 .map(|task| {
                     !system.clients.is_empty() && starts_no_timer(system, task) && can_start(task)
@@ -189,7 +189,7 @@ impl Lazy {
     }
 
     /// Returns the members whose ends can be postponed in a calm state, if there are any.
-    pub(crate) fn waiters(&self, rules: &Published, s: &State) -> Option<Waiters> {
+    pub(crate) fn waiters(&self, rules: &Published, s: &State) -> Option<Deferrable> {
         let l = &rules.layout;
         let settled = rules
             .system
@@ -220,7 +220,7 @@ impl Lazy {
         }
         let queue = l.queue(s);
         let all = queue.iter().all(|&task| out[task as usize]);
-        all.then_some(Waiters(out))
+        all.then_some(Deferrable(out))
     }
 
     /// Calls `found` with every calm state that a calm state can reach by ends that can be postponed, unless
@@ -236,7 +236,7 @@ impl Lazy {
             return;
         };
         let mut executing = rules.layout.executing(s);
-        if !executing.any(|e| waiters.can_wait(rules.system, e)) {
+        if !executing.any(|e| waiters.can_be_deferred(rules.system, e)) {
             return;
         }
         let mut seen: FxHashSet<Encoded> = FxHashSet::default();
@@ -253,14 +253,13 @@ impl Lazy {
                 let action = enabled.actions[i];
                 let follow = match action {
                     Action::Finish { executor, .. } | Action::Acquire { executor } => {
-                        waiters.can_wait(rules.system, executor)
+                        waiters.can_be_deferred(rules.system, executor)
                     }
                     Action::Grant { task } | Action::Release { task } => waiters.0[task],
-                    Action::Signal { component } => {
-                        waiters.can_wait(rules.system, rules.layout.control_executor(component))
-                    }
+                    Action::Signal { component } => waiters
+                        .can_be_deferred(rules.system, rules.layout.control_executor(component)),
                     Action::Request { client, .. } | Action::Proceed { client, .. } => {
-                        waiters.can_wait(rules.system, rules.layout.client_executor(client))
+                        waiters.can_be_deferred(rules.system, rules.layout.client_executor(client))
                     }
                     Action::Tick { .. } => false,
                     // Actions of other rules.

@@ -9,10 +9,10 @@ use rustc_hash::FxBuildHasher;
 
 use super::goals::{Goal, Goals, PerGoal};
 use super::layers::covering;
-use super::watching::{Longest, Sight, Watching};
+use super::observations::{Longest, Observations, Sight};
 use crate::cancel::Cancel;
 use crate::explore::findings::{Findings, Found};
-use crate::explore::reductions::{Held, Reduced, Reductions};
+use crate::explore::reductions::{Reduced, Reductions, SleepSet};
 use crate::explore::rules::{Action, Enabled, with_rules};
 use crate::explore::run::Run;
 use crate::explore::state::State;
@@ -21,10 +21,10 @@ use crate::explore::watch::{Limits, Stop, Watch};
 use crate::system::{FOREVER, Ticks, TimedSystem};
 
 /// Steps between two polls of the limits.
-const LOOKS: u64 = 16;
+const STEPS_PER_POLL: u64 = 16;
 
 /// Number of plausible times after which a run without news is abandoned.
-const FAR: u64 = 4;
+const MAX_PLAUSIBLE_TIMES: u64 = 4;
 
 /// The order in which the actions of a state are followed.
 #[derive(Debug, Clone, Copy)]
@@ -65,7 +65,7 @@ impl Order {
 
     /// Sorts actions: the one to follow first comes last. Actions of a task that is `kept` from ending come
     /// first in the list.
-    fn arrange(&mut self, list: &mut [(Action, Held)], kept: impl Fn(Action) -> bool) {
+    fn sort_actions(&mut self, list: &mut [(Action, SleepSet)], kept: impl Fn(Action) -> bool) {
         if self.steady {
             let dice = self.dice;
             list.sort_by_cached_key(|it| (!kept(it.0), FxBuildHasher.hash_one((dice, it.0))));
@@ -100,15 +100,15 @@ enum Step {
 /// A state from which the search continues.
 struct Open {
     s: State,
-    held: Held,
+    held: SleepSet,
     /// Last step to the state, and its time.
     at: Sight<StepId>,
 }
 
 /// A depth-first search.
-pub(super) struct Chase<'a, R: Reduced> {
+pub(super) struct DepthFirstSearch<'a, R: Reduced> {
     /// The rules, and the sights so far. A sight is identified by its step.
-    watching: Watching<'a, R, StepId>,
+    observations: Observations<'a, R, StepId>,
     limits: Limits,
     cancel: &'a Cancel,
     passed: Store,
@@ -120,15 +120,15 @@ pub(super) struct Chase<'a, R: Reduced> {
     pub(super) lasts: Option<Ticks>,
 }
 
-impl<'a, R: Reduced> Chase<'a, R> {
+impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
     pub(super) fn new(
-        watching: Watching<'a, R, StepId>,
+        observations: Observations<'a, R, StepId>,
         limits: Limits,
         cancel: &'a Cancel,
     ) -> Self {
-        Chase {
-            passed: Store::new(watching.rules.frame().clocks(), covering(limits)),
-            watching,
+        DepthFirstSearch {
+            passed: Store::new(observations.rules.frame().clocks(), covering(limits)),
+            observations,
             limits,
             cancel,
             trail: Vec::new(),
@@ -163,38 +163,38 @@ impl<'a, R: Reduced> Chase<'a, R> {
                 break;
             };
             self.steps += 1;
-            if self.steps % LOOKS == 1 && self.out_of_bounds(beside) {
+            if self.steps % STEPS_PER_POLL == 1 && self.out_of_bounds(beside) {
                 return false;
             }
             let trail = &mut self.trail;
-            let watching = &mut self.watching;
-            let ordered = watching.settle(&mut s, &mut held, &mut enabled, |action| {
+            let observations = &mut self.observations;
+            let ordered = observations.settle(&mut s, &mut held, &mut enabled, |action| {
                 at.parent = push(trail, at.parent, Step::Act(action));
                 at
             });
             if ordered {
                 at.parent = push(trail, at.parent, Step::Order);
             }
-            encode(watching.rules.frame(), &s, &mut it);
+            encode(observations.rules.frame(), &s, &mut it);
             if held != 0 {
                 it.key.extend(held.to_le_bytes());
             }
             if self.passed.insert(&it, 0, |_, _| 0).is_none() {
                 continue;
             }
-            if self.has_gone_far(at) {
+            if self.is_unpromising(at) {
                 break;
             }
-            let watching = &self.watching;
-            watching.followed((&s, held), &enabled, &mut first, &mut followed);
+            let observations = &self.observations;
+            observations.followed((&s, held), &enabled, &mut first, &mut followed);
             if order.late {
-                let l = watching.rules.frame();
+                let l = observations.rules.frame();
                 followed.retain(|&(action, _)| {
                     !matches!(action, Action::Finish { executor, .. }
                         if !matches!(l.window(&s, executor).1, 0 | FOREVER))
                 });
             }
-            order.arrange(&mut followed, |it| watching.is_measured(it));
+            order.sort_actions(&mut followed, |it| observations.is_measured(it));
             let calm = enabled.is_calm();
             let jump = calm.then(|| self.jump(&s, order)).flatten();
             let jump = jump.filter(|&it| at.time + u64::from(it) <= end);
@@ -212,7 +212,7 @@ impl<'a, R: Reduced> Chase<'a, R> {
     }
 
     fn begin(&mut self) {
-        self.watching.begin_anew();
+        self.observations.clear_observations();
         self.passed.clear();
         self.trail.clear();
         self.open.clear();
@@ -221,45 +221,47 @@ impl<'a, R: Reduced> Chase<'a, R> {
             parent: START,
             time: 0,
         };
-        let s = self.watching.rules.initial();
-        self.watching.check(None, &s, at);
+        let s = self.observations.rules.initial();
+        self.observations.check(None, &s, at);
         self.open.push(Open { s, held: 0, at });
     }
 
     /// Returns true if the search has seen everything, or enough.
     fn is_over(&self) -> bool {
-        let Watching { seen, .. } = &self.watching;
-        let answered = || self.watching.all_measured() && seen.goals.values().all(Option::is_some);
+        let Observations { seen, .. } = &self.observations;
+        let answered =
+            || self.observations.all_measured() && seen.goals.values().all(Option::is_some);
         seen.enough || answered() || self.longest().is_some()
     }
 
     /// Returns true if a run has continued for so long that it is unlikely to show news.
-    fn has_gone_far(&self, at: Sight<StepId>) -> bool {
-        self.lasts.is_some_and(|it| at.time > FAR * u64::from(it))
+    fn is_unpromising(&self, at: Sight<StepId>) -> bool {
+        self.lasts
+            .is_some_and(|it| at.time > MAX_PLAUSIBLE_TIMES * u64::from(it))
     }
 
     /// Returns the longest time seen, if it is longer than the one searched for.
     fn longest(&self) -> Option<Longest<StepId>> {
-        let longest = self.watching.seen.longest.first().copied().flatten()?;
+        let longest = self.observations.seen.longest.first().copied().flatten()?;
         self.lasts
             .is_some_and(|it| longest.value > it)
             .then_some(longest)
     }
 
     /// Returns a run whose last measurement is as long as the one searched for, and the length.
-    pub(super) fn lasted(&mut self) -> Option<(Run, Ticks)> {
+    pub(super) fn longest_run(&mut self) -> Option<(Run, Ticks)> {
         let Longest { value, at } = self.longest()?;
         Some((self.run_to(at, None), value))
     }
 
     /// Returns the repetition within the last measurement of a run.
     pub(super) fn repetition(&self, run: &Run, value: Ticks) -> Option<(u64, u64)> {
-        let Watching {
+        let Observations {
             rules,
             observers,
             gauges,
             ..
-        } = &self.watching;
+        } = &self.observations;
         let of = gauges.first().map(|it| it.of);
         let age = |s: &State| of.map_or((0, 0), |it| it.age(rules.frame(), s));
         run.repetition(rules, (observers, value), &age, self.cancel)
@@ -282,9 +284,9 @@ impl<'a, R: Reduced> Chase<'a, R> {
 
     /// Returns the time to let pass, in base units.
     fn jump(&self, s: &State, order: Order) -> Option<Ticks> {
-        let Watching {
+        let Observations {
             rules, reductions, ..
-        } = &self.watching;
+        } = &self.observations;
         if !order.late {
             return reductions.next_moment(rules, s);
         }
@@ -292,7 +294,7 @@ impl<'a, R: Reduced> Chase<'a, R> {
         rules.next_moment(s, &|executor| {
             let waits = waiters.as_ref();
             rules.frame().window(s, executor).1 != FOREVER
-                || waits.is_some_and(|it| it.can_wait(rules.system(), executor))
+                || waits.is_some_and(|it| it.can_be_deferred(rules.system(), executor))
         })
     }
 
@@ -302,31 +304,31 @@ impl<'a, R: Reduced> Chase<'a, R> {
             parent: push(&mut self.trail, at.parent, Step::Pass(jump)),
             time: at.time + u64::from(jump),
         };
-        self.watching.rules.elapse(&mut s, jump);
+        self.observations.rules.elapse(&mut s, jump);
         self.look_at_clocks(&mut s, at);
         self.open.push(Open { s, held: 0, at });
     }
 
-    fn act(&mut self, s: &State, mut held: Held, at: Sight<StepId>, action: Action) {
+    fn act(&mut self, s: &State, mut held: SleepSet, at: Sight<StepId>, action: Action) {
         let mut s = s.clone();
         let at = Sight {
             parent: push(&mut self.trail, at.parent, Step::Act(action)),
             ..at
         };
-        self.watching.step(&mut s, action, &mut held, at);
+        self.observations.step(&mut s, action, &mut held, at);
         self.open.push(Open { s, held, at });
     }
 
     fn look_at_clocks(&mut self, s: &mut State, at: Sight<StepId>) {
-        self.watching.waiting_after_jump(s, at);
-        for gauge in 0..self.watching.gauges.len() {
-            self.watching.longest_after_jump(gauge, s, at);
+        self.observations.waiting_after_jump(s, at);
+        for gauge in 0..self.observations.gauges.len() {
+            self.observations.longest_after_jump(gauge, s, at);
         }
     }
 
     /// Returns runs to the goals that were seen.
-    pub(super) fn caught(&mut self) -> PerGoal<Option<Run>> {
-        let Watching { goals, seen, .. } = &self.watching;
+    pub(super) fn found_run(&mut self) -> PerGoal<Option<Run>> {
+        let Observations { goals, seen, .. } = &self.observations;
         let sights = goals.each(|id| seen.goals[id].map(|at| (at, goals.get(id))));
         let run = |it: Option<(Sight<StepId>, Goal<'a>)>| {
             it.map(|(at, goal)| match goal {
@@ -347,8 +349,8 @@ impl<'a, R: Reduced> Chase<'a, R> {
             steps.push(step);
             last = before;
         }
-        let mut s = self.watching.rules.initial();
-        let mut names = self.watching.reductions.orbits().identity();
+        let mut s = self.observations.rules.initial();
+        let mut names = self.observations.reductions.orbits().identity();
         let mut run = Run::default();
         for step in steps.into_iter().rev() {
             match step {
@@ -358,7 +360,7 @@ impl<'a, R: Reduced> Chase<'a, R> {
                         time: run.end,
                         ..at
                     };
-                    self.watching.step(&mut s, action, &mut 0, now);
+                    self.observations.step(&mut s, action, &mut 0, now);
                 }
                 Step::Pass(time) => {
                     run.end += u64::from(time);
@@ -366,13 +368,13 @@ impl<'a, R: Reduced> Chase<'a, R> {
                         time: run.end,
                         ..at
                     };
-                    self.watching.rules.elapse(&mut s, time);
+                    self.observations.rules.elapse(&mut s, time);
                     self.look_at_clocks(&mut s, now);
                 }
                 Step::Order => {
-                    let Watching {
+                    let Observations {
                         rules, reductions, ..
-                    } = &self.watching;
+                    } = &self.observations;
                     if let Some(order) = reductions.order(rules, &mut s) {
                         names = names.after(&order.inverse());
                     }
@@ -382,18 +384,25 @@ impl<'a, R: Reduced> Chase<'a, R> {
         let Some((task, shown)) = about else {
             return run;
         };
-        let watching = &self.watching;
-        let mut alike = watching.reductions.orbits().of_task(task).iter().copied();
-        match alike.find(|&it| shown(&watching.rules, &s, it)) {
-            Some(it) if names.task(it) != task => watching.exchanged(&run, names.task(it), task),
+        let observations = &self.observations;
+        let mut alike = observations
+            .reductions
+            .orbits()
+            .of_task(task)
+            .iter()
+            .copied();
+        match alike.find(|&it| shown(&observations.rules, &s, it)) {
+            Some(it) if names.task(it) != task => {
+                observations.exchanged(&run, names.task(it), task)
+            }
             _ => run,
         }
     }
 
     /// Returns the services with a refused request.
     pub(super) fn refused(&self) -> Vec<usize> {
-        (0..self.watching.rules.system().services.len())
-            .filter(|&it| self.watching.has_refused(it))
+        (0..self.observations.rules.system().services.len())
+            .filter(|&it| self.observations.has_refused(it))
             .collect()
     }
 
@@ -404,47 +413,50 @@ impl<'a, R: Reduced> Chase<'a, R> {
 
     /// Returns the approximate number of bytes in use.
     pub(super) fn memory(&self) -> usize {
-        let open = size_of::<Open>() + self.watching.rules.frame().state_bytes();
+        let open = size_of::<Open>() + self.observations.rules.frame().state_bytes();
         self.passed.memory()
             + self.trail.capacity() * size_of::<(StepId, Step)>()
             + self.open.capacity() * open
     }
 }
 
-/// Runs a single chase, with the order of this number, for tests: returns findings of single states only.
-pub fn chase(
+/// Runs a single search, with the order of this number, for tests: returns findings of single states only.
+pub fn search_once(
     system: &TimedSystem,
     watch: &Watch,
     (number, steps): (u64, u64),
     limits: Limits,
     cancel: &Cancel,
 ) -> Findings {
-    with_rules!(system, chase_by(watch, (number, steps), limits, cancel))
+    with_rules!(
+        system,
+        search_once_by(watch, (number, steps), limits, cancel)
+    )
 }
 
-fn chase_by<R: Reduced>(
+fn search_once_by<R: Reduced>(
     rules: &R,
     watch: &Watch,
     (number, steps): (u64, u64),
     limits: Limits,
     cancel: &Cancel,
 ) -> Findings {
-    let watching = Watching::new(rules, watch, &[], limits.without);
-    let mut chase = Chase::new(watching, limits, cancel);
-    let room = chase.run(Order::numbered(number), steps, u64::MAX, (0, 0));
+    let observations = Observations::new(rules, watch, &[], limits.without);
+    let mut search = DepthFirstSearch::new(observations, limits, cancel);
+    let room = search.run(Order::numbered(number), steps, u64::MAX, (0, 0));
     let goals = Goals::of(watch);
     let found = |run: Option<Run>| run.map(|run| Found { run });
-    let mut caught = chase.caught().into_values().map(found);
-    let [missed, overdue, reached] = goals.split(goals.each(|_| caught.next().flatten()));
+    let mut found_run = search.found_run().into_values().map(found);
+    let [missed, overdue, reached] = goals.split(goals.each(|_| found_run.next().flatten()));
     Findings {
         missed,
         overdue,
         reached,
-        refused: chase.refused(),
-        states: chase.states(),
-        steps: chase.steps,
-        bytes: chase.memory(),
-        stopped: (!room || !chase.is_done()).then_some(Stop::States),
+        refused: search.refused(),
+        states: search.states(),
+        steps: search.steps,
+        bytes: search.memory(),
+        stopped: (!room || !search.is_done()).then_some(Stop::States),
         ..Findings::default()
     }
 }

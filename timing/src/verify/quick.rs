@@ -7,10 +7,10 @@
 //! worth telling.
 
 use super::checks::Single;
-use super::{Analysed, Group};
+use super::{Group, ResponseBounds};
 use crate::explore::{Limits, Stop, explore};
 use crate::report::{CheckReport, Report, Value, Verdict};
-use crate::system::built::Built;
+use crate::system::indexed::Built;
 
 /// How often clients that may wait for ever go on; `None`: as often as they like.
 const STAGES: [(Option<usize>, usize); 4] = [
@@ -82,7 +82,7 @@ impl Group<'_> {
         let mut seen = Seen(vec![None; checks.len()]);
         for (rounds, states) in STAGES {
             let share = if rounds == Some(0) { 1 } else { SHARE };
-            let staying = self.built.system.staying_after(rounds.unwrap_or(0));
+            let staying = self.built.system.waiting_forever_after(rounds.unwrap_or(0));
             let built = match (rounds, staying) {
                 (None, None) if alone => break,
                 (None, _) => self.built,
@@ -119,7 +119,7 @@ impl Group<'_> {
         seen: &mut Seen,
         report: &mut Report,
     ) {
-        let analysed = Analysed::new(self.built);
+        let analysed = ResponseBounds::new(self.built);
         let (mut watch, places) = self.watch(checks, part.into_iter(), &analysed);
         // What fails later is left to later stages.
         watch.in_order = true;

@@ -10,11 +10,11 @@ use crate::system::loops::{Visited, beginning, followers};
 use crate::system::{Machine, State, TimedSystem, Yield};
 
 /// Number of places and rests above which a task is refused.
-const SITUATIONS: usize = 5_000;
+const MAX_SITUATIONS: usize = 5_000;
 
 /// The sequences of codels of a task.
 #[derive(Debug)]
-pub(super) struct Course {
+pub(super) struct CycleAutomaton {
     pub(super) places: Vec<Place>,
     /// Rests. The first one is the rest before the first cycle.
     pub(super) rests: Vec<Rest>,
@@ -27,14 +27,14 @@ pub(super) struct Course {
 pub(super) struct Place {
     pub(super) codel: usize,
     /// Possible successors.
-    pub(super) then: Vec<Then>,
+    pub(super) then: Vec<Successor>,
     /// Possible successors after an exception, if the codel may throw.
-    pub(super) thrown: Vec<Then>,
+    pub(super) thrown: Vec<Successor>,
 }
 
 /// The successor of a codel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Then {
+pub(super) enum Successor {
     /// Another place in the same cycle.
     Goes(usize),
     /// The end of the cycle.
@@ -47,12 +47,12 @@ pub(super) enum Then {
 #[derive(Debug, Default)]
 pub(super) struct Rest {
     /// Possible beginnings of the next cycle: a codel, or the end of the cycle.
-    pub(super) begins: Vec<Then>,
+    pub(super) begins: Vec<Successor>,
     /// A tick may find no work.
     pub(super) skips: bool,
 }
 
-impl Course {
+impl CycleAutomaton {
     /// Returns the rest in which the permanent activity, alone, has paused at a state.
     pub(super) fn paused_at(&self, state: usize) -> Option<usize> {
         self.paused.iter().position(|it| *it == Some(state))
@@ -73,33 +73,36 @@ pub(super) struct Activity {
 
 /// The state of an activity.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-enum At {
+enum ActivityPosition {
     /// It has not begun.
     Before,
     /// It has ended for good.
     Over,
     /// It executes a codel in this pass.
-    Next(Visited, Stops),
+    Next(Visited, IsInterrupted),
     /// It continues in the next pass.
-    Goes(Visited, Stops),
+    Goes(Visited, IsInterrupted),
     /// It continues in the next cycle.
-    Pauses(usize, Stops),
+    Pauses(usize, IsInterrupted),
 }
 
 /// True if an activity was interrupted.
-type Stops = bool;
+type IsInterrupted = bool;
 
 /// The states of all activities, and the activity that executes a codel.
-type Situation = (Vec<At>, Option<usize>);
+type AutomatonState = (Vec<ActivityPosition>, Option<usize>);
 
-/// Returns the course of a task. The permanent activity, if there is one, is the first of `activities`.
-pub(super) fn course(system: &TimedSystem, activities: &[Activity]) -> Result<Course, Refusal> {
+/// Returns the cycle automaton of a task. The permanent activity, if there is one, is the first of `activities`.
+pub(super) fn cycle_automaton(
+    system: &TimedSystem,
+    activities: &[Activity],
+) -> Result<CycleAutomaton, Refusal> {
     let mut builder = Builder {
         system,
         activities,
         known: FxHashMap::default(),
         todo: Vec::new(),
-        out: Course {
+        out: CycleAutomaton {
             places: Vec::new(),
             rests: Vec::new(),
             paused: Vec::new(),
@@ -107,7 +110,7 @@ pub(super) fn course(system: &TimedSystem, activities: &[Activity]) -> Result<Co
     };
     builder.first();
     while let Some((situation, number)) = builder.todo.pop() {
-        if builder.known.len() > SITUATIONS {
+        if builder.known.len() > MAX_SITUATIONS {
             return Err(Refusal::Requests);
         }
         match situation.1 {
@@ -121,9 +124,9 @@ pub(super) fn course(system: &TimedSystem, activities: &[Activity]) -> Result<Co
 struct Builder<'b> {
     system: &'b TimedSystem,
     activities: &'b [Activity],
-    known: FxHashMap<Situation, Then>,
-    todo: Vec<(Situation, usize)>,
-    out: Course,
+    known: FxHashMap<AutomatonState, Successor>,
+    todo: Vec<(AutomatonState, usize)>,
+    out: CycleAutomaton,
 }
 
 impl Builder<'_> {
@@ -140,15 +143,15 @@ impl Builder<'_> {
     fn first(&mut self) {
         self.out.rests.push(Rest::default());
         self.out.paused.push(None);
-        let mut at = vec![At::Before; self.activities.len()];
+        let mut at = vec![ActivityPosition::Before; self.activities.len()];
         if self.activities.first().is_some_and(|it| it.permanent) {
-            at[0] = At::Next(self.begins(0, self.machine(0).start), false);
+            at[0] = ActivityPosition::Next(self.begins(0, self.machine(0).start), false);
         }
-        self.out.rests[0].begins = self.go_on(&at);
+        self.out.rests[0].begins = self.proceed(&at);
     }
 
     /// Returns the number of a situation.
-    fn number(&mut self, situation: Situation) -> Then {
+    fn number(&mut self, situation: AutomatonState) -> Successor {
         if let Some(&it) = self.known.get(&situation) {
             return it;
         }
@@ -156,17 +159,19 @@ impl Builder<'_> {
             Some(_) => {
                 self.out.places.push(Place::default());
                 let number = self.out.places.len() - 1;
-                (Then::Goes(number), number)
+                (Successor::Goes(number), number)
             }
-            None if situation.0.iter().all(|it| *it == At::Over) => return Then::Ends,
+            None if situation.0.iter().all(|it| *it == ActivityPosition::Over) => {
+                return Successor::Ends;
+            }
             None => {
                 self.out.rests.push(Rest::default());
                 self.out.paused.push(match &situation.0[..] {
-                    [At::Pauses(at, false)] => Some(*at),
+                    [ActivityPosition::Pauses(at, false)] => Some(*at),
                     _ => None,
                 });
                 let number = self.out.rests.len() - 1;
-                (Then::Rests(number), number)
+                (Successor::Rests(number), number)
             }
         };
         self.known.insert(situation.clone(), it);
@@ -174,8 +179,8 @@ impl Builder<'_> {
         it
     }
 
-    fn place(&mut self, at: &[At], executes: usize, number: usize) {
-        let At::Next(visited, stops) = &at[executes] else {
+    fn place(&mut self, at: &[ActivityPosition], executes: usize, number: usize) {
+        let ActivityPosition::Next(visited, stops) = &at[executes] else {
             return;
         };
         let machine = self.machine(executes);
@@ -183,26 +188,26 @@ impl Builder<'_> {
         let codel = state.codel;
         let over = self.over(executes);
         let following = followers(machine, visited);
-        let mut next: Vec<At> = following
+        let mut next: Vec<ActivityPosition> = following
             .into_iter()
-            .map(|it| At::Goes(it, *stops))
+            .map(|it| ActivityPosition::Goes(it, *stops))
             .collect();
         next.extend(state.yields.iter().filter_map(|it| match *it {
             Yield::Next(_) => None,
-            Yield::Pause(to) => Some(At::Pauses(to, *stops)),
+            Yield::Pause(to) => Some(ActivityPosition::Pauses(to, *stops)),
             Yield::End => Some(over.clone()),
         }));
         let throws = self.system.codels[codel].throws;
-        let with = |it: At| {
+        let with = |it: ActivityPosition| {
             let mut at = at.to_vec();
             at[executes] = it;
             at
         };
-        let all: Vec<Vec<At>> = next.into_iter().map(with).collect();
-        let thrown = throws.then(|| with(self.fades(executes, *stops).unwrap_or(over)));
-        let mut then: Vec<Then> = all.iter().flat_map(|it| self.go_on(it)).collect();
+        let all: Vec<Vec<ActivityPosition>> = next.into_iter().map(with).collect();
+        let thrown = throws.then(|| with(self.after_failure(executes, *stops).unwrap_or(over)));
+        let mut then: Vec<Successor> = all.iter().flat_map(|it| self.proceed(it)).collect();
         then.dedup();
-        let thrown = thrown.map_or(Vec::new(), |it| self.go_on(&it));
+        let thrown = thrown.map_or(Vec::new(), |it| self.proceed(&it));
         self.out.places[number] = Place {
             codel,
             then,
@@ -210,18 +215,18 @@ impl Builder<'_> {
         };
     }
 
-    fn rest(&mut self, at: &[At], number: usize) {
+    fn rest(&mut self, at: &[ActivityPosition], number: usize) {
         let mut begins = Vec::new();
         for it in self.begin_pass(at, true) {
-            begins.extend(self.go_on_in_pass(&it));
+            begins.extend(self.proceed_in_pass(&it));
         }
         // A task asks for a core only if it has work, unless the activity to begin is interrupted meanwhile.
         if self.activities.iter().all(|it| !it.interrupted) {
-            begins.retain(|it| matches!(it, Then::Goes(_)));
+            begins.retain(|it| matches!(it, Successor::Goes(_)));
         }
         let mut all = at.iter().enumerate();
         let paused = all.any(|(activity, it)| match it {
-            At::Pauses(_, stops) => self.fades(activity, *stops).is_none(),
+            ActivityPosition::Pauses(_, stops) => self.after_failure(activity, *stops).is_none(),
             _ => false,
         });
         self.out.rests[number] = Rest {
@@ -231,17 +236,17 @@ impl Builder<'_> {
     }
 
     /// Returns the state of an activity that has ended.
-    fn over(&self, activity: usize) -> At {
+    fn over(&self, activity: usize) -> ActivityPosition {
         match self.activities[activity].again {
-            true => At::Before,
-            false => At::Over,
+            true => ActivityPosition::Before,
+            false => ActivityPosition::Over,
         }
     }
 
     /// Returns the state of an activity that may have failed. Any other activity may fail as well in some
     /// runs, so that there would be a rest for each set of failed activities. Instead a failed activity
     /// counts as paused, and need not be resumed.
-    fn fades(&self, activity: usize, stops: Stops) -> Option<At> {
+    fn after_failure(&self, activity: usize, stops: IsInterrupted) -> Option<ActivityPosition> {
         if self.activities[activity].again {
             return None;
         }
@@ -250,29 +255,29 @@ impl Builder<'_> {
         states.iter().find(throws)?;
         let mut yields = states.iter().flat_map(|it| &it.yields);
         yields.find_map(|it| match *it {
-            Yield::Pause(to) => Some(At::Pauses(to, stops)),
+            Yield::Pause(to) => Some(ActivityPosition::Pauses(to, stops)),
             _ => None,
         })
     }
 
     /// Returns the possible successors in a pass, or after it.
-    fn go_on(&mut self, at: &[At]) -> Vec<Then> {
-        let next = at.iter().any(|it| matches!(it, At::Next(..)));
-        let goes = at.iter().any(|it| matches!(it, At::Goes(..)));
+    fn proceed(&mut self, at: &[ActivityPosition]) -> Vec<Successor> {
+        let next = at.iter().any(|it| matches!(it, ActivityPosition::Next(..)));
+        let goes = at.iter().any(|it| matches!(it, ActivityPosition::Goes(..)));
         if next || !goes {
-            return self.go_on_in_pass(at);
+            return self.proceed_in_pass(at);
         }
         let mut out = Vec::new();
         for it in self.begin_pass(at, false) {
-            out.extend(self.go_on_in_pass(&it));
+            out.extend(self.proceed_in_pass(&it));
         }
         out
     }
 
     /// Returns the possible successors in a pass. The permanent activity has the first slot; the slots of
     /// others are not known.
-    fn go_on_in_pass(&mut self, at: &[At]) -> Vec<Then> {
-        let next = (0..at.len()).filter(|&it| matches!(at[it], At::Next(..)));
+    fn proceed_in_pass(&mut self, at: &[ActivityPosition]) -> Vec<Successor> {
+        let next = (0..at.len()).filter(|&it| matches!(at[it], ActivityPosition::Next(..)));
         let mut next: Vec<usize> = next.collect();
         if next.first() == Some(&0) && self.activities[0].permanent {
             next.truncate(1);
@@ -289,32 +294,34 @@ impl Builder<'_> {
 
     /// Returns the possible beginnings of a pass. Only the first pass of a cycle begins and resumes
     /// activities.
-    fn begin_pass(&self, at: &[At], first: bool) -> Vec<Vec<At>> {
-        let mut out: Vec<Vec<At>> = vec![Vec::new()];
+    fn begin_pass(&self, at: &[ActivityPosition], first: bool) -> Vec<Vec<ActivityPosition>> {
+        let mut out: Vec<Vec<ActivityPosition>> = vec![Vec::new()];
         for (activity, it) in at.iter().enumerate() {
             let mut ways = vec![match it {
-                At::Goes(visited, stops) => At::Next(visited.clone(), *stops),
-                At::Pauses(state, stops) if first => {
-                    At::Next(self.begins(activity, *state), *stops)
+                ActivityPosition::Goes(visited, stops) => {
+                    ActivityPosition::Next(visited.clone(), *stops)
+                }
+                ActivityPosition::Pauses(state, stops) if first => {
+                    ActivityPosition::Next(self.begins(activity, *state), *stops)
                 }
                 other => other.clone(),
             }];
-            if let At::Pauses(_, stops) = it
+            if let ActivityPosition::Pauses(_, stops) = it
                 && first
-                && self.fades(activity, *stops).is_some()
+                && self.after_failure(activity, *stops).is_some()
             {
                 ways.push(it.clone());
             }
             match it {
-                At::Before if first && !self.activities[activity].permanent => {
+                ActivityPosition::Before if first && !self.activities[activity].permanent => {
                     let start = self.machine(activity).start;
-                    ways.push(At::Next(self.begins(activity, start), false));
+                    ways.push(ActivityPosition::Next(self.begins(activity, start), false));
                 }
-                At::Goes(_, false) | At::Pauses(_, false)
+                ActivityPosition::Goes(_, false) | ActivityPosition::Pauses(_, false)
                     if self.activities[activity].interrupted =>
                 {
                     ways.push(match self.machine(activity).stop {
-                        Some(stop) => At::Next(self.begins(activity, stop), true),
+                        Some(stop) => ActivityPosition::Next(self.begins(activity, stop), true),
                         None => self.over(activity),
                     });
                 }

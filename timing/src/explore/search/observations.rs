@@ -1,10 +1,10 @@
 //! Observation along runs, whatever the order of exploration: single steps, and what each step shows.
 
 use super::goals::{GoalId, Goals, PerGoal};
-use crate::explore::absent::Absent;
-use crate::explore::measure::{Gauge, How, Timing};
+use crate::explore::measure::{Gauge, MeasurementMode, Timing};
+use crate::explore::never_observed::NeverObserved;
 use crate::explore::observe::{self, Observer};
-use crate::explore::reductions::{Held, Kinds, Label, Reduced, Reductions, Watched};
+use crate::explore::reductions::{Kinds, Label, Reduced, Reductions, SleepSet, Watched};
 use crate::explore::rules::{Action, Enabled};
 use crate::explore::run::Run;
 use crate::explore::state::{Clocks, Stages, State, TaskStatus};
@@ -35,13 +35,13 @@ pub(super) struct Seen<P> {
     /// First place at which the limit is exceeded, by gauge.
     pub(super) excess: Vec<Option<Sight<P>>>,
     /// Jobs and atoms that no state has had so far.
-    pub(super) absent: Absent,
+    pub(super) absent: NeverObserved,
     /// No further observations are needed.
     pub(super) enough: bool,
 }
 
 /// The rules of a system, with its watch and the observations so far.
-pub(super) struct Watching<'a, R: Reduced, P> {
+pub(super) struct Observations<'a, R: Reduced, P> {
     pub(super) rules: R,
     pub(super) reductions: R::Reductions,
     pub(super) watch: &'a Watch,
@@ -53,7 +53,7 @@ pub(super) struct Watching<'a, R: Reduced, P> {
     pub(super) seen: Seen<P>,
 }
 
-impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
+impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
     /// Creates the observation of a watch, with the reductions that respect it.
     pub(super) fn new(rules: &R, watch: &'a Watch, gauges: &'a [Gauge], without: Kinds) -> Self {
         let system = rules.system();
@@ -99,7 +99,7 @@ impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
             measured: clocks.response,
         };
         let goals = Goals::of(watch);
-        Watching {
+        Observations {
             reductions: R::Reductions::new(&own, &asked, without),
             rules: own,
             watch,
@@ -117,7 +117,7 @@ impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
                 goals: goals.each(|_| None),
                 longest: vec![None; gauges.len()],
                 excess: vec![None; gauges.len()],
-                absent: Absent::of(watch),
+                absent: NeverObserved::of(watch),
                 enough: false,
             },
             goals,
@@ -125,7 +125,7 @@ impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
     }
 
     /// Removes all observations.
-    pub(super) fn begin_anew(&mut self) {
+    pub(super) fn clear_observations(&mut self) {
         self.seen.goals.values_mut().for_each(|it| *it = None);
         self.seen.longest.fill(None);
         self.seen.enough = false;
@@ -138,7 +138,7 @@ impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
     pub(super) fn settle(
         &mut self,
         s: &mut State,
-        held: &mut Held,
+        held: &mut SleepSet,
         enabled: &mut Enabled,
         mut at: impl FnMut(Action) -> Sight<P>,
     ) -> bool {
@@ -162,23 +162,29 @@ impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
     /// Writes the actions to follow in a state, each with the actions that it holds back.
     pub(super) fn followed(
         &self,
-        (s, held): (&State, Held),
+        (s, held): (&State, SleepSet),
         enabled: &Enabled,
         first: &mut Vec<Action>,
-        out: &mut Vec<(Action, Held)>,
+        out: &mut Vec<(Action, SleepSet)>,
     ) {
         let at = (s, held);
         self.reductions.follow(&self.rules, at, enabled, first, out);
     }
 
     /// Performs an action, and checks the new state.
-    pub(super) fn step(&mut self, s: &mut State, action: Action, held: &mut Held, at: Sight<P>) {
+    pub(super) fn step(
+        &mut self,
+        s: &mut State,
+        action: Action,
+        held: &mut SleepSet,
+        at: Sight<P>,
+    ) {
         let needs_before = !self.observers.is_empty() || !self.watch.reach.is_empty() || *held != 0;
         let before = needs_before.then(|| s.clone());
         self.rules.apply(s, action);
         if let Some(before) = &before {
             observe::observe(&self.rules, &self.observers, Some(before), s);
-            *held = (self.reductions).held_after(&self.rules, before, action, s, *held);
+            *held = (self.reductions).sleep_set_after(&self.rules, before, action, s, *held);
         }
         self.begin_waiting(s, action);
         self.overdue_at_once(s, action, at);
@@ -344,7 +350,7 @@ impl<'a, R: Reduced, P: Copy> Watching<'a, R, P> {
 
     /// Returns true if no gauge needs further measurements.
     pub(super) fn all_measured(&self) -> bool {
-        let unbounded = |it: usize| matches!(self.gauges[it].how, How::Unbounded(_));
+        let unbounded = |it: usize| matches!(self.gauges[it].how, MeasurementMode::Unbounded(_));
         (0..self.gauges.len()).all(|it| unbounded(it) || self.is_longest(it))
     }
 

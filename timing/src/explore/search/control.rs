@@ -1,102 +1,107 @@
-//! The supervisor: the division of effort between strategies, the end of an exploration, and intermediate
+//! The search control: the division of effort between strategies, the end of an exploration, and intermediate
 //! findings.
 //!
-//! Layers get most of the effort, and poll the supervisor every few steps ([`Overseer::look`]). It runs
-//! randomised search ([`hunt`]) and zones ([`zones`](super::zones)) in between.
+//! Layers get most of the effort, and poll the search control every few steps ([`PollControl::look`]). It runs
+//! randomised search ([`random_search`]) and zones ([`zones`](super::zones)) in between.
 
-mod endless;
-mod hunt;
-mod news;
+mod interim;
+mod random_search;
+mod unbounded;
 
-pub(super) use self::news::Teller;
+pub(super) use self::interim::FindingsReceiver;
 
-use self::hunt::Hunt;
-use self::news::News;
+use self::interim::InterimFindings;
+use self::random_search::RandomSearch;
 use super::goals::GoalId;
 use super::layers::trace::Target;
-use super::layers::{Layers, Overseer};
-use super::zones::{self, Proof, Proving};
+use super::layers::{Layers, PollControl};
+use super::zones::{self, ZoneResult, ZoneSearch};
 use crate::explore::findings::{Bound, Findings, Found, Measured};
-use crate::explore::measure::How;
+use crate::explore::measure::MeasurementMode;
 use crate::explore::reductions::{Activity, Kind, Reason, Reduced};
 use crate::explore::rules::Rules;
 use crate::explore::run::Run;
 use crate::explore::watch::{Limits, Stop, Watch};
 
 /// Number of further steps after all checks are answered, to see requests that are refused.
-const LINGER: u64 = 20_000;
+const STEPS_AFTER_ANSWERS: u64 = 20_000;
 
 /// The strategies of one exploration, and the receiver of findings.
-pub(super) struct Supervisor<'a, R: Reduced> {
+pub(super) struct SearchControl<'a, R: Reduced> {
     /// Randomised search, or the reason against it.
-    hunt: Result<Hunt, Reason>,
+    random_search: Result<RandomSearch, Reason>,
     /// Search in zones, or the reason against it.
-    proving: Proving<'a, R>,
-    news: Option<News<'a>>,
+    zone_search: ZoneSearch<'a, R>,
+    news: Option<InterimFindings<'a>>,
     /// Number of steps at which an answered exploration ends.
     until: Option<u64>,
 }
 
 /// The results of one exploration for the next one of the same system.
-pub(super) struct Legacy {
-    hunt: Result<Hunt, Reason>,
-    zones: Result<Option<Proof>, Reason>,
+pub(super) struct CarryOver {
+    random_search: Result<RandomSearch, Reason>,
+    zones: Result<Option<ZoneResult>, Reason>,
 }
 
-impl Legacy {
+impl CarryOver {
     /// Returns the input of the first exploration.
-    pub(super) fn none<R: Rules>(rules: &R, watch: &Watch, limits: Limits) -> Legacy {
-        Legacy {
-            hunt: hunt::suits(watch, limits).map(|()| Hunt::new(watch)),
+    pub(super) fn none<R: Rules>(rules: &R, watch: &Watch, limits: Limits) -> CarryOver {
+        CarryOver {
+            random_search: random_search::check_suitable(watch, limits)
+                .map(|()| RandomSearch::new(watch)),
             zones: zones::suit(rules.system(), watch, limits).map(|()| None),
         }
     }
 }
 
-impl<'a, R: Reduced> Overseer<'a, R> for Supervisor<'a, R> {
+impl<'a, R: Reduced> PollControl<'a, R> for SearchControl<'a, R> {
     fn look(&mut self, layers: &mut Layers<'a, R>) -> bool {
-        let states = layers.states_now() + self.states_beside();
-        let memory = layers.memory() + self.proving.bytes();
+        let states = layers.states_now() + self.states_outside_layers();
+        let memory = layers.memory() + self.zone_search.bytes();
         let reason = Stop::reason(states, memory, layers.limits, layers.cancel);
         let too_many = (layers.steps > layers.limits.steps).then_some(Stop::States);
         if let Some(reason) = reason.or(too_many) {
             layers.stopped = Some(reason);
             return true;
         }
-        self.hunt_if_due(layers);
-        self.proving.work_if_due(layers);
-        if self.answered(layers) && !self.goes_on(layers) {
+        self.search_if_due(layers);
+        self.zone_search.run_if_due(layers);
+        if self.answered(layers) && !self.continues(layers) {
             layers.stopped = Some(Stop::Answered);
         } else {
-            self.tell_news(layers);
+            self.report_interim(layers);
         }
         layers.stopped.is_some() || layers.diverging.is_some()
     }
 
     fn end(&mut self, layers: &mut Layers<'a, R>) {
-        if layers.stopped == Some(Stop::States) && self.may_end_earlier(layers) {
-            self.chase_earlier(layers, self.further(layers));
+        if layers.stopped == Some(Stop::States) && self.may_find_earlier_end(layers) {
+            self.search_earlier_ends(layers, self.further(layers));
         }
     }
 }
 
-impl<'a, R: Reduced> Supervisor<'a, R> {
-    /// Supervises an exploration, with the results of the previous one.
-    pub(super) fn new(legacy: Legacy, teller: Teller<'a>) -> Self {
-        Supervisor {
-            hunt: legacy.hunt,
-            proving: Proving::new(legacy.zones),
-            news: Some(News::new(teller)),
+impl<'a, R: Reduced> SearchControl<'a, R> {
+    /// Controls an exploration, with the results of the previous one.
+    pub(super) fn new(carry_over: CarryOver, receiver: FindingsReceiver<'a>) -> Self {
+        SearchControl {
+            random_search: carry_over.random_search,
+            zone_search: ZoneSearch::new(carry_over.zones),
+            news: Some(InterimFindings::new(receiver)),
             until: None,
         }
     }
 
     /// Returns the results for the next exploration of the same system, including the runs seen by this one.
-    pub(super) fn hand_on(self, layers: &Layers<'a, R>) -> Legacy {
-        let Supervisor { hunt, proving, .. } = self;
-        Legacy {
-            hunt: hunt.map(|it| it.handed_on(layers)),
-            zones: proving.into_proof(),
+    pub(super) fn into_carry_over(self, layers: &Layers<'a, R>) -> CarryOver {
+        let SearchControl {
+            random_search,
+            zone_search,
+            ..
+        } = self;
+        CarryOver {
+            random_search: random_search.map(|it| it.carried_over(layers)),
+            zones: zone_search.into_proof(),
         }
     }
 
@@ -104,81 +109,81 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
 
     /// Returns true if all questions are answered, by layers or by randomised search.
     fn answered(&self, layers: &Layers<'a, R>) -> bool {
-        let deadlock = layers.watching.watch.deadlock;
-        layers.watching.all_measured()
-            && (!deadlock || layers.deadlock.is_some() || self.proving.never_deadlocked())
-            && self.all_caught(layers)
+        let deadlock = layers.observations.watch.deadlock;
+        layers.observations.all_measured()
+            && (!deadlock || layers.deadlock.is_some() || self.zone_search.never_deadlocked())
+            && self.all_found(layers)
     }
 
     /// Returns true if an answered exploration continues for a while: a run of randomised search may be found
     /// earlier, and requests may turn out to be refused.
-    fn goes_on(&mut self, layers: &mut Layers<'a, R>) -> bool {
-        let may_refuse = layers.watching.rules.system().may_refuse();
-        let refusals = may_refuse && !self.proving.is_done();
+    fn continues(&mut self, layers: &mut Layers<'a, R>) -> bool {
+        let may_refuse = layers.observations.rules.system().may_refuse();
+        let refusals = may_refuse && !self.zone_search.is_done();
         let until = match self.until {
             Some(it) => it,
             None => {
-                let mut further = if refusals { LINGER } else { 0 };
-                if self.may_end_earlier(layers) {
+                let mut further = if refusals { STEPS_AFTER_ANSWERS } else { 0 };
+                if self.may_find_earlier_end(layers) {
                     further = self.further(layers);
-                    self.chase_earlier(layers, further);
-                    self.tell_later();
+                    self.search_earlier_ends(layers, further);
+                    self.postpone_reports();
                 }
                 *self.until.insert(layers.steps + further)
             }
         };
-        layers.steps < until && (refusals || self.may_end_earlier(layers))
+        layers.steps < until && (refusals || self.may_find_earlier_end(layers))
     }
 
     /// Returns the number of states examined outside the layers.
-    pub(super) fn states_beside(&self) -> usize {
-        self.hunt.as_ref().map_or(0, |it| it.states) + self.proving.states()
+    pub(super) fn states_outside_layers(&self) -> usize {
+        self.random_search.as_ref().map_or(0, |it| it.states) + self.zone_search.states()
     }
 
     /// Returns the number of steps so far, including those of randomised search and of zones.
     pub(super) fn effort(&self, layers: &Layers<'a, R>) -> u64 {
-        let hunted = self.hunt.as_ref().map_or(0, |it| it.steps);
-        layers.steps + self.proving.steps() + hunted
+        let random_steps = self.random_search.as_ref().map_or(0, |it| it.steps);
+        layers.steps + self.zone_search.steps() + random_steps
     }
 
     /// Returns the number of states kept, or examined outside the layers.
     pub(super) fn states(&self, layers: &Layers<'a, R>) -> usize {
-        layers.states() + self.states_beside()
+        layers.states() + self.states_outside_layers()
     }
 
     // ---- Findings --------------------------------------------------------------------------
 
     /// Returns true if a goal is certainly never reached.
     pub(super) fn is_never(&self, layers: &Layers<'a, R>, goal: GoalId) -> bool {
-        match layers.watching.goals.predicate(goal) {
-            Some(predicate) => self.proving.never_reached(predicate),
+        match layers.observations.goals.predicate(goal) {
+            Some(predicate) => self.zone_search.never_reached(predicate),
             // Systems treated by zones have no periodic tasks, so that no deadline is missed.
-            None => self.proving.is_done(),
+            None => self.zone_search.is_done(),
         }
     }
 
     /// Returns, by predicate of the watch, whether the predicate is certainly never reached.
     fn never(&self, watch: &Watch) -> Vec<bool> {
         let all = 0..watch.reach.len();
-        all.map(|it| self.proving.never_reached(it)).collect()
+        all.map(|it| self.zone_search.never_reached(it)).collect()
     }
 
     /// Returns the services with a refused request.
     fn refused(&self, layers: &Layers<'a, R>) -> Vec<usize> {
         let beside = |it: usize| {
-            self.hunt
+            self.random_search
                 .as_ref()
-                .is_ok_and(|hunt| hunt.refused.contains(&it))
+                .is_ok_and(|random_search| random_search.refused.contains(&it))
         };
         let orbits = |it: usize| {
             use crate::explore::reductions::Reductions;
-            layers.watching.reductions.orbits().of_service(it)
+            layers.observations.reductions.orbits().of_service(it)
         };
-        (0..layers.watching.rules.system().services.len())
+        (0..layers.observations.rules.system().services.len())
             .filter(|&service| {
-                layers.watching.has_refused(service)
+                layers.observations.has_refused(service)
                     || orbits(service).iter().any(|&it| beside(it))
-                    || self.proving.refused(service)
+                    || self.zone_search.refused(service)
             })
             .collect()
     }
@@ -187,17 +192,17 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
     fn measured(layers: &Layers<'a, R>) -> Vec<Option<Measured>> {
         let found = |run| Found { run };
         let of = |i: usize| {
-            let gauge = &layers.watching.gauges[i];
+            let gauge = &layers.observations.gauges[i];
             let excess = gauge.excess.clone().or_else(|| layers.excess_run(i));
             let excess = excess.map(found);
-            if let How::Unbounded(run) = &gauge.how {
+            if let MeasurementMode::Unbounded(run) = &gauge.how {
                 return Some(Measured {
                     bound: Bound::Unbounded,
                     longest: found(run.clone()),
                     excess,
                 });
             }
-            let longest = layers.watching.seen.longest[i];
+            let longest = layers.observations.seen.longest[i];
             let (reached, limit) = (longest.map(|it| it.value), gauge.limit);
             if let (Some(run), Some(limit)) =
                 (&gauge.excess, limit.filter(|it| reached <= Some(*it)))
@@ -215,14 +220,17 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
                 excess,
             })
         };
-        (0..layers.watching.gauges.len()).map(of).collect()
+        (0..layers.observations.gauges.len()).map(of).collect()
     }
 
     /// Returns the reductions and further strategies used.
     fn activities(&self, layers: &Layers<'a, R>) -> Vec<Activity> {
         let beside = [
-            (Kind::Zones, self.proving.unsuited()),
-            (Kind::RandomSearch, self.hunt.as_ref().err().copied()),
+            (Kind::Zones, self.zone_search.reason_against()),
+            (
+                Kind::RandomSearch,
+                self.random_search.as_ref().err().copied(),
+            ),
         ];
         let beside = beside.map(|(kind, off)| Activity { kind, off });
         layers.activities().chain(beside).collect()
@@ -230,18 +238,18 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
 
     /// Returns the findings of the exploration.
     pub(super) fn findings(self, layers: &Layers<'a, R>) -> Findings {
-        let watch = layers.watching.watch;
-        let goals = &layers.watching.goals;
-        let hunt = self.hunt.as_ref().ok();
+        let watch = layers.observations.watch;
+        let goals = &layers.observations.goals;
+        let random_search = self.random_search.as_ref().ok();
         let [missed, overdue, reached] = goals.split(goals.each(|goal| {
-            let caught = || Some(hunt?.caught(goal)?.run.clone());
-            let run: Run = layers.run_to(goal).or_else(caught)?;
+            let found_run = || Some(random_search?.found_run(goal)?.run.clone());
+            let run: Run = layers.run_to(goal).or_else(found_run)?;
             Some(Found { run })
         }));
         let mut response = Self::measured(layers);
         let within = response.split_off(watch.response.len());
-        let services = 0..layers.watching.rules.system().services.len();
-        let restarts = services.filter(|&it| layers.watching.rules.has_ended_restarts(it));
+        let services = 0..layers.observations.rules.system().services.len();
+        let restarts = services.filter(|&it| layers.observations.rules.has_ended_restarts(it));
         let deadlock = layers.deadlock.filter(|_| watch.deadlock);
         Findings {
             missed,
@@ -250,9 +258,9 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
             reached,
             within,
             never: self.never(watch),
-            absent: (self.proving.absent())
-                .map_or_else(|| layers.watching.seen.absent.clone(), Clone::clone),
-            no_deadlock: self.proving.never_deadlocked(),
+            absent: (self.zone_search.absent())
+                .map_or_else(|| layers.observations.seen.absent.clone(), Clone::clone),
+            no_deadlock: self.zone_search.never_deadlocked(),
             deadlock: deadlock.map(|at| Found {
                 run: layers.trace(at, &Target::Deadlock),
             }),
@@ -261,13 +269,13 @@ impl<'a, R: Reduced> Supervisor<'a, R> {
             reductions: vec![self.activities(layers)],
             states: self.states(layers),
             steps: self.effort(layers),
-            bytes: (hunt.map_or(0, |it| it.bytes))
-                .max(self.proving.bytes_in_the_end())
-                .max(layers.memory() + self.proving.bytes()),
+            bytes: (random_search.map_or(0, |it| it.bytes))
+                .max(self.zone_search.final_bytes())
+                .max(layers.memory() + self.zone_search.bytes()),
             // All states have been examined, possibly with zones.
             stopped: layers
                 .stopped
-                .filter(|&it| it != Stop::Answered || !self.proving.is_done()),
+                .filter(|&it| it != Stop::Answered || !self.zone_search.is_done()),
         }
     }
 }

@@ -7,16 +7,16 @@ use std::cell::OnceCell;
 
 use super::Group;
 use super::checks::{Single, What};
-use super::released::seen_released;
+use super::tasks_with_jobs::tasks_with_jobs;
 use crate::abstraction::{Budget, Refusal, abstract_bounds};
 use crate::analytic::{meets_deadlines, response_bounds};
 use crate::cancel::Cancel;
 use crate::report::{CheckReport, Layer, Soundness, Value, Verdict};
 use crate::system::Ticks;
-use crate::system::built::Built;
+use crate::system::indexed::Built;
 
 /// Bounds on the response times of the tasks of a system.
-pub(super) struct Analysed<'b> {
+pub(super) struct ResponseBounds<'b> {
     built: &'b Built,
     bounds: Vec<Option<Ticks>>,
     /// The analysis that found the bound, by task.
@@ -27,9 +27,9 @@ pub(super) struct Analysed<'b> {
     released: OnceCell<Vec<bool>>,
 }
 
-impl<'b> Analysed<'b> {
+impl<'b> ResponseBounds<'b> {
     pub(super) fn new(built: &'b Built) -> Self {
-        Analysed {
+        ResponseBounds {
             built,
             bounds: response_bounds(&built.system),
             layers: vec![Layer::ResponseTimeAnalysis; built.system.tasks.len()],
@@ -84,7 +84,7 @@ impl<'b> Analysed<'b> {
 
     /// Returns true if a bound of schedule abstraction answers a check of a response time, though possibly
     /// not with the least bound.
-    pub(super) fn settles(&self, check: &Single, limit: Option<Ticks>) -> bool {
+    pub(super) fn answers_check(&self, check: &Single, limit: Option<Ticks>) -> bool {
         let within = |bound: Ticks| limit.is_none_or(|limit| bound <= limit);
         self.abstracted && self.response(check).is_some_and(within)
     }
@@ -122,7 +122,7 @@ impl<'b> Analysed<'b> {
     /// Returns true if the task certainly has jobs.
     fn is_released(&self, task: usize) -> bool {
         self.released
-            .get_or_init(|| seen_released(&self.built.system))[task]
+            .get_or_init(|| tasks_with_jobs(&self.built.system))[task]
     }
 
     /// Returns a bound on the response time of the task, for a check of a deadline or a response time.
@@ -163,7 +163,7 @@ impl Group<'_> {
         &self,
         check: &Single,
         bound: Ticks,
-        analysed: &Analysed,
+        analysed: &ResponseBounds,
     ) -> CheckReport {
         let blank = self.blank(check);
         let by = analysed.layer(check);
@@ -173,7 +173,7 @@ impl Group<'_> {
             by: Some(by),
             note: Some(match check.what {
                 What::NoOverdue(_) if bound == 0 => "no job ever waits for a core".to_owned(),
-                _ => format!("by {by}: a job takes at most {}", self.in_words(bound)),
+                _ => format!("by {by}: a job takes at most {}", self.describe(bound)),
             }),
             ..blank
         }
@@ -195,7 +195,7 @@ impl Group<'_> {
     pub(super) fn bound_between_units(
         &self,
         check: &Single,
-        analysed: &Analysed,
+        analysed: &ResponseBounds,
         out: &mut CheckReport,
     ) {
         if out.soundness != Soundness::WholeUnits {
@@ -207,10 +207,10 @@ impl Group<'_> {
         let What::Response(_, limit) = check.what else {
             return;
         };
-        let (bound_in_words, by) = (self.in_words(bound), analysed.layer(check));
+        let (bound_text, by) = (self.describe(bound), analysed.layer(check));
         if self.ticks(limit).is_some_and(|limit| bound > limit) {
             out.note = Some(format!(
-                "for ends at any time analysis knows a bound of {bound_in_words}"
+                "for ends at any time analysis knows a bound of {bound_text}"
             ));
         } else if out.value == Some(self.time(bound)) {
             out.soundness = Soundness::Exact;
@@ -221,7 +221,7 @@ impl Group<'_> {
                 _ => String::new(),
             };
             out.note = Some(format!(
-                "by {by}: at most {bound_in_words}{reached}; ends between whole units of time were not \
+                "by {by}: at most {bound_text}{reached}; ends between whole units of time were not \
                     explored"
             ));
             out.value = Some(self.time(bound));
@@ -233,7 +233,12 @@ impl Group<'_> {
     }
 
     /// Uses a bound of analysis for a check whose exploration was given up.
-    pub(super) fn bound_unknown(&self, check: &Single, analysed: &Analysed, out: &mut CheckReport) {
+    pub(super) fn bound_unknown(
+        &self,
+        check: &Single,
+        analysed: &ResponseBounds,
+        out: &mut CheckReport,
+    ) {
         if out.verdict == Verdict::Unknown
             && let Some(bound) = analysed.deadline_bound(check)
         {
@@ -268,7 +273,7 @@ impl Group<'_> {
     ) {
         if !within {
             if let Some(note) = &mut out.note {
-                let bound = self.in_words(bound);
+                let bound = self.describe(bound);
                 note.push_str(&format!("; by {by} {what} at most {bound}"));
             }
             return;
@@ -286,7 +291,7 @@ impl Group<'_> {
         };
         out.note = Some(format!(
             "by {by}: at most {}{reached}; the exact value was not found{why}",
-            self.in_words(bound)
+            self.describe(bound)
         ));
         out.value = Some(self.time(bound));
         out.soundness = Soundness::UpperBound;

@@ -8,40 +8,40 @@ use crate::property::{Atom, Predicate};
 
 /// The tasks without a job, and the atoms that never hold, among the subjects of a [`Watch`].
 #[derive(Debug, Clone, Default)]
-pub struct Absent {
-    jobs: Vec<NoJob>,
+pub struct NeverObserved {
+    jobs: Vec<TaskWithoutJob>,
     atoms: Vec<Atom>,
 }
 
 /// A task without any released job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct NoJob {
+pub struct TaskWithoutJob {
     task: usize,
     /// Task whose start-up the task awaits in the run that comes furthest; `None` if the start-up is over.
     pub start_up: Option<usize>,
 }
 
-impl Absent {
+impl NeverObserved {
     /// Returns all subjects, before any state is known.
-    pub(super) fn of(watch: &Watch) -> Absent {
+    pub(super) fn of(watch: &Watch) -> NeverObserved {
         let responses = watch.response.iter().map(|it| &it.task);
         let tasks = watch.schedulable.iter().chain(&watch.overdue);
-        let mut jobs: Vec<NoJob> = Vec::new();
+        let mut jobs: Vec<TaskWithoutJob> = Vec::new();
         for &task in tasks.chain(responses) {
             if jobs.iter().all(|it| it.task != task) {
                 let start_up = Some(0);
-                jobs.push(NoJob { task, start_up });
+                jobs.push(TaskWithoutJob { task, start_up });
             }
         }
-        Absent {
+        NeverObserved {
             jobs,
-            ..Absent::of_predicates(&watch.reach)
+            ..NeverObserved::of_predicates(&watch.reach)
         }
     }
 
     /// Returns the atoms of predicates.
-    pub(super) fn of_predicates(predicates: &[Predicate]) -> Absent {
-        let mut out = Absent::default();
+    pub(super) fn of_predicates(predicates: &[Predicate]) -> NeverObserved {
+        let mut out = NeverObserved::default();
         for it in predicates {
             it.atoms(&mut |atom| {
                 if !out.atoms.contains(atom) {
@@ -66,7 +66,7 @@ impl Absent {
     }
 
     /// Returns the reason why a task has no job; `None` if the task has a job.
-    pub fn job(&self, task: usize) -> Option<NoJob> {
+    pub fn job(&self, task: usize) -> Option<TaskWithoutJob> {
         self.jobs.iter().copied().find(|it| it.task == task)
     }
 
