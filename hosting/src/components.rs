@@ -13,6 +13,7 @@ pub(super) const CONNECT: &str = "connect_port";
 /// A component that can be asked for something.
 #[derive(Clone)]
 pub struct KnownComponent {
+    /// The specification of the component.
     pub spec: Arc<Spec>,
     /// Index among those of the specification.
     pub component: u32,

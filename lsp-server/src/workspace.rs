@@ -4,5 +4,5 @@
 pub(crate) mod codels;
 pub(crate) mod documents;
 pub(crate) mod folders;
-pub mod snapshot;
+pub(crate) mod snapshot;
 pub(crate) mod templates;

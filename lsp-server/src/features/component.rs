@@ -26,9 +26,13 @@ use dotgen_views::verification::problem::EXTENSION;
 /// The contents of a new component, with interfaces by name and file.
 #[derive(Debug, Clone, Default)]
 pub struct Answers {
+    /// The name of the component.
     pub name: String,
+    /// Its tasks.
     pub tasks: Vec<NewTask>,
+    /// Interfaces that it provides: name and file.
     pub provides: Vec<(String, Utf8PathBuf)>,
+    /// Interfaces that it uses: name and file.
     pub uses: Vec<(String, Utf8PathBuf)>,
 }
 

@@ -25,7 +25,7 @@ use dotgen_platform::files::vfs::Vfs;
 
 /// A document the client has open.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct OpenFile {
+pub(crate) struct OpenFile {
     /// The URI in the spelling of the client.
     pub uri: Uri,
     /// Last version seen.
@@ -36,7 +36,7 @@ pub struct OpenFile {
 
 /// The kind of a document, for this server.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum DocumentKind {
+pub(crate) enum DocumentKind {
     /// Part of a specification, or a scenario.
     Specification,
     /// C or C++.
@@ -49,13 +49,13 @@ pub enum DocumentKind {
 
 impl DocumentKind {
     /// True for documents of a template.
-    pub fn is_template(self) -> bool {
+    pub(crate) fn is_template(self) -> bool {
         matches!(self, DocumentKind::Template | DocumentKind::Source)
     }
 }
 
 /// The state of the server at the time of a request.
-pub struct Snapshot {
+pub(crate) struct Snapshot {
     /// The queries of analysis.
     pub analysis: Analysis,
     /// Open documents by path.
@@ -89,7 +89,7 @@ pub struct Snapshot {
 
 /// The document of a request.
 #[derive(Debug, Clone)]
-pub struct Subject {
+pub(crate) struct Subject {
     /// Absolute path.
     pub path: Utf8PathBuf,
     /// The URI in the spelling of the client.
@@ -163,7 +163,7 @@ impl Snapshot {
     }
 
     /// The lines of a file; `None` if it cannot be read.
-    pub fn lines(&self, path: &Utf8Path) -> Cancellable<Option<Arc<Lines>>> {
+    pub(crate) fn lines(&self, path: &Utf8Path) -> Cancellable<Option<Arc<Lines>>> {
         if let Some(lines) = self.lines.borrow().get(path) {
             return Ok(lines.clone());
         }
@@ -186,7 +186,7 @@ impl Snapshot {
     }
 
     /// The URI of a file; for an open file, in the spelling of the client.
-    pub fn uri(&self, path: &Utf8Path) -> Option<Uri> {
+    pub(crate) fn uri(&self, path: &Utf8Path) -> Option<Uri> {
         match self.open.get(path) {
             Some(open) => Some(open.uri.clone()),
             None => uri::from_path(path),
@@ -194,7 +194,7 @@ impl Snapshot {
     }
 
     /// A range of a file.
-    pub fn location(&self, path: &Utf8Path, range: &Range<usize>) -> Cancellable<Option<Location>> {
+    pub(crate) fn location(&self, path: &Utf8Path, range: &Range<usize>) -> Cancellable<Option<Location>> {
         let Some(lines) = self.lines(path)? else {
             return Ok(None);
         };
@@ -203,7 +203,7 @@ impl Snapshot {
     }
 
     /// A cursor; `None` for a position that does not exist.
-    pub fn cursor(
+    pub(crate) fn cursor(
         &self,
         subject: &Subject,
         position: Position,
@@ -218,7 +218,7 @@ impl Snapshot {
     }
 
     /// The kind of a document.
-    pub fn kind_of(&self, path: &Utf8Path) -> DocumentKind {
+    pub(crate) fn kind_of(&self, path: &Utf8Path) -> DocumentKind {
         let is_code = match self.open.get(path) {
             Some(open) => return open.kind,
             None if codels::is_header(path) => {
@@ -234,14 +234,14 @@ impl Snapshot {
     }
 
     /// True if a file is C or C++, and not part of a specification.
-    pub fn is_code(&self, path: &Utf8Path) -> bool {
+    pub(crate) fn is_code(&self, path: &Utf8Path) -> bool {
         self.kind_of(path) == DocumentKind::Code
     }
 
     /// The units of the system that a file belongs to: the files of the same workspace folder below the same
     /// `dotgen.toml`, and the open files below that `dotgen.toml`. Without a `dotgen.toml`, open files
     /// without one in any folder.
-    pub fn system_units(&self, path: &Utf8Path) -> Cancellable<Vec<UnitResult>> {
+    pub(crate) fn system_units(&self, path: &Utf8Path) -> Cancellable<Vec<UnitResult>> {
         let folder = self.folders.iter().find(|it| path.starts_with(it));
         let project = self.config.project(path);
         let mut paths: Vec<&Utf8Path> = self
@@ -263,7 +263,7 @@ impl Snapshot {
     }
 
     /// True if a file belongs to the workspace.
-    pub fn in_workspace(&self, path: &Utf8Path) -> bool {
+    pub(crate) fn in_workspace(&self, path: &Utf8Path) -> bool {
         self.folders.iter().any(|folder| path.starts_with(folder))
     }
 }

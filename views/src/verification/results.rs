@@ -41,6 +41,7 @@ pub enum Status {
 /// One verification.
 #[derive(Clone)]
 pub struct Entry {
+    /// The status.
     pub status: Status,
     /// Version of the verified document, if it is open.
     pub version: Option<i32>,
@@ -54,7 +55,9 @@ pub struct Entry {
     pub bounds: Arc<Vec<TaskBound>>,
     /// The options of the verification.
     pub options: Options,
+    /// The number of the verification, to tell it from later ones.
     pub job: u64,
+    /// Ends the verification early.
     pub cancel: Arc<Cancel>,
 }
 
@@ -80,9 +83,13 @@ impl Entry {
 
 /// A problem and its results. While the verification runs, the results are partial.
 pub struct Answer {
+    /// The scenario with its specifications.
     pub problem: Arc<Problem>,
+    /// The options of the verification.
     pub options: Options,
+    /// The results of all checks.
     pub report: Report,
+    /// Quick bounds of the tasks.
     pub bounds: Arc<Vec<TaskBound>>,
     /// By check: the cause of its failure, and later the remedy.
     pub(crate) why: Vec<Option<FailureCause>>,

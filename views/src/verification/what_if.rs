@@ -25,7 +25,7 @@ pub struct WhatIf {
 /// The number of cores.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
-pub(crate) enum CoreCount {
+pub enum CoreCount {
     /// A number.
     Number(u32),
     /// `"free"`: as many cores as tasks.

@@ -29,7 +29,7 @@ pub struct TraceInput<'e> {
 }
 
 /// A specification, and a place in it.
-pub type SourceRef = (usize, Src);
+pub(super) type SourceRef = (usize, Src);
 
 /// The trace of a run. Codels and tasks without a place get none.
 pub fn of_run(told: &TraceInput) -> Trace<SourceRef> {
