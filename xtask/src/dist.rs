@@ -28,7 +28,11 @@ use crate::tools;
 const GLIBC: &str = "2.28";
 
 /// Tools from PyPI, with their versions.
-const PIP_TOOLS: [&str; 3] = ["ziglang==0.15.1", "cargo-zigbuild==0.24.1", "maturin==1.16.0"];
+const PIP_TOOLS: [&str; 3] = [
+    "ziglang==0.15.1",
+    "cargo-zigbuild==0.24.1",
+    "maturin==1.16.0",
+];
 /// Tools from crates.io, with their versions.
 const CARGO_TOOLS: [(&str, &str); 2] = [("cargo-deb", "3.8.0"), ("cargo-cyclonedx", "0.5.9")];
 
@@ -54,7 +58,9 @@ fn target() -> String {
 
 pub(crate) fn dist(options: &Options) -> Result<()> {
     if std::env::consts::OS != "linux" {
-        bail!("packages are made on Linux; on other systems, `cargo xtask package` makes the extension");
+        bail!(
+            "packages are made on Linux; on other systems, `cargo xtask package` makes the extension"
+        );
     }
     if !options.no_build {
         make()?;
@@ -78,7 +84,10 @@ fn make() -> Result<()> {
     tools.wheel(&out)?;
     bill_of_materials(&tools, &out)?;
     let program = tools.program(false)?;
-    for vsix in [extension::package(&program)?, extension::package_universal()?] {
+    for vsix in [
+        extension::package(&program)?,
+        extension::package_universal()?,
+    ] {
         std::fs::copy(&vsix, out.join(vsix.file_name().context("a file")?))?;
     }
     checksums(&out)
@@ -103,13 +112,25 @@ impl Tools {
         step("Installing the tools that make packages");
         let place = tools.directory.to_string_lossy().into_owned();
         let root = crate::root();
-        run::capture(run::command(root, "python3", &["-m", "venv", "--clear", &place]))?;
+        run::capture(run::command(
+            root,
+            "python3",
+            &["-m", "venv", "--clear", &place],
+        ))?;
         let mut pip = vec!["install", "--quiet", "--disable-pip-version-check"];
         pip.extend(PIP_TOOLS);
         let program = tools.directory.join("bin/pip");
         run::capture(run::command(root, &program.to_string_lossy(), &pip))?;
         for (name, version) in CARGO_TOOLS {
-            let arguments = ["install", "--locked", "--root", &place, "--version", version, name];
+            let arguments = [
+                "install",
+                "--locked",
+                "--root",
+                &place,
+                "--version",
+                version,
+                name,
+            ];
             run::capture(run::cargo(&arguments))?;
         }
         std::fs::write(stamp, wanted)?;
@@ -129,7 +150,13 @@ impl Tools {
     fn program(&self, with_zenoh: bool) -> Result<PathBuf> {
         let target = target();
         let versioned = format!("{target}.{GLIBC}");
-        let mut arguments = vec!["zigbuild", "--locked", "--profile=dist", "--target", &versioned];
+        let mut arguments = vec![
+            "zigbuild",
+            "--locked",
+            "--profile=dist",
+            "--target",
+            &versioned,
+        ];
         arguments.extend(["--package", "dotgen", "--bin", "dotgen"]);
         if with_zenoh {
             arguments.extend(["--features", FEATURES]);
@@ -149,11 +176,23 @@ impl Tools {
         let program = program.to_string_lossy();
         run::capture(run::command(crate::root(), &program, &["man", &pages]))?;
         for shell in ["bash", "zsh", "fish"] {
-            let text = run::capture(run::command(crate::root(), &program, &["completions", shell]))?;
+            let text = run::capture(run::command(
+                crate::root(),
+                &program,
+                &["completions", shell],
+            ))?;
             std::fs::write(stage.join(format!("dotgen.{shell}")), text)?;
         }
         let out = out.to_string_lossy();
-        let arguments = ["deb", "--no-build", "--no-strip", "-p", "dotgen", "--output", &out];
+        let arguments = [
+            "deb",
+            "--no-build",
+            "--no-strip",
+            "-p",
+            "dotgen",
+            "--output",
+            &out,
+        ];
         run::capture(self.in_path(run::cargo(&arguments))).map(drop)
     }
 
@@ -166,12 +205,25 @@ impl Tools {
         if client.exists() {
             std::fs::remove_dir_all(&client)?;
         }
-        extension::copy(&crate::root().join("clients/python"), &client, &["py", "typed"])?;
+        extension::copy(
+            &crate::root().join("clients/python"),
+            &client,
+            &["py", "typed"],
+        )?;
         let manylinux = format!("manylinux_{}", GLIBC.replace('.', "_"));
         let (target, out) = (target(), out.to_string_lossy());
         let arguments = [
-            "build", "--zig", "--compatibility", &manylinux, "--target", &target, "--profile", "dist",
-            "--locked", "--out", &out,
+            "build",
+            "--zig",
+            "--compatibility",
+            &manylinux,
+            "--target",
+            &target,
+            "--profile",
+            "dist",
+            "--locked",
+            "--out",
+            &out,
         ];
         run::run(self.in_path(run::command(&project, "maturin", &arguments)))?;
         Ok(std::fs::remove_dir_all(&client)?)
@@ -184,19 +236,35 @@ fn archive(program: &Path, out: &Path) -> Result<()> {
     let script = crate::root().join("packaging/archive.sh");
     let (program, out) = (program.to_string_lossy(), out.to_string_lossy());
     let arguments = [&*program, &*target(), &*out];
-    run::capture(run::command(crate::root(), &script.to_string_lossy(), &arguments)).map(drop)
+    run::capture(run::command(
+        crate::root(),
+        &script.to_string_lossy(),
+        &arguments,
+    ))
+    .map(drop)
 }
 
 /// What the program is made of.
 fn bill_of_materials(tools: &Tools, out: &Path) -> Result<()> {
     step("Listing what the program is made of");
     let arguments = [
-        "cyclonedx", "--format", "json", "--manifest-path", "cli/Cargo.toml", "--features", "zenoh",
-        "--target", &target(), "--override-filename", "dotgen.cdx",
+        "cyclonedx",
+        "--format",
+        "json",
+        "--manifest-path",
+        "cli/Cargo.toml",
+        "--features",
+        "zenoh",
+        "--target",
+        &target(),
+        "--override-filename",
+        "dotgen.cdx",
     ];
     run::capture(tools.in_path(run::cargo(&arguments)))?;
     // The tool writes a file next to each manifest of the workspace.
-    for folder in std::fs::read_dir(crate::root())?.chain(std::fs::read_dir(crate::root().join("tests"))?) {
+    for folder in
+        std::fs::read_dir(crate::root())?.chain(std::fs::read_dir(crate::root().join("tests"))?)
+    {
         let file = folder?.path().join("dotgen.cdx.json");
         if file.is_file() {
             if file.starts_with(crate::root().join("cli")) {

@@ -98,45 +98,64 @@ pub(crate) fn npm(directory: &Path, arguments: &[&str]) -> std::process::Command
 
 /// Bundles the extension with `server` inside and packages it for this system.
 pub(crate) fn package(server: &Path) -> Result<PathBuf> {
+    let platform = platform();
+    pack(
+        Some(server),
+        &["--target", platform],
+        &format!("dotgen-{platform}.vsix"),
+    )
+}
+
+/// Packages the extension without a program, for systems that have no package of their own.
+pub(crate) fn package_universal() -> Result<PathBuf> {
+    pack(None, &[], "dotgen-universal.vsix")
+}
+
+fn pack(server: Option<&Path>, options: &[&str], name: &str) -> Result<PathBuf> {
     let directory = directory();
     install_packages(&directory)?;
-    step("Packaging the extension");
-    let name = server.file_name().context("the server has a file name")?;
+    step(&format!("Packaging the extension: {name}"));
     let inside = directory.join("server");
-    std::fs::create_dir_all(&inside)?;
-    std::fs::copy(server, inside.join(name))
-        .with_context(|| format!("cannot copy {}", server.display()))?;
+    if inside.exists() {
+        std::fs::remove_dir_all(&inside)?;
+    }
+    if let Some(server) = server {
+        let name = server.file_name().context("the server has a file name")?;
+        std::fs::create_dir_all(&inside)?;
+        std::fs::copy(server, inside.join(name))
+            .with_context(|| format!("cannot copy {}", server.display()))?;
+    }
     for it in ["LICENSE", NOTICES] {
         std::fs::copy(crate::root().join(it), directory.join(it))?;
     }
-    manual(&crate::root().join("docs"), &directory.join("docs"))?;
+    copy(
+        &crate::root().join("docs"),
+        &directory.join("docs"),
+        &["md", "svg", "png"],
+    )?;
     run::capture(npm(&directory, &["run", "--silent", "bundle"]))?;
-    let platform = platform();
-    let vsix = crate::target().join(format!("dotgen-{platform}.vsix"));
+    let vsix = crate::target().join(name);
     let out = vsix.to_string_lossy();
-    let arguments = [
-        "run", "--silent", "package", "--", "--target", platform, "--out", &out,
-    ];
+    let mut arguments = vec!["run", "--silent", "package", "--", "--out", &out];
+    arguments.extend(options);
     run::capture(npm(&directory, &arguments))?;
     Ok(vsix)
 }
 
-/// Copies the pages of the manual, with their pictures, to the folder in which the program searches for them.
-fn manual(from: &Path, to: &Path) -> Result<()> {
+/// Copies the files of a folder with these endings to another folder, which is replaced.
+pub(crate) fn copy(from: &Path, to: &Path, endings: &[&str]) -> Result<()> {
     if to.exists() {
         std::fs::remove_dir_all(to)?;
     }
-    let wanted = |path: &Path| {
-        let kind = path.extension().and_then(|it| it.to_str());
-        matches!(kind, Some("md" | "svg" | "png"))
-    };
     let mut folders = vec![from.to_owned()];
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(&folder)? {
             let path = entry?.path();
             if path.is_dir() {
                 folders.push(path);
-            } else if wanted(&path) {
+            } else if let Some(ending) = path.extension()
+                && endings.iter().any(|it| ending == *it)
+            {
                 let copy = to.join(path.strip_prefix(from)?);
                 std::fs::create_dir_all(copy.parent().context("it is below a folder")?)?;
                 std::fs::copy(&path, &copy)?;

@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | `demo` | the example workspace in VS Code |
 //! | `test` | every test there is, as a list of suites |
+//! | `dist` | all packages of a release |
 //! | `docs` | the pictures of the documentation |
 //! | `bench` | what whole processes take, and instruction counts |
 //! | `budgets` | instructions and memory of what users do, against a file |
@@ -12,6 +13,9 @@
 //! | `fuzz` | inputs that break something, looked for with coverage |
 //! | `notices` | the licences of what is distributed |
 //! | `package` | the extension as a platform `.vsix`, server inside |
+//! | `prose` | patterns of English in what users read |
+//! | `lines` | lines of Rust by crate |
+//! | `release` | the commit and the tag of a release |
 //! | `extension` | building the extension |
 //! | `workbench` | the browser-served VS Code that the demo and its test use |
 //! | `tools` | what has to be installed, and how |
@@ -22,11 +26,15 @@ mod budgets;
 mod campaign;
 mod chart;
 mod demo;
+mod dist;
 mod docs;
 mod extension;
 mod fuzz;
+mod lines;
 mod notices;
 mod package;
+mod prose;
+mod release;
 mod run;
 #[allow(unreachable_pub, reason = "public in dotgen-loaders")]
 #[path = "../../tests/loaders/src/shared.rs"]
@@ -69,6 +77,14 @@ enum Command {
     Notices(notices::Options),
     /// Make the .vsix for this system, with a release build of the server inside.
     Package,
+    /// Make all packages of a release: archive, .deb, wheel, .vsix, checksums and bill of materials.
+    Dist(dist::Options),
+    /// List patterns of English that readers stumble over, in what users read.
+    Prose,
+    /// Print the lines of Rust of each crate, without tests.
+    Lines,
+    /// Bump the version, date the changelog, commit and tag.
+    Release(release::Options),
     /// Draw the pictures in docs/pictures from the examples.
     Docs,
 }
@@ -83,6 +99,10 @@ fn main() -> ExitCode {
         Command::Package => package::package().map(|_| true),
         Command::Fuzz(options) => fuzz::fuzz(&options),
         Command::Notices(options) => notices::notices(&options),
+        Command::Dist(options) => dist::dist(&options).map(|()| true),
+        Command::Prose => prose::prose(),
+        Command::Lines => lines::lines(),
+        Command::Release(options) => release::release(&options).map(|()| true),
         Command::Docs => docs::docs().map(|()| true),
     };
     match result {

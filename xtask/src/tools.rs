@@ -38,6 +38,11 @@ pub(crate) const PYTHON: &[Tool] = &[
     Tool::new("python3", "python3"),
     Tool::new("/usr/share/doc/python3-venv", "python3-venv"),
 ];
+/// Sets up a clean Debian; `objdump` lists the symbols of a program.
+pub(crate) const DEBOOTSTRAP: &[Tool] = &[
+    Tool::new("/usr/sbin/debootstrap", "debootstrap"),
+    Tool::new("objdump", "binutils"),
+];
 /// For the native modules of the workbench.
 pub(crate) const NATIVE_MODULES: &[Tool] = &[
     Tool::new("python3", "python3"),

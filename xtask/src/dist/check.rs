@@ -37,7 +37,10 @@ fn only(packages: &Path, ending: &str) -> Result<PathBuf> {
     }
     match found.pop() {
         Some(path) if found.is_empty() => Ok(path),
-        _ => bail!("not exactly one `*{ending}` in {}: run `cargo xtask dist`", packages.display()),
+        _ => bail!(
+            "not exactly one `*{ending}` in {}: run `cargo xtask dist`",
+            packages.display()
+        ),
     }
 }
 
@@ -61,7 +64,9 @@ fn old_symbols_only(packages: &Path) -> Result<()> {
 
 /// The version at the start of a text: `2.28) …`.
 fn version(text: &str) -> Option<(u32, u32)> {
-    let end = text.find(|c: char| c != '.' && !c.is_ascii_digit()).unwrap_or(text.len());
+    let end = text
+        .find(|c: char| c != '.' && !c.is_ascii_digit())
+        .unwrap_or(text.len());
     let mut numbers = text[..end].split('.').map(|it| it.parse().ok());
     Some((numbers.next()??, numbers.next()??))
 }
@@ -143,8 +148,12 @@ impl Root {
 
     /// Checks an example and starts the language server with the installed `program`.
     fn use_program(&self, program: &str) -> Result<()> {
-        self.run(&format!("{program} check pump.gen && python3 session.py {program}"))?;
-        let page = self.run(&format!("{program} explain no-such-state || {program} explain scn-no-core"))?;
+        self.run(&format!(
+            "{program} check pump.gen && python3 session.py {program}"
+        ))?;
+        let page = self.run(&format!(
+            "{program} explain no-such-state || {program} explain scn-no-core"
+        ))?;
         if page.trim().is_empty() {
             bail!("`{program} explain` prints nothing");
         }
@@ -167,16 +176,20 @@ impl Root {
         if !page.contains("SYNOPSIS") {
             bail!("the manual has no page `dotgen-check`:\n{page}");
         }
-        self.run("dpkg -r dotgen && test ! -e /usr/bin/dotgen").map(drop)
+        self.run("dpkg -r dotgen && test ! -e /usr/bin/dotgen")
+            .map(drop)
     }
 
     fn try_wheel(&self, packages: &Path) -> Result<()> {
         step("The wheel, in a clean Debian");
         let wheel = only(packages, ".whl")?;
         self.copy(&wheel, "work")?;
-        self.run("python3 -m venv /opt/trial && /opt/trial/bin/pip install --quiet --no-index *.whl")?;
+        self.run(
+            "python3 -m venv /opt/trial && /opt/trial/bin/pip install --quiet --no-index *.whl",
+        )?;
         self.use_program("/opt/trial/bin/dotgen")?;
-        self.run("/opt/trial/bin/python -c 'import dotgen; dotgen.connect'").map(drop)
+        self.run("/opt/trial/bin/python -c 'import dotgen; dotgen.connect'")
+            .map(drop)
     }
 }
 
@@ -191,12 +204,19 @@ fn extensions(packages: &Path) -> Result<()> {
         let vsix = only(packages, ending)?;
         let bytes = vsix.metadata()?.len();
         if bytes > LARGEST_EXTENSION {
-            bail!("{} has {bytes} bytes, and {LARGEST_EXTENSION} are allowed", vsix.display());
+            bail!(
+                "{} has {bytes} bytes, and {LARGEST_EXTENSION} are allowed",
+                vsix.display()
+            );
         }
         let arguments = ["-m", "zipfile", "-l", &*vsix.to_string_lossy()];
         let names = run::capture(run::command(packages, "python3", &arguments))?;
         if names.contains("extension/server/dotgen") != has_program {
-            bail!("{}: the program should {}be inside", vsix.display(), if has_program { "" } else { "not " });
+            bail!(
+                "{}: the program should {}be inside",
+                vsix.display(),
+                if has_program { "" } else { "not " }
+            );
         }
     }
     Ok(())

@@ -1,0 +1,188 @@
+//! `cargo xtask release VERSION`: the commit and the tag of a release. Pushing the tag makes the packages.
+
+use std::path::Path;
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+
+use crate::run::{self, step};
+
+#[derive(Args)]
+pub(crate) struct Options {
+    /// The version: MAJOR.MINOR.PATCH
+    version: String,
+    /// Show what would change
+    #[arg(long)]
+    dry_run: bool,
+}
+
+/// Files that repeat the version of Cargo.toml, with the text around it.
+const PLACES: [(&str, &str, &str); 12] = [
+    ("Cargo.toml", "version = \"", "\"\nedition"),
+    ("vscode-extension/package.json", "\"version\": \"", "\""),
+    (
+        "vscode-extension/package-lock.json",
+        "\"version\": \"",
+        "\"",
+    ),
+    (
+        "editors/tree-sitter-genom3/package.json",
+        "\"version\": \"",
+        "\"",
+    ),
+    (
+        "editors/tree-sitter-genom3/tree-sitter.json",
+        "\"version\": \"",
+        "\"",
+    ),
+    ("clients/python/pyproject.toml", "\nversion = \"", "\""),
+    ("packaging/robotpkg/Makefile", "VERSION=\t", "\n"),
+    (
+        ".github/ISSUE_TEMPLATE/bug.yml",
+        "placeholder: dotgen ",
+        "\n",
+    ),
+    ("docs/ci.md", "OWNER/dotgen@v", "\n"),
+    ("docs/ci.md", "version: v", "\n"),
+    ("docs/ci.md", "releases/download/v", "\n"),
+    ("docs/ci.md", "rev: v", "\n"),
+];
+
+/// Makes the commit and the tag.
+pub(crate) fn release(options: &Options) -> Result<()> {
+    let version = &options.version;
+    let current = current(crate::root())?;
+    if parsed(version).context("a version is MAJOR.MINOR.PATCH")?
+        < parsed(&current).unwrap_or_default()
+    {
+        bail!("{version} is earlier than {current}");
+    }
+    let git = |arguments: &[&str]| run::capture(run::command(crate::root(), "git", arguments));
+    if !git(&["status", "--porcelain"])?.is_empty() {
+        bail!("commit your changes first");
+    }
+    let today = run::capture(run::command(crate::root(), "date", &["-u", "+%Y-%m-%d"]))?;
+    let path = crate::root().join("CHANGELOG.md");
+    let changes = dated(&std::fs::read_to_string(&path)?, version, today.trim())?;
+    if options.dry_run {
+        println!(
+            "{current} -> {version} in {} places; CHANGELOG.md:",
+            PLACES.len()
+        );
+        println!(
+            "{}",
+            changes.lines().take(12).collect::<Vec<_>>().join("\n")
+        );
+        return Ok(());
+    }
+    std::fs::write(path, changes)?;
+    for (file, before, after) in PLACES {
+        let path = crate::root().join(file);
+        let text = std::fs::read_to_string(&path).context(file)?;
+        let (from, to) = (
+            format!("{before}{current}{after}"),
+            format!("{before}{version}{after}"),
+        );
+        std::fs::write(path, text.replacen(&from, &to, 2))?;
+    }
+    step("Lock files");
+    run::capture(run::cargo(&["update", "--workspace"]))?;
+    run::capture(run::cargo(&[
+        "update",
+        "--workspace",
+        "--manifest-path",
+        "fuzz/Cargo.toml",
+    ]))?;
+    git(&[
+        "commit",
+        "--all",
+        "--message",
+        &format!("release: {version}"),
+    ])?;
+    git(&[
+        "tag",
+        "--annotate",
+        &format!("v{version}"),
+        "--message",
+        version,
+    ])?;
+    println!("Check `git show`, then: git push --follow-tags");
+    Ok(())
+}
+
+/// The version in Cargo.toml.
+fn current(root: &Path) -> Result<String> {
+    let text = std::fs::read_to_string(root.join("Cargo.toml"))?;
+    let (_, before, after) = PLACES[0];
+    let version = text
+        .split_once(before)
+        .and_then(|(_, rest)| rest.split_once(after));
+    Ok(version.context("Cargo.toml has no version")?.0.to_owned())
+}
+
+fn parsed(version: &str) -> Option<[u32; 3]> {
+    let numbers: Option<Vec<u32>> = version.split('.').map(|it| it.parse().ok()).collect();
+    numbers?.try_into().ok()
+}
+
+/// The changelog with the changes of `version` under a dated heading, and an empty section for the next ones.
+fn dated(changes: &str, version: &str, date: &str) -> Result<String> {
+    let (head, rest) = changes
+        .split_once("## Unreleased\n")
+        .context("CHANGELOG.md has no section `## Unreleased`")?;
+    let heading = format!("## {version}");
+    // The first release is prepared under its number.
+    let prepared = rest.find(&format!("{heading}\n"));
+    let unreleased = rest[..rest.find("\n## ").map_or(rest.len(), |at| at + 1)].trim();
+    let rest = match prepared {
+        Some(_) if !unreleased.is_empty() => {
+            bail!("`{heading}` exists, and `## Unreleased` is not empty")
+        }
+        Some(_) => rest.replacen(&format!("{heading}\n"), &format!("{heading} - {date}\n"), 1),
+        None if rest.contains(&heading) => bail!("CHANGELOG.md has a release {version} already"),
+        None if unreleased.is_empty() => bail!("`## Unreleased` is empty: nothing to release"),
+        None => format!("\n{heading} - {date}\n{rest}"),
+    };
+    Ok(format!("{head}## Unreleased\n{rest}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_version_is_the_same_everywhere() {
+        let version = current(crate::root()).expect("a version");
+        for (file, before, after) in PLACES {
+            let text = std::fs::read_to_string(crate::root().join(file)).expect(file);
+            let place = format!("{before}{version}{after}");
+            assert!(text.contains(&place), "{file} has no {place:?}");
+        }
+    }
+
+    #[test]
+    fn changes_get_a_date() {
+        let next = dated(
+            "# Changes\n\n## Unreleased\n\n* A.\n\n## 0.1.0\n",
+            "0.2.0",
+            "2026-01-02",
+        )
+        .unwrap();
+        assert_eq!(
+            next,
+            "# Changes\n\n## Unreleased\n\n## 0.2.0 - 2026-01-02\n\n* A.\n\n## 0.1.0\n"
+        );
+        let first = dated("## Unreleased\n\n## 0.1.0\n\n* A.\n", "0.1.0", "2026-01-02").unwrap();
+        assert_eq!(first, "## Unreleased\n\n## 0.1.0 - 2026-01-02\n\n* A.\n");
+        for (changes, version) in [
+            ("## Unreleased\n\n## 0.1.0 - 2026-01-01\n\n* A.\n", "0.1.0"),
+            ("## Unreleased\n\n## 0.1.0\n\n* A.\n", "0.2.0"),
+            ("# Changes\n", "0.1.0"),
+        ] {
+            assert!(
+                dated(changes, version, "2026-01-02").is_err(),
+                "{changes:?}"
+            );
+        }
+    }
+}
