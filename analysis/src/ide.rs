@@ -20,6 +20,7 @@ pub(crate) mod hover;
 pub(crate) mod implementation;
 pub(crate) mod inlay_hints;
 pub(crate) mod keyword_hover;
+pub(crate) mod named;
 pub(crate) mod references;
 pub(crate) mod rename;
 mod render;
@@ -80,7 +81,8 @@ pub struct RangeInfo<T> {
 }
 
 /// Kinds of named things, in the words of the language.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
 #[allow(missing_docs, reason = "the words of the language")]
 pub enum SymbolKind {
     File,
@@ -155,6 +157,21 @@ pub struct WorkspaceSymbol {
     pub container: Option<SmolStr>,
     /// The name token.
     pub target: FileRange,
+}
+
+/// A declaration that was found by its name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NamedDeclaration {
+    /// The qualified name: `component.service.state`.
+    pub name: String,
+    /// The kind.
+    pub kind: SymbolKind,
+    /// Absolute path.
+    pub path: Utf8PathBuf,
+    /// The name token.
+    pub range: Range<usize>,
+    /// The whole declaration.
+    pub full_range: Range<usize>,
 }
 
 /// The content of a folded region.

@@ -15,12 +15,14 @@ mod generate;
 mod logging;
 mod lsp;
 mod man;
+mod mcp;
 mod model;
 mod monitor;
 mod new;
 mod outputs;
 #[cfg(unix)]
 mod play;
+mod query;
 mod release;
 mod replay;
 mod report;
@@ -64,6 +66,7 @@ enum Command {
     New(new::Arguments),
     Check(check::Arguments),
     Explain(explain::Arguments),
+    Query(query::Arguments),
     Codels(codels::Arguments),
     Deps(deps::Arguments),
     Generate(generate::Arguments),
@@ -88,6 +91,7 @@ enum Command {
     Completions(completions::Arguments),
     Man(man::Arguments),
     Lsp(lsp::Arguments),
+    Mcp(mcp::Arguments),
 }
 
 /// When output has colours.
@@ -176,6 +180,7 @@ fn main() -> ExitCode {
         Command::New(arguments) => new::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),
+        Command::Query(arguments) => query::run(&arguments),
         Command::Codels(arguments) => codels::run(&arguments),
         Command::Deps(arguments) => deps::run(&arguments),
         Command::Generate(arguments) => return generate::run_parsed(&arguments),
@@ -200,6 +205,7 @@ fn main() -> ExitCode {
         Command::Completions(arguments) => completions::run(&arguments),
         Command::Man(arguments) => man::run(&arguments),
         Command::Lsp(_) => lsp::run(),
+        Command::Mcp(_) => mcp::run(),
     };
     match result {
         Ok(Outcome::Fine) => ExitCode::SUCCESS,

@@ -37,6 +37,11 @@ impl Analysis {
         self.with(|db| ide::workspace_symbols::workspace_symbols(db, query, limit))
     }
 
+    /// The declarations whose qualified name ends with `names`, in order of file and place.
+    pub fn named(&self, names: &[&str]) -> Cancellable<Vec<NamedDeclaration>> {
+        self.with(|db| ide::named::named(db, names))
+    }
+
     /// Regions that can be folded, by start.
     pub fn folding_ranges(&self, path: &Utf8Path) -> Cancellable<Vec<FoldingRange>> {
         self.list(path, ide::folding_ranges::folding_ranges)

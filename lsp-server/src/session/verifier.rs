@@ -24,7 +24,11 @@ use dotgen_views::verification::run::Interim;
 pub(crate) use job::JobResult;
 
 /// The pause in typing before a verification.
-pub(crate) const DEBOUNCE: Duration = Duration::from_millis(200);
+const DEBOUNCE: Duration = Duration::from_millis(200);
+/// The pause before a verification that is expected to be quick.
+const QUICK_DEBOUNCE: Duration = Duration::from_millis(30);
+/// The longest quick verification, in seconds.
+const QUICK_SECONDS: f64 = 0.05;
 
 /// Maximum number of old answers that are kept, in case an edit is undone.
 const MAX_CACHED_ANSWERS: usize = 24;
@@ -60,6 +64,15 @@ impl Verifier {
     /// The results, for snapshots.
     pub(crate) fn results(&self) -> &Arc<Results> {
         &self.results
+    }
+
+    /// The pause in typing before the next verification: short if the last ones were quick.
+    pub(crate) fn debounce(&self) -> Duration {
+        let quick = |it: &Entry| it.answer.as_ref().is_some_and(|it| it.report.seconds <= QUICK_SECONDS);
+        match !self.results.is_empty() && self.results.values().all(quick) {
+            true => QUICK_DEBOUNCE,
+            false => DEBOUNCE,
+        }
     }
 
     /// Handles changes of files: results computed from them become stale, and work on them is cancelled.

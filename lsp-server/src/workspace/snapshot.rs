@@ -194,7 +194,11 @@ impl Snapshot {
     }
 
     /// A range of a file.
-    pub(crate) fn location(&self, path: &Utf8Path, range: &Range<usize>) -> Cancellable<Option<Location>> {
+    pub(crate) fn location(
+        &self,
+        path: &Utf8Path,
+        range: &Range<usize>,
+    ) -> Cancellable<Option<Location>> {
         let Some(lines) = self.lines(path)? else {
             return Ok(None);
         };

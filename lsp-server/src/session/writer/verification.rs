@@ -17,8 +17,9 @@ impl State {
             return;
         }
         let (events, revision) = (Post::new(&self.events), self.revision);
+        let pause = self.verifier.debounce();
         self.outbox.runtime().spawn(async move {
-            tokio::time::sleep(crate::session::verifier::DEBOUNCE).await;
+            tokio::time::sleep(pause).await;
             events.send(News::Due(revision));
         });
     }

@@ -1,0 +1,140 @@
+//! `dotgen mcp`, as an assistant uses it.
+
+use std::io::{BufRead, BufReader, Write};
+use std::process::{Child, ChildStdin, ChildStdout, Stdio};
+
+use serde_json::{Value, json};
+
+use crate::directory::Directory;
+
+const PUMP: &str = include_str!("../../examples/pump/pump.gen");
+const SCENARIO: &str = include_str!("../../examples/pump/pump.scn");
+
+/// A client with the server in a directory.
+struct Client {
+    server: Child,
+    input: Option<ChildStdin>,
+    output: BufReader<ChildStdout>,
+    requests: u32,
+}
+
+impl Client {
+    fn start(directory: &Directory) -> Client {
+        let mut command = directory.command(&["mcp"]);
+        let mut server = command
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("the server starts");
+        let mut client = Client {
+            input: server.stdin.take(),
+            output: BufReader::new(server.stdout.take().expect("piped")),
+            server,
+            requests: 0,
+        };
+        let client_info = json!({ "name": "test", "version": "0" });
+        let parameters = json!({
+            "protocolVersion": "2025-06-18", "capabilities": {}, "clientInfo": client_info,
+        });
+        let answer = client.request("initialize", parameters);
+        assert_eq!(answer["serverInfo"]["name"], "dotgen");
+        client.send(&json!({ "jsonrpc": "2.0", "method": "notifications/initialized" }));
+        client
+    }
+
+    fn send(&mut self, message: &Value) {
+        let input = self.input.as_mut().expect("open");
+        writeln!(input, "{message}").expect("the server reads");
+    }
+
+    fn request(&mut self, method: &str, parameters: Value) -> Value {
+        self.requests += 1;
+        let id = self.requests;
+        self.send(&json!({ "jsonrpc": "2.0", "id": id, "method": method, "params": parameters }));
+        let mut line = String::new();
+        self.output.read_line(&mut line).expect("an answer");
+        let mut answer: Value = serde_json::from_str(&line).expect("JSON");
+        assert_eq!(answer["id"], id);
+        answer["result"].take()
+    }
+
+    /// The text of an answer, and true if it is an error.
+    fn call(&mut self, tool: &str, arguments: Value) -> (String, bool) {
+        let result = self.request(
+            "tools/call",
+            json!({ "name": tool, "arguments": arguments }),
+        );
+        let text = result["content"][0]["text"].as_str().expect("a text");
+        (text.to_owned(), result["isError"] == true)
+    }
+}
+
+impl Drop for Client {
+    fn drop(&mut self) {
+        // The end of the input ends the server.
+        self.input = None;
+        let status = self.server.wait().expect("it ends");
+        assert!(status.success() || std::thread::panicking(), "{status}");
+    }
+}
+
+#[test]
+fn the_tools_are_at_most_eight_and_described() {
+    let mut client = Client::start(&Directory::new(&[]));
+    let tools = client.request("tools/list", json!({}));
+    let tools = tools["tools"].as_array().expect("tools");
+    let names: Vec<&str> = tools.iter().filter_map(|it| it["name"].as_str()).collect();
+    let expected = [
+        "check", "codels", "draw", "explain", "fix", "look_up", "simulate", "verify",
+    ];
+    assert_eq!(names, expected);
+    for tool in tools {
+        for (name, property) in tool["inputSchema"]["properties"]
+            .as_object()
+            .expect("properties")
+        {
+            let described = property["description"].is_string() || property["$ref"].is_string();
+            assert!(described, "{}: {name}", tool["name"]);
+        }
+    }
+}
+
+#[test]
+fn a_defect_is_found_explained_and_fixed() {
+    let broken = PUMP.replacen("task control;", "task contrl;", 1);
+    let directory = Directory::new(&[("pump.gen", &broken), ("pump.scn", SCENARIO)]);
+    let mut client = Client::start(&directory);
+    let (found, is_error) = client.call("check", json!({ "path": "pump.gen" }));
+    assert!(found.contains("contrl") && !is_error, "{found}");
+    let code = found.split(['[', ']']).nth(1).expect("a code");
+    let (page, is_error) = client.call("explain", json!({ "code": code }));
+    assert!(
+        page.starts_with(&format!("# {code}")) && !is_error,
+        "{page}"
+    );
+    client.call("fix", json!({ "path": "pump.gen" }));
+    assert_eq!(directory.read("pump.gen"), PUMP);
+    for (tool, path) in [
+        ("check", "pump.gen"),
+        ("verify", "pump.scn"),
+        ("simulate", "pump.scn"),
+    ] {
+        let (text, is_error) = client.call(tool, json!({ "path": path }));
+        assert!(!is_error && !text.is_empty(), "{tool}: {text}");
+    }
+}
+
+#[test]
+fn a_long_answer_is_shortened_and_an_error_is_one() {
+    let state = "  codel<a> f() yield nowhere;\n";
+    let text = format!("component c {{ task t {{\n{}}}; }};\n", state.repeat(300));
+    let mut client = Client::start(&Directory::new(&[("c.gen", &text)]));
+    let (answer, _) = client.call("check", json!({}));
+    assert!(answer.len() < 7_100, "{}", answer.len());
+    assert!(
+        answer.ends_with("more lines: name one file or declaration\n"),
+        "{answer}"
+    );
+    let (answer, is_error) = client.call("check", json!({ "path": "--help" }));
+    assert!(is_error, "a path is not an option: {answer}");
+}
