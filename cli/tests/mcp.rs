@@ -80,7 +80,8 @@ impl Drop for Client {
 
 #[test]
 fn the_tools_are_at_most_eight_and_described() {
-    let mut client = Client::start(&Directory::new(&[]));
+    let directory = Directory::new(&[]);
+    let mut client = Client::start(&directory);
     let tools = client.request("tools/list", json!({}));
     let tools = tools["tools"].as_array().expect("tools");
     let names: Vec<&str> = tools.iter().filter_map(|it| it["name"].as_str()).collect();
@@ -101,11 +102,11 @@ fn the_tools_are_at_most_eight_and_described() {
 
 #[test]
 fn a_defect_is_found_explained_and_fixed() {
-    let broken = PUMP.replacen("task control;", "task contrl;", 1);
+    let broken = PUMP.replacen("lang    \"c\";", "lang    \"c\"", 1);
     let directory = Directory::new(&[("pump.gen", &broken), ("pump.scn", SCENARIO)]);
     let mut client = Client::start(&directory);
     let (found, is_error) = client.call("check", json!({ "path": "pump.gen" }));
-    assert!(found.contains("contrl") && !is_error, "{found}");
+    assert!(found.contains("error[") && !is_error, "{found}");
     let code = found.split(['[', ']']).nth(1).expect("a code");
     let (page, is_error) = client.call("explain", json!({ "code": code }));
     assert!(
@@ -128,7 +129,8 @@ fn a_defect_is_found_explained_and_fixed() {
 fn a_long_answer_is_shortened_and_an_error_is_one() {
     let state = "  codel<a> f() yield nowhere;\n";
     let text = format!("component c {{ task t {{\n{}}}; }};\n", state.repeat(300));
-    let mut client = Client::start(&Directory::new(&[("c.gen", &text)]));
+    let directory = Directory::new(&[("c.gen", &text)]);
+    let mut client = Client::start(&directory);
     let (answer, _) = client.call("check", json!({}));
     assert!(answer.len() < 7_100, "{}", answer.len());
     assert!(

@@ -3,18 +3,21 @@
 
 use std::ops::Range;
 
-use dotgen_syntax::ast::{self, HasBody};
+use dotgen_syntax::{
+    SyntaxKind, TextSize,
+    ast::{self, HasBody},
+};
 use rustc_hash::FxHashSet;
 
 use super::{FileView, render};
 use crate::{
     elab::DefKind,
     model::{
-        CodelKind, Component, ComponentKind, Owner, Param, Seconds, ServiceKind, Src, fsm::Machine,
+        CodelKind, Component, ComponentKind, Owner, Param, Seconds, ServiceKind, Src, TypeKind, fsm::Machine,
         turn::Turn,
     },
     quantity,
-    source_map::bytes,
+    source_map::{bytes, offset},
 };
 
 /// The types to show.
@@ -130,6 +133,24 @@ impl Hints<'_, '_> {
         (file == self.view.file && touches).then_some(range)
     }
 
+    /// The place of a hint about a declaration: after the codel with its `;`, or after the `{` of a task or
+    /// component. Hints there do not stand between the parts of a declaration.
+    fn after_declaration(&self, at: usize) -> usize {
+        let token = self.view.root().token_at_offset(offset(at)).right_biased();
+        let nodes = token.into_iter().flat_map(|it| it.parent_ancestors());
+        let mut ends = nodes.filter_map(|node| match node.kind() {
+            SyntaxKind::CODEL_PROPERTY => Some(node.text_range().end()),
+            SyntaxKind::BODY => Some(node.text_range().start() + TextSize::of('{')),
+            SyntaxKind::TASK | SyntaxKind::COMPONENT => {
+                let body = node.children().find(|it| it.kind() == SyntaxKind::BODY)?;
+                Some(body.text_range().start() + TextSize::of('{'))
+            }
+            _ => None,
+        });
+        ends.next().map_or(at, usize::from)
+    }
+
+    /// Adds a hint at its place, if that is in the range.
     fn push(&mut self, at: usize, kind: InlayKind, label: String, tooltip: String) {
         if self.range.start <= at && at <= self.range.end {
             self.out.push(InlayHint {
@@ -165,7 +186,7 @@ impl Hints<'_, '_> {
                     Some(resolved) if resolved != ty => format!("`{resolved}`"),
                     _ => String::new(),
                 };
-                if ty != "unknown" {
+                if !matches!(spec.ty(param.ty).kind, TypeKind::Unknown) {
                     self.push(place.end, InlayKind::Type, format!(" ‹{ty}›"), tooltip);
                 }
             }
@@ -220,8 +241,9 @@ impl Hints<'_, '_> {
         }
         if !all.is_empty() {
             let tooltip = "Values of properties that are not given.".to_owned();
+            let at = self.after_declaration(place.start);
             self.push(
-                place.end,
+                at,
                 InlayKind::Default,
                 format!(" ‹by default {}›", all.join(", ")),
                 tooltip,
@@ -258,8 +280,9 @@ impl Hints<'_, '_> {
             && let Some((_, last)) = machine.codels.last()
             && let Some(end) = last.yields.last().and_then(|it| self.place(it.src))
         {
+            let at = self.after_declaration(end.start);
             self.push(
-                end.end,
+                at,
                 InlayKind::ImplicitEther,
                 " ‹stop → ether›".to_owned(),
                 "When interrupted, this machine ends at once: it has no codel for `stop`."
@@ -277,37 +300,27 @@ impl Hints<'_, '_> {
             let Some(place) = trigger.and_then(|it| self.place(it.src)) else {
                 continue;
             };
-            let (label, tooltip) = match machine.longest_turn(state) {
-                Some(Turn::Bounded {
-                    sum,
-                    chain,
-                    incomplete,
-                }) => {
-                    let steps = chain.iter().map(|&it| machine.at(it).name.to_string());
-                    let steps: Vec<String> = steps.collect();
-                    let more = if incomplete { "+" } else { "" };
-                    let mut tooltip =
-                        format!("Longest way to the next pause: {}.", steps.join(" → "));
-                    if incomplete {
-                        tooltip += " Some codel on the way has no `wcet` and counts as zero.";
-                    }
-                    // Next to its own `wcet`, the same number would be redundant.
-                    if chain.len() == 1 && codel.wcet.is_some() {
-                        continue;
-                    }
-                    (format!(" ‹≤ {}{more}›", quantity::time(sum)), tooltip)
-                }
-                Some(Turn::Unbounded { cycle }) => {
-                    let steps = cycle.iter().map(|&it| machine.at(it).name.to_string());
-                    let steps: Vec<String> = steps.collect();
-                    (
-                        " ‹≤ ∞›".to_owned(),
-                        format!("It can go round without pausing: {}.", steps.join(" → ")),
-                    )
-                }
-                None => continue,
+            // An endless turn is a diagnostic.
+            let Some(Turn::Bounded { sum, chain, incomplete }) = machine.longest_turn(state) else {
+                continue;
             };
-            self.push(place.end, InlayKind::Wcet, label, tooltip);
+            // The same number as its own `wcet`, or no number at all.
+            let is_own = chain.len() == 1 && codel.wcet.is_some();
+            if is_own || sum == Seconds::from_integer(0) {
+                continue;
+            }
+            let steps: Vec<&str> = chain.iter().map(|&it| machine.at(it).name.as_str()).collect();
+            let mut tooltip = format!("Longest way to the next pause: {}.", steps.join(" → "));
+            let bound = match incomplete {
+                false => "≤",
+                true => {
+                    tooltip += " Some codel on the way has no `wcet` and counts as zero.";
+                    "≥"
+                }
+            };
+            let label = format!(" ‹turn {bound} {}›", quantity::time(sum));
+            let at = self.after_declaration(place.start);
+            self.push(at, InlayKind::Wcet, label, tooltip);
         }
     }
 
@@ -342,8 +355,9 @@ impl Hints<'_, '_> {
                     );
                 }
             }
+            let at = self.after_declaration(place.start);
             self.push(
-                place.end,
+                at,
                 InlayKind::Utilisation,
                 format!(" ‹load {}›", quantity::load(share)),
                 tooltip,
@@ -425,7 +439,7 @@ component c {
         let wcet = shown(TEXT, InlayConfig { wcet: true, ..NONE });
         // A chain of one codel takes the time in its `wcet`.
         assert!(wcet.contains("codel<start>"), "{wcet}");
-        assert!(wcet.contains("codel<go[ ‹≤ 4.5 ms›]>"), "{wcet}");
+        assert!(wcet.contains("yield more, ether;[ ‹turn ≤ 4.5 ms›]\n"), "{wcet}");
         let load = shown(
             TEXT,
             InlayConfig {
@@ -433,7 +447,7 @@ component c {
                 ..NONE
             },
         );
-        assert!(load.contains("task t[ ‹load 45 %›] {"), "{load}");
+        assert!(load.contains("task t {[ ‹load 45 %›]"), "{load}");
         let ether = shown(
             TEXT,
             InlayConfig {
@@ -442,7 +456,7 @@ component c {
             },
         );
         assert!(
-            ether.contains("yield pause::go[ ‹stop → ether›];\n  };"),
+            ether.contains("yield pause::go;[ ‹stop → ether›]\n  };"),
             "{ether}"
         );
         let defaults = shown(
@@ -454,7 +468,7 @@ component c {
         );
         assert!(
             defaults
-                .contains("component c[ ‹by default clock rate 10 ms, language c, version 0›] {"),
+                .contains("component c {[ ‹by default clock rate 10 ms, language c, version 0›]"),
             "{defaults}"
         );
     }

@@ -78,7 +78,7 @@ fn an_edit_in_a_comment_stops_at_the_item_tree() {
         assert_never(&log, BELOW_ITEM_TREE);
         for once in [
             "lexed",
-            "front",
+            "parse_text",
             "lowered",
             "item_tree",
             "skeleton",
@@ -96,7 +96,7 @@ fn an_edit_in_a_codel_checks_its_component_only() {
     let log = run(&fixture);
     assert_eq!(count(&log, "elaborated"), 1, "{log:#?}");
     assert_eq!(count(&log, "check_body"), 1, "{log:#?}");
-    assert_eq!(count(&log, "front"), 1, "{log:#?}");
+    assert_eq!(count(&log, "parse_text"), 1, "{log:#?}");
     assert_never(&log, &["walk_unit", "includers"]);
 }
 
@@ -120,7 +120,7 @@ fn an_edit_of_a_shared_file_elaborates_its_units() {
     fixture.edit("/x.idl", "const long n = 2;\n");
     let log = run(&fixture);
     assert_eq!(count(&log, "elaborated"), 2, "{log:#?}");
-    assert_eq!(count(&log, "front"), 1, "{log:#?}");
+    assert_eq!(count(&log, "parse_text"), 1, "{log:#?}");
     assert_never(&log, &["walk_unit", "visits", "check_body"]);
 }
 
