@@ -1,4 +1,4 @@
-//! The engine's side of the hosts.
+//! The engine's side of the hosts: starts and ends their processes, and exchanges messages with them.
 
 use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::io::{self, BufReader, Write as _};
@@ -22,33 +22,32 @@ use super::shared_data::SharedData;
 use super::wire::{HostCommand, HostMessage};
 use dotgen_platform::process::System;
 
-/// How long a host may take to say something that no codel is involved in.
+/// Maximum time for a reply of a host that does not depend on a codel.
 const REPLY_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// How long one may take that somebody looks at in a debugger; no run takes longer.
+/// The same for a host under a debugger. No run takes longer.
 const DEBUGGER_TIMEOUT: Duration = Duration::from_secs(100 * 365 * 24 * 60 * 60);
 
-/// How long a process may go on whose output has ended.
+/// Maximum time between the end of the output of a process and the end of the process.
 const EXIT_TIMEOUT: Duration = Duration::from_millis(20);
 
-/// How long an output may go on whose process has ended.
+/// Maximum time between the end of a process and the end of its output.
 const OUTPUT_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// How long at most it takes until an interruption is seen.
+/// Maximum delay of the reaction to an interruption.
 const INTERRUPT_POLL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// What arrives: from a host of a start, or from outside.
+/// An event for the engine: from a host, with the number of its start, or from outside.
 enum EngineEvent {
     HostMessage(usize, u64, HostMessage),
-    /// Its output has ended.
+    /// The output of a host has ended.
     Closed(usize, u64),
     RunListener(Message),
     /// An input port has data from outside.
     Fed(Arc<InputSlot>),
 }
 
-/// The newest data from outside for an input port, until the engine takes it: what comes faster than that
-/// replaces what was there.
+/// The newest data from outside for an input port. Data that the engine has not taken yet is replaced.
 pub(crate) struct InputSlot {
     component: usize,
     port: u32,
@@ -57,7 +56,7 @@ pub(crate) struct InputSlot {
 }
 
 impl InputSlot {
-    /// For a port of a component, which knows the source by a name.
+    /// Creates an empty slot for a port of a component, and for the name by which the port finds the source.
     pub(crate) fn new(component: usize, port: u32, name: String) -> InputSlot {
         InputSlot {
             component,
@@ -73,93 +72,93 @@ impl InputSlot {
     }
 }
 
-/// Whoever is outside and wants to know.
+/// A subscriber of the events of a run, outside the engine.
 pub trait RunListener {
-    /// What became of a request.
+    /// Receives the result of a request, or its acceptance.
     fn answer(&mut self, id: u64, answer: &RequestReply);
-    /// A component is gone, and how it ended.
+    /// Receives the end of a component, with the way in which the component ended.
     fn gone(&mut self, component: usize, why: &str);
-    /// An output port has new data.
+    /// Receives new data of an output port.
     fn published(&mut self, component: usize, port: u32, id: &str, data: &[u8]);
 }
 
-/// Brings messages from outside.
+/// A sender of messages from outside to the engine.
 #[derive(Clone)]
 pub struct RunInbox(Sender<EngineEvent>);
 
 impl RunInbox {
-    /// Whether there is still somebody to hear it.
+    /// Sends a message. Returns false after the end of the run.
     pub(crate) fn bring(&self, message: Message) -> bool {
         self.0.send(EngineEvent::RunListener(message)).is_ok()
     }
 
-    /// Brings data for an input port. Returns whether there is still somebody to hear it.
+    /// Sends data for an input port. Returns false after the end of the run.
     pub(crate) fn feed(&self, newest: &Arc<InputSlot>, data: Vec<u8>) -> bool {
         let waits = newest.swap(Some(data)).is_some();
         waits || self.0.send(EngineEvent::Fed(newest.clone())).is_ok()
     }
 }
 
-/// A component and the process that runs it.
+/// A component with the process that runs it.
 struct Child {
     library: Option<Utf8PathBuf>,
     process: Option<Process>,
-    /// Since when it is known that the process has ended, while its output has not.
+    /// Time at which the process was seen to have ended while its output had not.
     exited: Option<Instant>,
 }
 
-/// Is told of a host that waits for a debugger: the component, and the number of the process.
+/// A function that is called for each host that waits for a debugger, with the component and the process ID.
 pub type Waiting = Box<dyn Fn(&str, u32)>;
 
 /// All hosts of a run.
 pub struct Children {
     children: Vec<Child>,
     names: Vec<String>,
-    /// Component and name of each task, by its lane.
+    /// Component and name of each task, by lane.
     tasks: Vec<(usize, String)>,
     real: bool,
-    /// Hosts wait for a debugger, and nobody waits for them with a clock in the hand.
+    /// Set if hosts wait for a debugger: the function to call, and no timeouts.
     debug: Option<Waiting>,
     interrupt: Interrupt,
-    /// How often they were started: what an earlier host says does not count.
+    /// Number of starts. Messages of hosts of an earlier start are ignored.
     started: u64,
     begin: Instant,
     arrivals: Receiver<EngineEvent>,
     sender: Sender<EngineEvent>,
-    /// What came while something else was awaited.
+    /// Messages that arrived while the engine waited for something else.
     early: VecDeque<Message>,
     outside: Vec<Box<dyn RunListener>>,
     boards: SharedDataPool,
     denied: BTreeSet<String>,
-    /// When it was last looked who has ended.
+    /// Time of the last check for hosts that have ended.
     looked: Instant,
 }
 
-/// Where data of ports comes from.
+/// The source of the data of an input port.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 enum Origin {
     /// Component, output port and instance.
     Output(usize, u32, String),
-    /// Somebody outside; with the component, the input port and the name of the source.
+    /// A source outside the run: the component, the input port and the name of the source.
     Elsewhere(usize, u32, String),
 }
 
-/// The data of ports that is read.
+/// The shared memory with the data of ports that are read.
 #[derive(Default)]
 struct SharedDataPool {
-    /// With the number of each.
+    /// The shared memory of each source, with its number.
     of: HashMap<Origin, (u64, SharedData)>,
-    /// To which one an input port is led, by component, port and name of the source.
+    /// The number of the shared memory that each input port reads, by component, port and name of the source.
     shown: HashMap<(usize, u32, String), u64>,
     made: u64,
-    /// Those that have become too small. A host may still be on its way to one, by a path that no other may
-    /// have.
+    /// Shared memory that was too small and was replaced. It is kept, because a host may still open it by its
+    /// path, and no other memory may get this path.
     small: Vec<SharedData>,
 }
 
 impl Children {
-    /// Hosts of the components of a system that have a shared object, with the names of all, and the
-    /// component and name of each task.
+    /// Creates the hosts of the components that have a shared object. `names` has all components of the
+    /// system, and `tasks` the component and name of each task.
     pub fn new(
         libraries: Vec<Option<Utf8PathBuf>>,
         names: Vec<String>,
@@ -192,17 +191,17 @@ impl Children {
         }
     }
 
-    /// What the system does not grant to hosts, in words.
+    /// The rights that the system does not grant to hosts, as text.
     pub fn denied(&self) -> &BTreeSet<String> {
         &self.denied
     }
 
-    /// Lets hosts wait for a debugger before they begin.
+    /// Makes hosts wait for a debugger before they begin.
     pub fn debug(&mut self, waiting: Waiting) {
         self.debug = Some(waiting);
     }
 
-    /// Until when something is awaited that no codel is involved in.
+    /// The time at which a reply of a host that does not depend on a codel is overdue.
     fn deadline(&self) -> Instant {
         let patience = match &self.debug {
             Some(_) => DEBUGGER_TIMEOUT,
@@ -211,12 +210,12 @@ impl Children {
         Instant::now() + patience
     }
 
-    /// By which messages come from outside.
+    /// A sender of messages from outside.
     pub fn inbox(&self) -> RunInbox {
         RunInbox(self.sender.clone())
     }
 
-    /// Tells somebody outside.
+    /// Adds a subscriber.
     pub fn tell(&mut self, outside: Box<dyn RunListener>) {
         self.outside.push(outside);
     }
@@ -248,7 +247,7 @@ impl Children {
         let mut process = System.start(&program).map_err(wrong)?;
         let output = process.child.stdout.take();
         let output = output.ok_or_else(|| format!("the host of `{name}` has no output"))?;
-        // The engine waits for nobody that does not read.
+        // The engine never waits for a host that does not read.
         if let Some(input) = &process.child.stdin {
             let flags = rustix::fs::fcntl_getfl(input).map_err(|it| wrong(it.into()))?;
             rustix::fs::fcntl_setfl(input, flags | OFlags::NONBLOCK)
@@ -272,7 +271,7 @@ impl Children {
         Ok(())
     }
 
-    /// Puts new data where readers are led to.
+    /// Puts new data of a source into shared memory, and sends its path to readers that do not have it.
     fn show(&mut self, origin: Origin, readers: &[Reader<'_>], data: &[u8]) {
         let fits = self
             .boards
@@ -281,7 +280,7 @@ impl Children {
             .is_some_and(|it| it.1.holds(data.len()));
         if !fits {
             let Ok(board) = SharedData::new(data.len()) else {
-                // There is no memory left: readers keep what they have.
+                // Memory is exhausted: readers keep their data.
                 self.denied
                     .insert("memory for the data of ports".to_owned());
                 return;
@@ -319,14 +318,14 @@ impl Children {
             (Ok(bytes), Some(input)) => send(input, &bytes),
             _ => Ok(()),
         };
-        // Where it cannot be written the host has ended, and its output tells; one that does not read ends
-        // so.
+        // If the write fails because the host has ended, the end of its output is an event. A host that does
+        // not read is ended.
         if sent.is_err_and(|it| it.kind() == io::ErrorKind::TimedOut) {
             process.kill();
         }
     }
 
-    /// Why a host has ended.
+    /// Removes a host that has ended, and returns its way of ending.
     fn ended(&mut self, component: usize) -> String {
         let Some(mut process) = self.children[component].process.take() else {
             return "ended".to_owned();
@@ -340,7 +339,7 @@ impl Children {
         if let Ok(Some(status)) = status {
             return in_words(status);
         }
-        // One that ends already ends as it would.
+        // A process that is ending anyway keeps its own exit status.
         process.kill();
         match process.wait() {
             Ok(status) if std::os::unix::process::ExitStatusExt::signal(&status) != Some(9) => {
@@ -352,7 +351,7 @@ impl Children {
         }
     }
 
-    /// The next arrival of this start.
+    /// Returns the next event of this start, or `None` at the time `until`.
     fn next(&mut self, until: Instant) -> Option<EngineEvent> {
         loop {
             let left = until.saturating_duration_since(Instant::now());
@@ -368,7 +367,7 @@ impl Children {
         }
     }
 
-    /// Likewise; `None` also when nothing has come and this run is to end.
+    /// Returns the next event of this start, or `None` at the time `until` or after an interruption.
     fn next_unless_interrupted(&mut self, until: Instant) -> Option<EngineEvent> {
         loop {
             if let Some(exited) = self.exited() {
@@ -382,7 +381,8 @@ impl Children {
         }
     }
 
-    /// A host that has ended although its output has not: what a codel has started still has that.
+    /// Returns the end of a host whose process has ended while its output has not, because a process that a
+    /// codel started still holds the output.
     fn exited(&mut self) -> Option<EngineEvent> {
         let now = Instant::now();
         if now < self.looked + INTERRUPT_POLL_INTERVAL {
@@ -397,7 +397,7 @@ impl Children {
                 continue;
             };
             match child.exited {
-                // What it has said until then was heard meanwhile.
+                // Messages that the host sent before its end have been received meanwhile.
                 Some(since) if now > since + OUTPUT_TIMEOUT => {
                     return Some(EngineEvent::Closed(component, self.started));
                 }
@@ -408,7 +408,7 @@ impl Children {
         None
     }
 
-    /// What an arrival tells the engine.
+    /// Converts an event to a message for the engine.
     fn message(&mut self, arrival: EngineEvent) -> Option<Message> {
         match arrival {
             EngineEvent::HostMessage(component, _, HostMessage::CodelResult(ran)) => {
@@ -434,7 +434,7 @@ impl Children {
             }),
             EngineEvent::HostMessage(..) => None,
             EngineEvent::Closed(component, _) => {
-                // It may have been told before.
+                // The end may be known already.
                 self.children.get(component)?.process.as_ref()?;
                 let why = self.ended(component);
                 Some(Message::Lost { component, why })
@@ -450,7 +450,7 @@ impl Children {
     }
 }
 
-/// This program, where it can be started again.
+/// The path by which this program can be started again.
 fn own() -> PathBuf {
     let own = PathBuf::from("/proc/self/exe");
     match own.exists() {
@@ -459,7 +459,7 @@ fn own() -> PathBuf {
     }
 }
 
-/// Writes to a host, which reads all the time; it gets some to do so.
+/// Writes to a host. The host reads all the time, and gets [`REPLY_TIMEOUT`] to do so.
 fn send(input: &mut ChildStdin, mut bytes: &[u8]) -> io::Result<()> {
     let until = Instant::now() + REPLY_TIMEOUT;
     while !bytes.is_empty() {
@@ -484,7 +484,7 @@ fn send(input: &mut ChildStdin, mut bytes: &[u8]) -> io::Result<()> {
     Ok(())
 }
 
-/// How a process ended.
+/// Describes the end of a process.
 fn in_words(status: ExitStatus) -> String {
     use std::os::unix::process::ExitStatusExt as _;
     let name = |number: i32| match number {

@@ -1,4 +1,4 @@
-//! What is known of the components of a run, and how clients are told.
+//! The components of a run, as clients see them.
 
 use std::sync::Arc;
 
@@ -7,19 +7,19 @@ use dotgen_codegen::codels::schema;
 use dotgen_codegen::codels::value::{Values, is_input, is_output};
 use serde_json::{Value, json};
 
-/// The service that all components have beside their own.
+/// The service that every component has in addition to its own.
 pub(super) const CONNECT: &str = "connect_port";
 
-/// A component that can be asked for something.
+/// A component that accepts requests.
 #[derive(Clone)]
 pub struct KnownComponent {
     /// The specification of the component.
     pub spec: Arc<Spec>,
-    /// Index among those of the specification.
+    /// Index of the component in the specification.
     pub component: u32,
-    /// The services of the system, by index among those of the component.
+    /// For each service of the component, its index in the system.
     pub services: Vec<Option<usize>>,
-    /// A host executes its codels.
+    /// True if a host executes its codels.
     pub executed: bool,
 }
 

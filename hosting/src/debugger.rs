@@ -1,32 +1,31 @@
-//! A host that a debugger looks into.
+//! Hosts under a debugger.
 
 use std::time::Duration;
 
-/// How often it is looked whether the debugger is there.
+/// Interval of checks for a debugger.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Lets any process of this user attach: many systems let only parents of a process do so, and a debugger
-/// that is attached is none.
+/// Permits any process of this user to attach. Many systems permit this only to the parent of a process.
 pub(super) fn permit() {
     #[cfg(target_os = "linux")]
     {
         use rustix::process::{PTracer, set_ptracer};
-        // Where the kernel does not know of this, nothing has to be permitted.
+        // Kernels without this call permit it anyway.
         let _ = set_ptracer(PTracer::Any);
     }
 }
 
-/// Waits until a debugger is attached and lets this process go on.
+/// Waits until a debugger is attached.
 pub(super) fn wait() {
     while !is_attached() {
         std::thread::sleep(LOOK);
     }
 }
 
-/// Whether a debugger is attached to this process.
+/// Returns true if a debugger is attached to this process.
 fn is_attached() -> bool {
     let Ok(status) = std::fs::read_to_string("/proc/self/status") else {
-        // Nobody can tell.
+        // Without this file the answer is unknown. The host does not wait.
         return true;
     };
     let tracer = status.lines().find_map(|it| it.strip_prefix("TracerPid:"));

@@ -1,7 +1,8 @@
-//! `dotgen host`: a component that runs. Not for people.
+//! `dotgen host`: a process that runs one component. An internal subcommand.
 //!
-//! It takes orders on its standard input until that ends, and tells on its standard output what came of them.
-//! What codels print goes to the error output, and they have nothing to read.
+//! The host reads commands from its standard input until the end of the input, and writes results to its
+//! standard output. Codels get another output and input: their output goes to standard error, and their input
+//! is empty.
 
 use std::collections::{BTreeMap, HashMap};
 use std::ffi::c_int;
@@ -25,20 +26,20 @@ use super::wire::{HostCommand, HostMessage};
 /// The subcommand.
 pub(super) const COMMAND: &str = "host";
 
-/// How a host works: its first argument, as JSON.
+/// Options of a host: its first argument, as JSON.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct HostOptions {
-    /// The component, which the process is named after.
+    /// The component, which gives the process its name.
     pub(super) component: String,
-    /// Tasks by lane, which threads are named after.
+    /// Tasks by lane, which give the threads their names.
     pub(super) tasks: BTreeMap<u32, String>,
-    /// Threads have real-time priority and locked memory.
+    /// True if threads have real-time priority and locked memory.
     pub(super) real_time: bool,
-    /// It waits for a debugger before it begins.
+    /// True if the host waits for a debugger before it begins.
     pub(super) debug: bool,
 }
 
-/// Runs the subcommand when the words of the command line are for it.
+/// Runs the subcommand if the command line contains it.
 pub fn intercept() -> Option<ExitCode> {
     let words: Vec<_> = std::env::args_os().skip(1).collect();
     let [command, rest @ ..] = words.as_slice() else {
@@ -57,19 +58,19 @@ pub fn intercept() -> Option<ExitCode> {
     })
 }
 
-/// The name of the thread that validates requests, and copies attributes.
+/// The name of the thread that validates requests and copies attributes.
 const CONTROL: &str = "control";
 
 type Output = Arc<Mutex<File>>;
 
-/// Codels that wait for an answer of another component, by what they have asked.
+/// Codels that wait for the answer of another component, by the number of their request.
 #[derive(Default)]
 struct Waiting {
     next: u32,
     all: HashMap<u32, Sender<Result<Vec<u8>, c_int>>>,
 }
 
-/// Asks through the engine.
+/// Creates the function that sends a request to another component through the engine.
 fn remote_call(output: Output, waiting: Arc<Mutex<Waiting>>) -> RemoteCall {
     Box::new(move |remote, inputs| {
         let (sender, answer) = channel();
@@ -106,7 +107,7 @@ fn serve(library: &Path, manner: &HostOptions) -> io::Result<()> {
         tell(&output, &HostMessage::Denied("locked memory".to_owned()))?;
     }
     let waiting = Arc::<Mutex<Waiting>>::default();
-    // There is one component in a process.
+    // The value is set once: a process has one component.
     let _ = REMOTE_CALL.set(remote_call(output.clone(), waiting.clone()));
     tell(&output, &HostMessage::Ready)?;
     let mut lanes: HashMap<u32, Sender<(u32, u32, u32)>> = HashMap::new();
@@ -153,11 +154,11 @@ fn serve(library: &Path, manner: &HostOptions) -> io::Result<()> {
             }
         }
     }
-    // Threads may still be in a codel: nobody waits for it.
+    // Threads may still execute a codel. The process does not wait for them.
     std::process::exit(0);
 }
 
-/// The channels to the engine, out of the reach of codels.
+/// Opens the channels to the engine, and closes them for codels.
 fn channels() -> io::Result<(BufReader<File>, Output)> {
     let input: OwnedFd = rustix::io::dup(rustix::stdio::stdin())?;
     let output: OwnedFd = rustix::io::dup(rustix::stdio::stdout())?;
@@ -172,8 +173,8 @@ fn tell(output: &Output, reply: &HostMessage) -> io::Result<()> {
     reply.send(&mut *output)
 }
 
-/// A thread that runs the codels of a task, one after the other; `real` for real time, with the core it is
-/// tied to.
+/// Starts a thread that executes the codels of a task, one after the other. `real` requests real-time
+/// priority, with the core to which the thread is bound.
 fn start(
     name: &str,
     component: &Arc<Component>,
@@ -184,10 +185,10 @@ fn start(
     let (component, output) = (component.clone(), output.clone());
     let work = move || {
         if let Some(core) = real {
-            // Whether that is granted was told by the engine, which asks for the same.
+            // The engine makes the same request, and reports a refusal.
             realtime::raise_priority();
             if let Some(core) = core.filter(|&it| !realtime::pin(it)) {
-                // Where it cannot be told, nothing can.
+                // Without a channel nothing can be reported.
                 let _ = tell(&output, &HostMessage::Denied(format!("core {core}")));
             }
         }
@@ -204,14 +205,14 @@ fn start(
                 nanos,
             };
             if tell(&output, &HostMessage::CodelResult(ran)).is_err() {
-                // Nobody hears any more what comes of codels.
+                // The engine has ended: results have no receiver.
                 std::process::exit(2);
             }
         }
     };
     let thread = std::thread::Builder::new().name(name.to_owned());
     if thread.spawn(work).is_err() {
-        // As if it had crashed: the engine says that the component is lost.
+        // The engine reports the component as lost, as after a crash.
         std::process::exit(2);
     }
     orders

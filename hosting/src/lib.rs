@@ -1,19 +1,21 @@
-//! Components that run with their own codels: one process for each, which is this program again.
+//! Components that run with their own codels. Each component is one process, which is this program again.
 //!
-//! | file | what it has |
+//! | module | contents |
 //! | --- | --- |
-//! | [`wire`] | what the engine and a host say to each other |
-//! | [`host`] | a host: it loads a shared object and calls its codels |
-//! | [`library`] | the shared object, and all that is unsafe about calling it |
-//! | [`children`] | the engine's side: starts hosts, talks to them, knows how they ended |
-//! | [`board`] | the data of a port, in memory that engine and hosts share |
+//! | [`wire`] | the messages between the engine and a host |
+//! | [`host`] | a host: loads a shared object and calls its codels |
+//! | [`library`] | the shared object, and all unsafe code that calls its functions |
+//! | [`children`] | the engine's side: starts hosts, sends commands, and reports how they ended |
+//! | [`shared_data`] | the data of a port, in memory that the engine shares with hosts |
 //! | [`server`] | requests from outside, as JSON over a socket |
-//! | [`known`] | what is known of the components of a run |
+//! | [`clients`] | the clients of the socket, and their limits |
+//! | [`components`] | the components of a run, as clients see them |
 //! | `network` | ports between machines, by Zenoh; with the feature `zenoh` |
 //! | [`stream`] | a connection with a client |
-//! | [`places`] | where the sockets of this user are |
-//! | [`realtime`] | what the system grants to who has to be in time |
-//! | [`strays`] | processes that codels leave behind |
+//! | [`sockets`] | the paths of the sockets of this user |
+//! | [`realtime`] | real-time priority, cores and locked memory |
+//! | [`orphans`] | processes that codels leave behind |
+//! | [`debugger`] | hosts under a debugger |
 
 pub mod children;
 mod clients;

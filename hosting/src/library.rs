@@ -1,4 +1,4 @@
-//! The shared object of a component. The functions of its glue are called here and nowhere else.
+//! The shared object of a component. No other code calls the functions of its glue.
 #![allow(
     unsafe_code,
     reason = "functions of a shared object are called by the prototypes that its glue was written with"
@@ -33,14 +33,14 @@ type RequestFn = unsafe extern "C" fn(u32, *const c_void, usize, PutFn, *mut c_v
 type SetRequestFn = unsafe extern "C" fn(RequestFn);
 type FreeFn = unsafe extern "C" fn(*mut Buffer);
 
-/// Brings what a codel asks for (a remote and its inputs) to another component: the outputs, or an error of
-/// the system.
+/// A function that calls a service of another component: from a remote and its inputs to the outputs, or a
+/// system error.
 pub(super) type RemoteCall = Box<dyn Fn(u32, &[u8]) -> Result<Vec<u8>, c_int> + Send + Sync>;
 
 /// Set once, before codels run.
 pub(super) static REMOTE_CALL: OnceLock<RemoteCall> = OnceLock::new();
 
-/// Called by the glue.
+/// Handles a request of the glue.
 unsafe extern "C" fn ask(
     remote: u32,
     inputs: *const c_void,
@@ -53,12 +53,13 @@ unsafe extern "C" fn ask(
     };
     let inputs = match inputs.is_null() {
         true => &[],
-        // SAFETY: the glue has so many bytes there, and waits.
+        // SAFETY: the glue has `size` bytes at this address, and waits.
         false => unsafe { std::slice::from_raw_parts(inputs.cast::<u8>(), size) },
     };
     match bring(remote, inputs) {
         Ok(outputs) => {
-            // SAFETY: the function of the glue copies so many bytes to what it was called with.
+            // SAFETY: the function of the glue copies `outputs.len()` bytes to the address that it was called
+            // with.
             unsafe { put(to, outputs.as_ptr().cast(), outputs.len()) };
             0
         }
@@ -66,7 +67,7 @@ unsafe extern "C" fn ask(
     }
 }
 
-/// What came of a codel.
+/// The result of a codel.
 pub(super) struct Outcome {
     pub(super) how: CodelEnd,
     pub(super) name: String,
@@ -74,28 +75,28 @@ pub(super) struct Outcome {
     pub(super) written: Vec<PortWrite>,
 }
 
-/// A component. It may be called by many threads: its glue has a lock.
+/// A component. Many threads may call it: its glue has a lock.
 pub(super) struct Component {
     make: CreateFn,
     run: RunFn,
     end: EndFn,
     share: ShareFn,
     forget: FreeFn,
-    /// Where the glue looks for data of ports.
+    /// The mappings in which the glue reads data of ports.
     views: Mutex<Vec<View>>,
-    /// Must outlive the functions.
+    /// Must be dropped after the functions.
     _library: Library,
 }
 
 impl Component {
-    /// Loads it, and so runs its constructors.
+    /// Loads the shared object, which runs its constructors.
     pub(super) fn load(path: &Path) -> Result<Component, String> {
         let wrong = |error: libloading::Error| {
             use std::error::Error as _;
             let why = error.source().map(ToString::to_string);
             why.unwrap_or_else(|| error.to_string())
         };
-        // SAFETY: the object was built by dotgen from the codels that the user asks to run.
+        // SAFETY: dotgen built the object from the codels that the user wants to run.
         unsafe {
             let library = Library::new(path).map_err(wrong)?;
             let [make, run, end, share, forget, asks] = ENTRIES;
@@ -119,17 +120,17 @@ impl Component {
         }
     }
 
-    /// Leads an input port to its data.
+    /// Gives an input port the address of its data.
     ///
     /// # Errors
-    /// It cannot be reached.
+    /// The shared memory cannot be opened.
     pub(super) fn share(&self, port: u32, id: &str, path: &str) -> io::Result<()> {
         let id = CString::new(id)?;
         let view = View::open(path)?;
         let address = view.address();
         let mut views = self.views.lock().unwrap_or_else(|it| it.into_inner());
         views.push(view);
-        // SAFETY: the name ends with a zero and is only read; the view stays where it is until the glue
+        // SAFETY: the name ends with a zero and is only read. The view keeps its address until the glue
         // returns it.
         let before = unsafe { (self.share)(port, id.as_ptr(), address) };
         views.retain(|it| it.address() != before);
@@ -137,12 +138,12 @@ impl Component {
     }
 
     pub(super) fn end(&self, service: u32, instance: u32) -> Vec<u8> {
-        // SAFETY: the function adds to a buffer as `filled` gives it.
+        // SAFETY: the function adds to a buffer, which `filled` provides.
         self.filled(|buffer| unsafe { (self.end)(service, instance, buffer) })
     }
 
     pub(super) fn run(&self, codel: u32, instance: u32) -> Outcome {
-        // SAFETY: likewise. What the codel itself does is its own business: this is why it has a process.
+        // SAFETY: as above. The codel itself may do anything: this is the reason for a process of its own.
         let bytes = self.filled(|buffer| unsafe { (self.run)(codel, instance, buffer) });
         outcome(&bytes).unwrap_or(Outcome {
             how: CodelEnd::Other,
@@ -162,7 +163,7 @@ impl Component {
         if buffer.bytes.is_null() {
             return Vec::new();
         }
-        // SAFETY: the glue has allocated so many bytes and more, and gives them up only when it is told.
+        // SAFETY: the glue has allocated at least `size` bytes, and frees them only in `forget`.
         unsafe {
             let bytes = std::slice::from_raw_parts(buffer.bytes, buffer.size).to_vec();
             (self.forget)(&mut buffer);

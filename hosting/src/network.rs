@@ -1,7 +1,7 @@
 //! Ports between machines, by Zenoh: see `docs/run.md`.
 //!
-//! An output port is the key `COMPONENT/PORT`, an instance of a `multiple` one `COMPONENT/PORT/INSTANCE`; the
-//! data is CDR. Data that arrives is handed to the engine, which leads the hosts there.
+//! An output port has the key `COMPONENT/PORT`, an instance of a `multiple` one `COMPONENT/PORT/INSTANCE`.
+//! The data is CDR. Data that arrives goes to the engine, which puts it into the memory shared with hosts.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::{Arc, Mutex};
@@ -18,33 +18,33 @@ use zenoh::{Config, Session, Wait as _};
 use super::children::{InputSlot, RunInbox, RunListener};
 use super::components::KnownComponent;
 
-/// Sources of a `multiple` port, and keys of which something is told: others are left, so that nobody else
-/// fills the memory of this machine.
+/// Maximum number of sources of a `multiple` port, and of keys that are reported. Others are ignored, so that
+/// no peer can fill the memory of this machine.
 const SOURCES: usize = 256;
 
-/// Whom to reach, and what to read there.
+/// The endpoints of this run, and the keys that its ports read.
 #[derive(Debug, Clone, Copy)]
 pub struct NetworkOptions<'a> {
-    /// Zenoh endpoints where others reach this run.
+    /// Zenoh endpoints at which this run listens.
     pub listen: &'a [String],
-    /// Zenoh endpoints of others, or of routers.
+    /// Zenoh endpoints of other runs, or of routers.
     pub connect: &'a [String],
-    /// Component, input port, and the key that it reads.
+    /// Component, input port, and the key that the port reads.
     pub reads: &'a [(usize, u32, String)],
 }
 
-/// Tells the user something, once.
+/// A function that shows a message to the user.
 pub type Notifier = Arc<dyn Fn(&str) + Send + Sync>;
 
-/// Is connected until it is dropped.
+/// A connection to other machines, which ends when it is dropped.
 pub struct Network {
     _subscribers: Vec<Subscriber<()>>,
 }
 
-/// Joins others. `is_fed` says which input ports have their data from this run.
+/// Connects to other machines. `is_fed` returns true for input ports that get their data from this run.
 ///
 /// # Errors
-/// In words: where an endpoint is none, or somebody else listens there.
+/// A message: an endpoint is invalid, or another program listens there.
 pub fn join(
     wanted: NetworkOptions<'_>,
     known: &BTreeMap<usize, KnownComponent>,
@@ -85,7 +85,7 @@ pub fn join(
                     state: Mutex::default(),
                 };
                 let subscriber = session.declare_subscriber(key.clone());
-                // What this run writes it reads without a network.
+                // The data of this run does not pass through the network.
                 let subscriber = subscriber.allowed_origin(Locality::Remote);
                 let subscriber = subscriber.callback(move |it| input.hear(&it)).wait();
                 subscribers.push(subscriber.map_err(|it| format!("cannot read `{key}`: {it}"))?);
@@ -104,13 +104,13 @@ pub fn join(
     Ok((network, Box::new(outputs)))
 }
 
-/// Nobody is sought, and nobody finds this run, but where it was said.
+/// Returns a configuration without discovery: only the given endpoints are used.
 fn config(wanted: NetworkOptions<'_>) -> zenoh::Result<Config> {
     let list = |all: &[String]| serde_json::json!(all).to_string();
     let mut config = Config::default();
     config.insert_json5("mode", "\"peer\"")?;
     config.insert_json5("scouting/multicast/enabled", "false")?;
-    // The engine does not wait where the network does not take more.
+    // Data that does not fit into the queue is dropped, so that the engine does not wait.
     let drop = "transport/link/tx/queue/congestion_control/drop";
     config.insert_json5(&format!("{drop}/wait_before_drop"), "0")?;
     config.insert_json5(&format!("{drop}/max_wait_before_drop_fragments"), "0")?;
@@ -119,7 +119,7 @@ fn config(wanted: NetworkOptions<'_>) -> zenoh::Result<Config> {
     Ok(config)
 }
 
-/// An input port that reads a key, or several.
+/// An input port that reads one or several keys.
 struct Input {
     spec: Arc<Spec>,
     ty: TypeId,
@@ -134,11 +134,11 @@ struct Input {
 
 #[derive(Default)]
 struct SubscriberState {
-    /// By the name of the source: what the engine has not taken yet.
+    /// The data that the engine has not taken yet, by the name of the source.
     newest: HashMap<String, Arc<InputSlot>>,
-    /// The key that a port reads which is not `multiple`.
+    /// The key of the source, for a port that is not `multiple`.
     source: Option<String>,
-    /// Keys of which something was told.
+    /// Keys that have been reported.
     told: BTreeSet<String>,
 }
 
@@ -170,7 +170,7 @@ impl Input {
                 return;
             }
         };
-        // One source at a time: two of the same name would take turns.
+        // The port keeps its first source: two sources of the same name would alternate.
         let source = heard.source.get_or_insert_with(|| key.to_owned()).clone();
         if !self.multiple && source != key {
             let path = &self.path;
@@ -197,7 +197,7 @@ impl Input {
 struct Outputs {
     session: Session,
     known: BTreeMap<usize, KnownComponent>,
-    /// By component, port and instance; `None` for a key that cannot be.
+    /// By component, port and instance; `None` for an invalid key.
     publishers: HashMap<(usize, u32, String), Option<Publisher<'static>>>,
     tell: Notifier,
 }
@@ -245,7 +245,7 @@ impl RunListener for Outputs {
             return;
         };
         if let Ok(cdr) = to_cdr(Values::new(&known.spec), of.data, data) {
-            // Whoever is too slow misses some: the engine waits for nobody.
+            // A slow reader misses data. The engine does not wait.
             let _ = publisher.put(cdr).wait();
         }
     }

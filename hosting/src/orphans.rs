@@ -6,11 +6,11 @@ use rustix::process::{
     Pid, Signal, WaitId, WaitIdOptions, WaitOptions, getpid, kill_process, waitid, waitpid,
 };
 
-/// Time within which all of them must have ended.
+/// Maximum time until all orphans have ended.
 const LIMIT: Duration = Duration::from_secs(2);
 
-/// While this exists, orphans among the descendants of this process become its children. Dropping it ends
-/// them, and names on standard error those that cannot be ended. Elsewhere than on Linux it does nothing.
+/// A guard: while it exists, orphans among the descendants of this process become its children. Dropping it
+/// ends them, and reports those that cannot be ended on standard error. Only on Linux.
 #[must_use]
 pub struct OrphanReaper {
     /// Helpers of this program, which end by themselves.
@@ -18,9 +18,9 @@ pub struct OrphanReaper {
 }
 
 impl OrphanReaper {
-    /// Becomes the parent of orphans; `None` where those may be of others: where this process has children of
-    /// another program, whose children would be adopted as well, and where it is the parent of all orphans
-    /// anyway.
+    /// Becomes the parent of orphans. Returns `None` if orphans may belong to others: this process has
+    /// children of another program, whose orphans would be adopted too, or it is process 1, the parent of all
+    /// orphans.
     pub fn become_subreaper() -> Option<OrphanReaper> {
         let program = |of: &str| std::fs::read_link(format!("/proc/{of}/exe")).ok();
         let own = program("self");
@@ -38,10 +38,10 @@ impl OrphanReaper {
     }
 }
 
-/// Takes the exit statuses of adopted processes, which would stay as zombies until then. `hosts` are the
-/// children whose statuses are taken elsewhere.
+/// Collects the exit statuses of adopted processes, which would stay as zombies otherwise. The statuses of
+/// `hosts` are collected elsewhere.
 pub(super) fn reap(hosts: &[Pid]) {
-    // Mostly there are none, and the list of all processes is not read.
+    // Usually there are none, and the list of all processes is not read.
     let any = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
     if !matches!(waitid(WaitId::All, any), Ok(Some(_))) {
         return;
@@ -69,7 +69,7 @@ impl Drop for OrphanReaper {
                 }
                 break;
             }
-            // The children of each become ours in turn.
+            // The children of each orphan become children of this process.
             for child in strays {
                 let _ = kill_process(child.pid, Signal::KILL);
                 let _ = waitpid(Some(child.pid), WaitOptions::NOHANG);
@@ -83,20 +83,20 @@ impl Drop for OrphanReaper {
 
 struct Child {
     pid: Pid,
-    /// The name of its program.
+    /// The name of the program.
     name: String,
-    /// A letter, as in `/proc`.
+    /// The state, as a letter of `/proc`.
     state: String,
 }
 
-/// The children of this process.
+/// Returns the children of this process.
 fn children() -> Vec<Child> {
     let parent = getpid().as_raw_nonzero().to_string();
     let processes = std::fs::read_dir("/proc").into_iter().flatten().flatten();
     let child = |entry: std::fs::DirEntry| {
         let pid = Pid::from_raw(entry.file_name().to_str()?.parse().ok()?)?;
         let stat = std::fs::read_to_string(entry.path().join("stat")).ok()?;
-        // `PID (NAME) STATE PARENT …`, where the name may have any character.
+        // `PID (NAME) STATE PARENT …`. The name may contain any character.
         let (name, rest) = stat.rsplit_once(") ")?;
         let name = name.split_once('(')?.1.to_owned();
         let mut words = rest.split(' ');

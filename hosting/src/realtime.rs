@@ -1,27 +1,27 @@
-//! What the system grants to who has to be in time. What it does not grant is done without.
+//! Real-time priority, cores and locked memory. A run continues without the rights that the system refuses.
 #![allow(
     unsafe_code,
     reason = "calls of the C library, which take numbers and structures that are filled"
 )]
 
-/// Priority of threads: above all ordinary ones, below those of drivers.
+/// Real-time priority of threads: above all ordinary ones, below drivers.
 #[cfg(target_os = "linux")]
 const PRIORITY: i32 = 40;
 
-/// The nice value of a thread that works while others run codels.
+/// The nice value of a thread that works while others execute codels.
 #[cfg(target_os = "linux")]
 const BACKGROUND_NICE: libc::c_int = 19;
 
-/// The pages of a process that are kept in memory.
+/// Pages of a process to lock in memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pages {
-    /// Those that it has.
+    /// The pages that the process has.
     Present,
-    /// Those that it will have, too.
+    /// The present pages, and all later ones.
     All,
 }
 
-/// Names this process, as `ps` and `top` show it: the first 15 bytes.
+/// Sets the name of this process in `ps` and `top`: the first 15 bytes.
 pub(crate) fn name_process(name: &str) {
     #[cfg(target_os = "linux")]
     if let Ok(name) = std::ffi::CString::new(name) {
@@ -32,14 +32,14 @@ pub(crate) fn name_process(name: &str) {
     let _ = name;
 }
 
-/// Keeps pages of this process in memory; whether that is granted.
+/// Locks pages of this process in memory. Returns false if the system refuses.
 pub fn lock_memory(pages: Pages) -> bool {
     #[cfg(target_os = "linux")]
-    // SAFETY: the calls take numbers and a structure that is filled.
+    // SAFETY: the calls take numbers, and a structure that they fill.
     unsafe {
         let mut limit: libc::rlimit = std::mem::zeroed();
         let known = libc::getrlimit(libc::RLIMIT_MEMLOCK, &mut limit) == 0;
-        // Within a limit, a codel that asks for more memory later would not get it.
+        // Under a limit, a codel that allocates memory later would fail.
         if libc::geteuid() != 0 && !(known && limit.rlim_cur == libc::RLIM_INFINITY) {
             return false;
         }
@@ -55,10 +55,10 @@ pub fn lock_memory(pages: Pages) -> bool {
     false
 }
 
-/// Schedules this thread before all ordinary ones, and waked at its time exactly; whether that is granted.
+/// Gives this thread real-time priority and exact timers. Returns false if the system refuses.
 pub fn raise_priority() -> bool {
     #[cfg(target_os = "linux")]
-    // SAFETY: the structure is whole, and the kernel only reads it.
+    // SAFETY: the structure is complete, and the kernel only reads it.
     unsafe {
         libc::prctl(libc::PR_SET_TIMERSLACK, 1 as libc::c_ulong, 0, 0, 0);
         let mut parameter: libc::sched_param = std::mem::zeroed();
@@ -69,19 +69,19 @@ pub fn raise_priority() -> bool {
     false
 }
 
-/// Schedules this thread after ordinary ones, so that it does not delay them.
+/// Gives this thread the lowest priority, so that it does not delay other threads.
 pub fn lower_priority() {
     #[cfg(target_os = "linux")]
-    // SAFETY: only numbers are passed. On Linux the priority is that of the calling thread alone.
+    // SAFETY: only numbers are passed. On Linux the priority is that of the calling thread.
     unsafe {
         libc::setpriority(libc::PRIO_PROCESS, 0, BACKGROUND_NICE);
     }
 }
 
-/// Ties this thread to a core; whether that is granted.
+/// Binds this thread to a core. Returns false if the system refuses.
 pub(crate) fn pin(core: u32) -> bool {
     #[cfg(target_os = "linux")]
-    // SAFETY: the set is whole, a core beyond it is not put there, and the kernel only reads it.
+    // SAFETY: the set is complete, cores beyond its size are excluded, and the kernel only reads it.
     unsafe {
         let mut set: libc::cpu_set_t = std::mem::zeroed();
         if core as usize >= libc::CPU_SETSIZE as usize {

@@ -32,14 +32,14 @@ use find::{component, output};
 use subscribers::{ProfileSubscribers, ProgressSubscribers};
 use token::Token;
 
-/// Maximum time in which a client of a TCP port sends a part of the token. Others of this machine cannot
-/// hold all connections without it.
+/// Maximum time in which a client of a TCP port sends a part of the token. Without a limit, other users of
+/// this machine could hold all connections.
 const TOKEN_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// Listens until it is dropped; then its socket is gone.
+/// A server that listens until it is dropped. Dropping it removes the socket.
 pub struct Server {
     _socket: TemporaryFile,
-    /// The token of the TCP port.
+    /// The file with the token of the TCP port.
     token: Option<TemporaryFile>,
     shared: Arc<Shared>,
 }
@@ -47,18 +47,18 @@ pub struct Server {
 /// The clients that a TCP port serves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Clients {
-    /// Those of this user, who can read the file with the token.
+    /// Processes of this user, which can read the file with the token.
     OfThisUser,
-    /// All of this machine.
+    /// All processes on this machine.
     Anyone,
 }
 
 impl Server {
-    /// Listens at a TCP port as well, on loopback. Port 0 is any. Returns the address that was taken, and the
+    /// Listens at a TCP port as well, on loopback. Port 0 selects a free port. Returns the address, and the
     /// file with the token that clients have to send.
     ///
     /// # Errors
-    /// In words: another program listens there, it is not allowed, or the file cannot be made.
+    /// A message: another program listens there, the system refuses, or the file cannot be written.
     pub fn listen_on_loopback(
         &mut self,
         port: u16,
@@ -76,7 +76,7 @@ impl Server {
             token = Some(Arc::new(text));
         }
         let shared = self.shared.clone();
-        // It waits until the process ends.
+        // The thread ends with the process.
         std::thread::spawn(move || {
             for stream in listener.incoming().flatten() {
                 accept(&shared, Stream::Tcp(stream), token.clone());
@@ -86,7 +86,7 @@ impl Server {
         Ok((taken, file.map(Path::to_owned)))
     }
 
-    /// Tells how far the run has come, to whoever looks on.
+    /// Returns the subscribers of the progress of the run.
     pub fn progress_subscribers(&self) -> ProgressSubscribers {
         ProgressSubscribers {
             shared: self.shared.clone(),
@@ -94,17 +94,17 @@ impl Server {
         }
     }
 
-    /// Takes the lines of the profile, one at a time, for whoever follows the run.
+    /// Returns the subscribers of the lines of the profile.
     pub fn followers(&self) -> ProfileSubscribers {
         ProfileSubscribers(self.shared.clone())
     }
 }
 
-/// What the threads of all clients, and the engine, share.
+/// The state that the threads of clients share with the engine.
 struct Shared {
     /// By component of the system.
     known: BTreeMap<usize, KnownComponent>,
-    /// Flows between ports as the run begins.
+    /// Flows between ports at the start of the run.
     feeds: Vec<DataFlow>,
     inbox: RunInbox,
     state: Mutex<State>,
@@ -116,29 +116,29 @@ type Place = (usize, u32, String);
 #[derive(Default)]
 struct State {
     next: u64,
-    /// How many have connected.
+    /// Number of connections so far.
     clients: u64,
-    /// How many are connected: by TCP, and to the Unix socket.
+    /// Number of open connections: by TCP, and to the Unix socket.
     open: [usize; 2],
     requests: HashMap<u64, PendingRequest>,
     watchers: Vec<Watcher>,
-    /// Who follows the runs of codels, with their numbers of that request.
+    /// Subscribers of executions of codels, with the `id` of their request.
     followers: Vec<(Client, Value)>,
-    /// Who looks at how far the run has come, likewise.
+    /// Subscribers of the progress of the run, with the `id` of their request.
     progress_subscribers: Vec<(Client, Value)>,
     /// The newest data of output ports.
     data: HashMap<(usize, u32, String), Vec<u8>>,
-    /// Input ports that clients have connected: the component, output port and instance of each.
+    /// Input ports that clients have connected: the component, output port and instance of each source.
     connected: HashMap<Place, (usize, u32, String)>,
-    /// Input ports that clients have written, with what the engine has not taken yet.
+    /// Input ports that clients have written, with the data that the engine has not taken yet.
     written: HashMap<Place, Arc<InputSlot>>,
-    /// Components that are gone, and how they ended.
+    /// Components that have ended, with the way in which each ended.
     gone: HashMap<usize, String>,
 }
 
 struct PendingRequest {
     client: Client,
-    /// Its own number of the request.
+    /// The `id` that the client gave the request.
     id: Value,
     component: usize,
     index: usize,
@@ -160,7 +160,7 @@ impl Shared {
 /// Listens at a path. Only this user may connect.
 ///
 /// # Errors
-/// In words: where somebody else listens there, or nobody can.
+/// A message: another program listens there, or the path cannot be used.
 pub fn listen(
     path: &Path,
     known: BTreeMap<usize, KnownComponent>,
@@ -177,11 +177,11 @@ pub fn listen(
         use std::os::unix::fs::FileTypeExt as _;
         it.file_type().is_socket()
     }) {
-        // Left behind by one that was killed.
+        // The socket was left behind by a run that was killed.
         let _ = std::fs::remove_file(path);
     }
     let wrong = |it: std::io::Error| format!("cannot listen at `{shown}`: {it}");
-    // From its first moment nobody else may connect, wherever it is.
+    // The socket is private from its first moment.
     let before = umask(Mode::from_raw_mode(0o177));
     let listener = UnixListener::bind(path);
     umask(before);
@@ -194,7 +194,7 @@ pub fn listen(
         inbox,
     });
     let accepting = shared.clone();
-    // It waits until the process ends.
+    // The thread ends with the process.
     std::thread::spawn(move || {
         for stream in listener.incoming().flatten() {
             accept(&accepting, Stream::Unix(stream), None);
@@ -215,7 +215,7 @@ fn accept(shared: &Arc<Shared>, stream: Stream, token: Option<Arc<Token>>) {
         drop(state);
         let why = format!("too many connections: {MAX_CLIENTS} are open; close one of them");
         let told = json!({"event": "error", "message": why, "id": null});
-        // There is room for a line.
+        // The buffer of a new connection has room for a line.
         let _ = (&stream).write_all(format!("{told}\n").as_bytes());
         return;
     }
@@ -234,7 +234,7 @@ fn serve(shared: &Shared, stream: Stream, number: u64, token: Option<&Token>) {
     let stream = Arc::new(stream);
     let client = Client::new(number, stream.clone());
     let stays = read_requests(shared, &stream, &client, token);
-    // From now on only its requests hold the connection.
+    // From now on only the requests of the client keep the connection open.
     drop(client);
     if stays {
         stream.wait_for_end();
@@ -245,14 +245,14 @@ fn serve(shared: &Shared, stream: Stream, number: u64, token: Option<&Token>) {
     state
         .progress_subscribers
         .retain(|it| it.0.number != number);
-    // Its requests go on, but nobody hears of them.
+    // The requests go on, without a receiver of their results.
     state.requests.retain(|_, it| it.client.number != number);
     drop(state);
     stream.wait_for_end();
 }
 
-/// Reads requests to their end. The first one is the token, if there is one. Returns whether the client may
-/// get answers after the end.
+/// Reads requests until the client has sent all. The first one is the token, if one is required. Returns true
+/// if the client may get answers after that.
 fn read_requests(
     shared: &Shared,
     stream: &Stream,
@@ -284,7 +284,8 @@ fn read_requests(
             Err(it) => {
                 let why = format!("this is no JSON: {it}");
                 client.say(json!({"event": "error", "message": why}), &Value::Null);
-                // A page in a browser can reach the port as well, but what it sends begins like this.
+                // A page in a browser can connect to the port too, but its request begins with text that is
+                // not JSON.
                 match stream.is_private() {
                     true => continue,
                     false => return false,
@@ -303,7 +304,7 @@ fn read_requests(
             return false;
         }
         if request.get("token").is_some() {
-            // Left behind by a run that was killed; this one needs none.
+            // The client has a token of an earlier run that was killed. This run requires none.
             continue;
         }
         match answer(shared, client, &request, &id) {
@@ -314,7 +315,7 @@ fn read_requests(
     }
 }
 
-/// Refuses a request that goes on, if the connection has too many, or one with the same `id`.
+/// Refuses a request that does not end at once if the connection has too many, or one with the same `id`.
 fn admit(state: &State, client: &Client, id: &Value) -> Result<(), String> {
     let requests = state.requests.values().map(|it| (&it.client, &it.id));
     let watchers = state.watchers.iter().map(|it| (&it.client, &it.id));
@@ -324,7 +325,7 @@ fn admit(state: &State, client: &Client, id: &Value) -> Result<(), String> {
         .chain(others.map(|it| (&it.0, &it.1)));
     let mut waiting = 0;
     for (_, other) in all.filter(|(other, _)| other.number == client.number) {
-        // Requests without an `id` cannot be told apart, as their client wants it.
+        // Requests without an `id` cannot be distinguished. The client has chosen this.
         if other == id && !id.is_null() {
             return Err(format!(
                 "request {id} has not ended: give each request an `id` of its own"
@@ -340,7 +341,7 @@ fn admit(state: &State, client: &Client, id: &Value) -> Result<(), String> {
     }
 }
 
-/// The answer to a request, if there is one at once.
+/// Returns the answer to a request, if the answer is known at once.
 fn answer(
     shared: &Shared,
     client: &Client,
@@ -400,7 +401,7 @@ fn answer(
     if request.get("profile").is_some() {
         let mut state = shared.state();
         admit(&state, client, id)?;
-        // First the answer: lines come after it.
+        // The answer comes before the lines.
         client.say(json!({"event": "profiling"}), id);
         state.followers.push((client.clone(), id.clone()));
         return Ok(None);
@@ -422,7 +423,7 @@ fn answer(
     Err(format!("a request has {known}"))
 }
 
-/// What whoever watches a component is told when nothing comes from it any more.
+/// The message to watchers of a component that has ended.
 fn lost(known: &KnownComponent, why: &str) -> Value {
     let name = &known.component().name;
     json!({"event": "lost", "message": format!("`{name}` {why}")})
@@ -492,7 +493,7 @@ fn call(
     }
 }
 
-/// The engine's side.
+/// The listener that passes events of the engine to clients.
 struct EngineListener {
     shared: Arc<Shared>,
 }

@@ -1,10 +1,10 @@
 //! The newest data of an output port, in memory that the engine shares with the hosts that read it.
 //!
-//! Two places take turns: the writer fills the one that nobody is led to, then leads there. So it never
-//! waits, and readers never wait for it; they look again only if it came round while they read. Readers map
-//! the memory without the right to write, so a codel that runs wild spoils nothing but its own component. The
-//! memory has no name where the system has such: then it goes with the last process that has it, however that
-//! ends.
+//! There are two places. The writer fills the one that is not current, and then makes it current. So the
+//! writer never waits, and readers never wait for the writer. A reader repeats its read only if the writer
+//! filled its place meanwhile. Readers map the memory without the right to write, so a faulty codel damages
+//! only its own component. On systems with anonymous shared memory, the memory has no name: the system frees
+//! it with the last process that uses it, however that process ends.
 //!
 //! The other side is `glue_look` in `codegen/src/codels/glue/prelude.h`.
 #![allow(
@@ -22,13 +22,13 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Bytes before the first place: see `struct glue_board`.
 const HEADER_BYTES: usize = 64;
 
-/// The least room of a place.
+/// Minimum size of a place.
 const MIN_ROOM_BYTES: usize = 1024;
 
-/// What stands at the start.
+/// The header at the start of the memory.
 #[repr(C)]
 struct BoardHeader {
-    /// How often it was written; 0 while there is nothing. The newest data is in place `turn % 2`.
+    /// Number of writes; 0 if there is no data. The newest data is in place `turn % 2`.
     turn: AtomicU64,
     /// Bytes of a place.
     room: AtomicU64,
@@ -43,19 +43,20 @@ pub(super) struct SharedData {
     memory: NonNull<BoardHeader>,
     room: usize,
     turn: u64,
-    /// It has a name only where there is no memory without one.
+    /// The path of the memory, on systems without anonymous shared memory.
     #[cfg(not(target_os = "linux"))]
     passing: dotgen_platform::files::disk::TemporaryFile,
 }
 
-// SAFETY: the memory is reached through `&mut SharedData` only, and is mapped for all threads of this process.
+// SAFETY: the memory is reached through `&mut SharedData` only, and is mapped for all threads of this
+// process.
 unsafe impl Send for SharedData {}
 
 impl SharedData {
-    /// For data of a size, and some more.
+    /// Allocates memory for data of a size, with some reserve.
     ///
     /// # Errors
-    /// The system has no memory for it.
+    /// The system has no memory left.
     pub(super) fn new(size: usize) -> io::Result<SharedData> {
         let room = size.max(MIN_ROOM_BYTES).next_power_of_two();
         let length = HEADER_BYTES + 2 * room;
@@ -76,7 +77,7 @@ impl SharedData {
         Ok(board)
     }
 
-    /// Where a host of this user finds it.
+    /// The path by which a host of this user opens the memory.
     pub(super) fn path(&self) -> String {
         #[cfg(target_os = "linux")]
         return format!("/proc/{}/fd/{}", std::process::id(), self.file.as_raw_fd());
@@ -84,12 +85,12 @@ impl SharedData {
         return self.passing.path().display().to_string();
     }
 
-    /// Whether data of a size has room.
+    /// Returns true if data of a size fits.
     pub(super) fn holds(&self, size: usize) -> bool {
         size <= self.room
     }
 
-    /// Puts new data there; what is too long stays away.
+    /// Writes new data. Data that does not fit is ignored.
     pub(super) fn write(&mut self, data: &[u8]) {
         if !self.holds(data.len()) {
             return;
@@ -98,42 +99,43 @@ impl SharedData {
         let place = (self.turn % 2) as usize;
         let head = self.head();
         head.sizes[place].store(data.len() as u64, Ordering::Relaxed);
-        // SAFETY: the place lies within the mapping, and nobody else writes. Who still reads it sees then
-        // that another turn has begun, and looks again.
+        // SAFETY: the place lies within the mapping, and there is one writer. A reader of this place sees
+        // afterwards that `turn` has changed, and reads again.
         unsafe {
             let to = self.memory.as_ptr().cast::<u8>();
             let to = to.add(HEADER_BYTES + place * self.room);
             std::ptr::copy_nonoverlapping(data.as_ptr(), to, data.len());
         }
         head.turn.store(self.turn, Ordering::Release);
-        // What the next turn writes comes after: whoever sees it sees also that this one has begun.
+        // The next write comes after this fence: a reader that sees its bytes also sees that this turn has
+        // begun.
         std::sync::atomic::fence(Ordering::SeqCst);
     }
 
     fn head(&self) -> &BoardHeader {
-        // SAFETY: the mapping is longer than the head, aligned to a page, and lives as long as this.
+        // SAFETY: the mapping is longer than the header, aligned to a page, and lives as long as `self`.
         unsafe { self.memory.as_ref() }
     }
 }
 
-/// What a host sees of a board.
+/// A read-only mapping of shared data, in a host.
 #[derive(Debug)]
 pub(super) struct View {
     memory: NonNull<BoardHeader>,
     length: usize,
 }
 
-// SAFETY: what is mapped belongs to no thread, and is only read.
+// SAFETY: the mapping belongs to no thread, and is only read.
 unsafe impl Send for View {}
 
-// SAFETY: likewise.
+// SAFETY: as above.
 unsafe impl Sync for View {}
 
 impl View {
-    /// Of the board at a path.
+    /// Maps the memory at a path.
     ///
     /// # Errors
-    /// It cannot be reached.
+    /// The memory cannot be opened.
     pub(super) fn open(path: &str) -> io::Result<View> {
         let file = File::open(path)?;
         let length = usize::try_from(file.metadata()?.len()).map_err(io::Error::other)?;
@@ -141,7 +143,7 @@ impl View {
         Ok(View { memory, length })
     }
 
-    /// As the glue takes it: it stays mapped for as long as the glue may look there.
+    /// The address for the glue. The memory stays mapped for as long as the glue may read it.
     pub(super) fn address(&self) -> *const c_void {
         self.memory.as_ptr().cast()
     }
@@ -149,19 +151,19 @@ impl View {
 
 impl Drop for View {
     fn drop(&mut self) {
-        // SAFETY: the mapping is this one's own, of that length.
+        // SAFETY: the mapping belongs to `self`, with this length.
         unsafe {
             libc::munmap(self.memory.as_ptr().cast(), self.length);
         }
     }
 }
 
-/// A new mapping of a file that never becomes shorter.
+/// Maps a file that never becomes shorter.
 fn map(file: &File, length: usize, access: libc::c_int) -> io::Result<NonNull<BoardHeader>> {
     if length < HEADER_BYTES {
         return Err(io::ErrorKind::InvalidData.into());
     }
-    // SAFETY: the system chooses where it is.
+    // SAFETY: the system chooses the address.
     let memory = unsafe {
         let file = file.as_raw_fd();
         libc::mmap(
@@ -181,14 +183,15 @@ fn map(file: &File, length: usize, access: libc::c_int) -> io::Result<NonNull<Bo
 
 impl Drop for SharedData {
     fn drop(&mut self) {
-        // SAFETY: the mapping is this one's own, of that length; nothing refers to it any more.
+        // SAFETY: the mapping belongs to `self`, with this length. No reference to it remains.
         unsafe {
             libc::munmap(self.memory.as_ptr().cast(), HEADER_BYTES + 2 * self.room);
         }
     }
 }
 
-/// Memory that has no name, cannot become shorter, and is there: who touches it is not ended for want of it.
+/// Creates memory without a name that cannot become shorter and is allocated: no access to it fails for lack
+/// of memory.
 #[cfg(target_os = "linux")]
 fn anonymous_memory(length: usize) -> io::Result<File> {
     use rustix::fs::{FallocateFlags, MemfdFlags, SealFlags};
@@ -199,13 +202,13 @@ fn anonymous_memory(length: usize) -> io::Result<File> {
     rustix::fs::ftruncate(&file, length as u64)?;
     rustix::fs::fallocate(&file, FallocateFlags::empty(), 0, length as u64)?;
     rustix::fs::fcntl_add_seals(&file, SealFlags::SHRINK | SealFlags::GROW)?;
-    // A program with capabilities of its own (for real-time scheduling) hides its descriptors from hosts
-    // otherwise.
+    // If a program has capabilities of its own (for real-time scheduling), the system hides its descriptors
+    // from hosts otherwise.
     let _ = set_dumpable_behavior(DumpableBehavior::Dumpable);
     Ok(File::from(file))
 }
 
-/// A file that only this user can open, and that goes with this process.
+/// Creates a file that only this user can open, and that is removed with this process.
 #[cfg(not(target_os = "linux"))]
 fn named(length: usize) -> io::Result<(File, dotgen_platform::files::disk::TemporaryFile)> {
     static COUNT: AtomicU64 = AtomicU64::new(0);
@@ -229,9 +232,9 @@ fn named(length: usize) -> io::Result<(File, dotgen_platform::files::disk::Tempo
 mod tests {
     use super::*;
 
-    /// What the glue does: the newest data, if it is whole.
+    /// Reads as the glue does: returns the newest data, if it is whole.
     fn look(view: &View, seen: &mut u64) -> Option<Vec<u8>> {
-        // SAFETY: the view is mapped, and longer than the head.
+        // SAFETY: the view is mapped, and longer than the header.
         let head = unsafe { view.memory.as_ref() };
         loop {
             let turn = head.turn.load(Ordering::Acquire);

@@ -1,17 +1,17 @@
-//! Where the sockets of this user are.
+//! The paths of the sockets of this user.
 
 use std::io;
 use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 
-/// Ends the name of a socket.
+/// The extension of the name of a socket.
 const SUFFIX: &str = "sock";
 
-/// The folder that only this user may enter; it is made if it is not there.
+/// Returns the folder that only this user may enter, and creates it if necessary.
 ///
 /// # Errors
-/// It cannot be made, or belongs to somebody else.
+/// The folder cannot be created, or another user can enter it.
 pub(crate) fn folder() -> io::Result<PathBuf> {
     let own = rustix::process::getuid().as_raw();
     let folder = match std::env::var_os("XDG_RUNTIME_DIR").filter(|it| !it.is_empty()) {
@@ -30,23 +30,23 @@ pub(crate) fn folder() -> io::Result<PathBuf> {
     Ok(folder)
 }
 
-/// The socket of a run.
+/// Returns the path of the socket of a run.
 pub fn socket(name: &str) -> io::Result<PathBuf> {
     Ok(folder()?.join(format!("{name}.{SUFFIX}")))
 }
 
-/// The file with the token of a run that listens at a TCP port.
+/// Returns the file with the token of a run that listens at a TCP port.
 ///
 /// # Errors
-/// The folder cannot be made, or belongs to somebody else.
+/// The folder cannot be created, or another user can enter it.
 pub(super) fn token(port: u16) -> io::Result<PathBuf> {
     Ok(folder()?.join(format!("{port}.token")))
 }
 
-/// Connects to a run: the one at a path, else the only one there is.
+/// Connects to a run: the one at a path, or else the only one.
 ///
 /// # Errors
-/// In words.
+/// A message: no run listens, or several runs do.
 pub fn connect(path: Option<&Path>) -> Result<UnixStream, String> {
     if let Some(path) = path {
         let wrong = |it| format!("no run listens at `{}`: {it}", path.display());

@@ -12,14 +12,14 @@ use rustix::io::Errno;
 /// See the [module](self). Read and written by two threads.
 #[derive(Debug)]
 pub(super) enum Stream {
-    /// Only this user.
+    /// A connection of this user.
     Unix(UnixStream),
-    /// Whoever is on this machine.
+    /// A connection of any process on this machine.
     Tcp(TcpStream),
 }
 
 impl Stream {
-    /// Whether only this user can have it.
+    /// Returns true if only this user can open such a connection.
     pub(super) fn is_private(&self) -> bool {
         matches!(self, Stream::Unix(_))
     }
@@ -27,14 +27,14 @@ impl Stream {
     /// Limits the time of each read from a TCP port. A read that takes longer fails.
     pub(super) fn limit_reads(&self, time: Option<Duration>) {
         if let Stream::Tcp(it) = self {
-            // Fails for a time of zero only.
+            // Fails only for a time of zero.
             let _ = it.set_read_timeout(time);
         }
     }
 
-    /// Lets the client go.
+    /// Ends the connection.
     pub(super) fn disconnect(&self) {
-        // It may be gone already.
+        // The connection may have ended already.
         let _ = match self {
             Stream::Unix(it) => it.shutdown(Shutdown::Both),
             Stream::Tcp(it) => it.shutdown(Shutdown::Both),
@@ -49,7 +49,7 @@ impl Stream {
             Stream::Unix(it) => it.as_fd(),
             Stream::Tcp(it) => it.as_fd(),
         };
-        // The end is told without being asked for.
+        // `poll` reports the end without a request for it.
         let mut polled = [PollFd::new(&fd, PollFlags::empty())];
         while poll(&mut polled, None) == Err(Errno::INTR) {}
     }

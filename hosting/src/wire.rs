@@ -1,38 +1,38 @@
-//! What the engine and a host say to each other: frames with a length, over pipes.
+//! The messages between the engine and a host: frames with a length, over pipes.
 
 use std::io::{self, Read, Write};
 
 use dotgen_runtime::hosts::{Call, CodelEnd, CodelResult, PortWrite};
 
-/// A frame is never longer: a length beyond it is nonsense.
+/// Maximum size of a frame. A greater length is invalid.
 const MAX_FRAME_BYTES: usize = 1 << 30;
 
-/// Stands for no core.
+/// The value for the absence of a core.
 const NO_CORE: u32 = u32::MAX;
 
-/// What the engine says.
+/// A command of the engine to a host.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum HostCommand {
-    /// A request begins.
+    /// Creates a request.
     Make {
         service: u32,
         instance: u32,
         inputs: Vec<u8>,
     },
-    /// A codel begins, on a thread.
+    /// Executes a codel on a thread.
     Run {
         lane: u32,
         ticket: u32,
         codel: u32,
         instance: u32,
-        /// The core that the thread is tied to.
+        /// The core to which the thread is bound.
         core: Option<u32>,
     },
-    /// A request ends.
+    /// Ends a request.
     End { service: u32, instance: u32 },
-    /// Where the data of an input port is from now on: the path of a [board](super::shared_data).
+    /// Gives an input port the path of its [data](super::shared_data).
     Share { port: u32, id: String, path: String },
-    /// What a codel has asked for: the outputs, or an error of the system.
+    /// Answers a request of a codel: with the outputs, or a system error.
     Answered {
         ask: u32,
         error: u32,
@@ -40,22 +40,22 @@ pub(super) enum HostCommand {
     },
 }
 
-/// What a host says.
+/// A message of a host to the engine.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum HostMessage {
     /// The shared object is loaded.
     Ready,
-    /// It is loaded, and a debugger is awaited.
+    /// The shared object is loaded, and the host waits for a debugger.
     Waiting,
-    /// It cannot be loaded.
+    /// The shared object cannot be loaded.
     Unusable(String),
     /// A codel has ended.
     CodelResult(CodelResult),
     /// The outputs of a request.
     Ended(Vec<u8>),
-    /// What the system does not grant, in words.
+    /// A right that the system does not grant, as text.
     Denied(String),
-    /// A codel asks a service of another component.
+    /// A codel requests a service of another component.
     Asked {
         ask: u32,
         remote: u32,
@@ -74,7 +74,7 @@ impl HostCommand {
         }
     }
 
-    /// As it is sent.
+    /// Encodes the command as a frame.
     pub(super) fn bytes(&self) -> io::Result<Vec<u8>> {
         let mut out = Frame::default();
         match self {
@@ -113,7 +113,7 @@ impl HostCommand {
         out.whole()
     }
 
-    /// `None` at the end.
+    /// Reads a command. Returns `None` at the end of the input.
     pub(super) fn receive(from: &mut impl Read) -> io::Result<Option<HostCommand>> {
         let Some(bytes) = receive(from)? else {
             return Ok(None);
@@ -189,7 +189,7 @@ impl HostMessage {
         to.flush()
     }
 
-    /// `None` at the end.
+    /// Reads a message. Returns `None` at the end of the input.
     pub(super) fn receive(from: &mut impl Read) -> io::Result<Option<HostMessage>> {
         let Some(bytes) = receive(from)? else {
             return Ok(None);
@@ -263,7 +263,8 @@ impl Frame {
         self
     }
 
-    /// With its length: a reader that is waked for a length alone is waked twice.
+    /// Returns the frame with its length in one piece: a reader that is woken for a length alone is woken
+    /// twice.
     fn whole(&self) -> io::Result<Vec<u8>> {
         let length = u32::try_from(self.0.len()).map_err(|_| nonsense())?;
         let mut whole = Vec::with_capacity(self.0.len() + 4);
@@ -292,7 +293,7 @@ fn nonsense() -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, "this is no message of a host")
 }
 
-/// Takes values from bytes, in order.
+/// Reads values from bytes, in order.
 pub(super) struct ByteReader<'b>(pub(super) &'b [u8]);
 
 impl<'b> ByteReader<'b> {

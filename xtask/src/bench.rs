@@ -43,7 +43,7 @@ pub(crate) struct Options {
     /// Components of the workspaces of `size`.
     #[arg(long, value_delimiter = ',', default_value = "10,100,1000")]
     components: Vec<usize>,
-    /// Size of the smallest texts of `enemy`.
+    /// Size of the smallest texts of `adversarial`.
     #[arg(long, default_value_t = 500)]
     lines: usize,
     /// How long `endurance` edits.
@@ -59,7 +59,7 @@ enum What {
     /// Start of processes, an editing session, instructions of the front end.
     Server,
     /// Verification next to TChecker and the schedule-abstraction tool, by their paths in TCHECKER and SAG.
-    Rivals,
+    Competitors,
     /// Verification of the published systems.
     Verify,
     /// Verification of a flight stack, with and without schedule abstraction.
@@ -70,9 +70,9 @@ enum What {
     Size,
     /// Thousands of files of one line.
     Tiny,
-    /// Texts that are meant to make dotgen slow: instructions as they grow.
-    Enemy,
-    /// Memory of a server in which somebody edits for an hour.
+    /// Instructions for worst-case texts of growing size.
+    Adversarial,
+    /// Memory of a server during an hour of edits.
     Endurance,
     /// Verification with and without each reduction.
     Reductions,
@@ -106,7 +106,7 @@ pub(crate) fn bench(options: &Options) -> Result<bool> {
     let runs = |default| options.runs.unwrap_or(default);
     match options.what {
         What::Server => server(&dotgen, runs(101))?,
-        What::Rivals => return competitors::rivals(&dotgen, runs(5), options.sets),
+        What::Competitors => return competitors::competitors(&dotgen, runs(5), options.sets),
         What::Verify => growth::corpus(&dotgen, runs(5))?,
         What::Flight => flight::flight(&dotgen, runs(3))?,
         What::Growth => growth::growth(&dotgen, runs(5))?,
@@ -115,7 +115,7 @@ pub(crate) fn bench(options: &Options) -> Result<bool> {
         What::Semantics => semantics::semantics(&dotgen)?,
         What::Size => size::size(&dotgen, &options.components, runs(3))?,
         What::Tiny => size::tiny(&dotgen, runs(3))?,
-        What::Enemy => return adversarial::enemy(&dotgen, options.lines),
+        What::Adversarial => return adversarial::adversarial(&dotgen, options.lines),
         What::Endurance => endurance::endurance(&dotgen, options.minutes)?,
     }
     Ok(true)

@@ -75,9 +75,9 @@ const SUITES: &[Suite] = &[
         run: rust,
     },
     Suite {
-        name: "stranger",
+        name: "without-data",
         editor: false,
-        run: without_data::stranger,
+        run: without_data::without_data,
     },
     Suite {
         name: "campaign",

@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 
 use super::{Shared, State};
 
-/// The newest value of each instance of a port.
+/// Returns the newest value of each instance of a port.
 pub(super) fn newest(
     shared: &Shared,
     state: &State,
@@ -24,7 +24,7 @@ pub(super) fn newest(
     values.collect()
 }
 
-/// The message for inputs that are not an object, with an object that would do.
+/// Returns the message for inputs that are not an object, with an example of a valid object.
 pub(super) fn not_an_object(spec: &Spec, service: &Service) -> String {
     let values = Values::new(spec);
     let inputs = service.params.iter().filter(|it| is_input(it));

@@ -18,12 +18,12 @@ pub(super) fn component(shared: &Shared, name: &str) -> Result<usize, String> {
     })
 }
 
-/// An output port: its component, and its number there.
+/// Finds an output port. Returns its component, and its number in the component.
 pub(super) fn output(shared: &Shared, path: &str) -> Result<(usize, u32), String> {
     port(shared, path, PortDir::Out)
 }
 
-/// An input port, likewise.
+/// Finds an input port. Returns its component, and its number in the component.
 pub(super) fn input(shared: &Shared, path: &str) -> Result<(usize, u32), String> {
     port(shared, path, PortDir::In)
 }
@@ -48,7 +48,7 @@ fn port(shared: &Shared, path: &str, dir: PortDir) -> Result<(usize, u32), Strin
     })
 }
 
-/// The message for a name that is not among those of a kind: the name that is near, or else all names.
+/// Returns the message for an unknown name of a kind, with a similar name, or else all names.
 pub(super) fn missing(owner: &str, kind: &str, name: &str, all: &[&str]) -> String {
     format!("{owner} has no {kind} `{name}`; {}", advice(name, all))
 }

@@ -1,4 +1,4 @@
-//! Input ports that clients connect, or write.
+//! Input ports that clients connect or write.
 
 use std::sync::Arc;
 
@@ -12,14 +12,14 @@ use super::{Place, Shared, State};
 use crate::children::InputSlot;
 use crate::components::CONNECT;
 
-/// Maximum number of instances of an input port that clients may write, or connect.
+/// Maximum number of instances of an input port that clients may write or connect.
 const INSTANCES: usize = 256;
 
-/// The error of a request that comes too late.
+/// The error of a request after the end of the run.
 const ENDED: &str = "the run has ended";
 
-/// Connects an input port of a component, as the service of that name does in servers: `local` is the port,
-/// with its instance after a slash if it is `multiple`, `remote` is `COMPONENT/PORT`, likewise.
+/// Connects an input port of a component, as the service of that name does in servers. `local` is the port,
+/// with its instance after a slash if it is `multiple`. `remote` is `COMPONENT/PORT`, also with an instance.
 pub(super) fn connect(shared: &Shared, at: usize, input: Option<&Value>) -> Result<Value, String> {
     let text = |key: &str| {
         let given = input.and_then(|it| it.get(key)).and_then(Value::as_str);
@@ -49,7 +49,7 @@ pub(super) fn connect(shared: &Shared, at: usize, input: Option<&Value>) -> Resu
     let Some((from, (port, id, written))) = from else {
         return failed("no_such_outport");
     };
-    // Servers refuse by the name of the type; here it is what it holds.
+    // Servers compare the names of the types; here their contents are compared.
     if wanted != written {
         return failed("port_io");
     }
@@ -130,12 +130,12 @@ pub(super) fn write(shared: &Shared, path: &str, request: &Value) -> Result<Valu
     let newest = state.written.entry(place).or_insert_with(new);
     match shared.inbox.feed(newest, bytes) {
         true => Ok(json!({"event": "written"})),
-        // Clients that write until the end tell it from a value that is refused.
+        // This event lets clients that write until the end distinguish the end from a refused value.
         false => Ok(json!({"event": "lost", "message": ENDED})),
     }
 }
 
-/// A port has [`INSTANCES`] places among `all`, and a further one is not among them.
+/// Returns true if a port has [`INSTANCES`] places among `all`, and `further` is not one of them.
 fn is_full<'p>(all: impl Iterator<Item = &'p Place>, further: &Place) -> bool {
     let mut of_port = all.filter(|it| (it.0, it.1) == (further.0, further.1));
     let mut count = 0;
@@ -145,7 +145,7 @@ fn is_full<'p>(all: impl Iterator<Item = &'p Place>, further: &Place) -> bool {
     }) && count >= INSTANCES
 }
 
-/// The output port of the run that an input port reads, or would read.
+/// Returns the output port of the run that an input port reads, or would read.
 fn source(shared: &Shared, state: &State, place: &Place) -> Option<String> {
     let name = |component: usize, port: u32| {
         let component = shared.known.get(&component)?.component();

@@ -1,4 +1,4 @@
-//! Clients that follow a run: how far it has come, and the lines of its profile.
+//! Clients that subscribe to the progress of a run, or to the lines of its profile.
 
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -9,10 +9,10 @@ use serde_json::json;
 
 use super::Shared;
 
-/// Minimum time between two reports of progress: people see no more, and reports take time.
+/// Minimum time between two reports of progress.
 const PROGRESS_INTERVAL: Duration = Duration::from_millis(100);
 
-/// Tells clients how far the run has come.
+/// Sends the progress of the run to clients.
 pub struct ProgressSubscribers {
     pub(super) shared: Arc<Shared>,
     /// Time of the last report.
@@ -35,13 +35,13 @@ impl ProgressReceiver for ProgressSubscribers {
         };
         told["event"] = "progress".into();
         for (client, id) in &self.shared.state().progress_subscribers {
-            // What was missed is in the next one.
+            // A missed report is contained in the next one.
             client.offer(told.clone(), id);
         }
     }
 }
 
-/// Passes lines of the profile to clients.
+/// Sends lines of the profile to clients.
 pub struct ProfileSubscribers(pub(super) Arc<Shared>);
 
 impl Write for ProfileSubscribers {

@@ -19,10 +19,10 @@ pub(super) struct Token {
 }
 
 impl Token {
-    /// A new token for a port, and its file of mode 0600.
+    /// Creates a new token for a port, and its file of mode 0600.
     ///
     /// # Errors
-    /// The folder of this user's runs, or the file, cannot be made.
+    /// The folder of this user's runs, or the file, cannot be created.
     pub(super) fn new(port: u16) -> io::Result<(Token, TemporaryFile)> {
         let mut bytes = [0; 16];
         File::open("/dev/urandom")?.read_exact(&mut bytes)?;
@@ -44,12 +44,12 @@ impl Token {
         Ok((Token { text, path }, file))
     }
 
-    /// The file.
+    /// The path of the file.
     pub(super) fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The request is `{"token": "…"}` with this token.
+    /// Returns true if the request is `{"token": "…"}` with this token.
     pub(super) fn is_in(&self, request: &Value) -> bool {
         request.get("token").and_then(Value::as_str) == Some(&self.text)
     }

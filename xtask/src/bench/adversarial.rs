@@ -18,9 +18,9 @@ type Text = fn(usize) -> String;
 
 /// Measures every kind of text at `size`, at twice and at four times that. Returns true if all grow as
 /// required.
-pub(super) fn enemy(dotgen: &Path, size: usize) -> Result<bool> {
+pub(super) fn adversarial(dotgen: &Path, size: usize) -> Result<bool> {
     tools::ensure(tools::VALGRIND)?;
-    let folder = target().join("enemy");
+    let folder = target().join("adversarial");
     std::fs::create_dir_all(&folder)?;
     step(
         "Instructions of `dotgen check`, in millions, counted by valgrind; those of an empty file taken off",
@@ -54,7 +54,7 @@ pub(super) fn enemy(dotgen: &Path, size: usize) -> Result<bool> {
 
 /// Instructions of checking a text.
 fn count(dotgen: &Path, folder: &Path, text: &str) -> Result<u64> {
-    let (file, out) = (folder.join("enemy.gen"), folder.join("callgrind.out"));
+    let (file, out) = (folder.join("adversarial.gen"), folder.join("callgrind.out"));
     std::fs::write(&file, text)?;
     let output = format!("--callgrind-out-file={}", out.display());
     let (dotgen, file) = (dotgen.to_string_lossy(), file.to_string_lossy());
@@ -285,6 +285,8 @@ const TEXTS: &[(&str, Text)] = &[
         each(n, |i| format!("#include \"m{i}.h\"\n"))
     }),
     ("includes of itself", |n| {
-        "#ifndef A\n#define A\n".to_owned() + &"#include \"enemy.gen\"\n".repeat(n / 4) + "#endif\n"
+        "#ifndef A\n#define A\n".to_owned()
+            + &"#include \"adversarial.gen\"\n".repeat(n / 4)
+            + "#endif\n"
     }),
 ];

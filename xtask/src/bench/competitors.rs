@@ -59,7 +59,7 @@ struct Question {
 
 impl Question {
     fn write(name: &str, files: &[(&str, &str)], label: &'static str) -> Result<Question> {
-        let directory = target().join("rivals").join(name);
+        let directory = target().join("competitors").join(name);
         std::fs::create_dir_all(&directory)?;
         for (file, text) in files {
             std::fs::write(directory.join(file), text)?;
@@ -73,14 +73,14 @@ impl Question {
     }
 
     /// Medians of dotgen, TChecker and the schedule-abstraction tool.
-    fn ask(&self, rivals: &Competitors, runs: usize) -> Result<[Option<Answer>; 3]> {
-        let dotgen = Some(&rivals.dotgen);
-        let jobs = rivals.jobs.as_ref().filter(|_| self.jobs);
+    fn ask(&self, competitors: &Competitors, runs: usize) -> Result<[Option<Answer>; 3]> {
+        let dotgen = Some(&competitors.dotgen);
+        let jobs = competitors.jobs.as_ref().filter(|_| self.jobs);
         let limited = if self.jobs { &STATE_LIMIT[..] } else { &[] };
         let commands = [
             (dotgen, [&DOTGEN, limited].concat()),
             (
-                rivals.tchecker.as_ref(),
+                competitors.tchecker.as_ref(),
                 vec!["-a", "covreach", "-l", self.label, "model.tck"],
             ),
             (jobs, vec!["-r", "jobs.csv"]),
@@ -107,9 +107,9 @@ impl Question {
     }
 
     /// Dotgen alone, once.
-    fn dotgen(&self, rivals: &Competitors) -> Result<Answer> {
+    fn dotgen(&self, competitors: &Competitors) -> Result<Answer> {
         let job = Job {
-            program: &rivals.dotgen,
+            program: &competitors.dotgen,
             arguments: DOTGEN.map(str::to_owned).to_vec(),
             directory: &self.directory,
         };
@@ -192,22 +192,22 @@ fn of_tchecker(taken: Measurement) -> Result<Answer> {
 }
 
 /// Runs all comparisons. Returns true if all programs agreed.
-pub(crate) fn rivals(dotgen: &Path, runs: usize, sets: u64) -> Result<bool> {
+pub(crate) fn competitors(dotgen: &Path, runs: usize, sets: u64) -> Result<bool> {
     announce()?;
-    let rivals = Competitors::find(dotgen);
-    if rivals.tchecker.is_none() && rivals.jobs.is_none() {
+    let competitors = Competitors::find(dotgen);
+    if competitors.tchecker.is_none() && competitors.jobs.is_none() {
         step("Nothing to compare with: nothing measured");
         return Ok(true);
     }
     step(&format!("{sets} random sets of periodic tasks"));
-    let mut agreed = agreement(&rivals, sets)?;
+    let mut agreed = agreement(&competitors, sets)?;
     step("Periodic tasks on one core, non-preemptive, earliest deadline first");
     let mut lines = NAMES.map(|name| Line {
         name,
         points: Vec::new(),
     });
     agreed &= table(
-        &rivals,
+        &competitors,
         runs,
         "tasks",
         2..=10,
@@ -222,10 +222,10 @@ pub(crate) fn rivals(dotgen: &Path, runs: usize, sets: u64) -> Result<bool> {
             ratios: false,
             lines: lines.into(),
         };
-        std::fs::write(root().join("docs/charts/rivals.svg"), chart.svg())?;
-        step("Drew docs/charts/rivals.svg");
+        std::fs::write(root().join("docs/charts/competitors.svg"), chart.svg())?;
+        step("Drew docs/charts/competitors.svg");
     }
-    agreed &= fischer_agreement(&rivals)?;
+    agreed &= fischer_agreement(&competitors)?;
     for (scale, more) in [(1, 1), (1, 0), (10, 1), (10, 0), (100, 1)] {
         let times = Times {
             within: scale,
@@ -235,7 +235,7 @@ pub(crate) fn rivals(dotgen: &Path, runs: usize, sets: u64) -> Result<bool> {
         step(&format!("Mutual exclusion by time alone: {times:?}, in ms"));
         let question = |n| fischer_question(n, times);
         let most = if scale == 1 { 7 } else { 6 };
-        agreed &= table(&rivals, runs, "processes", 2..=most, question, &mut [])?;
+        agreed &= table(&competitors, runs, "processes", 2..=most, question, &mut [])?;
     }
     Ok(agreed)
 }
@@ -274,7 +274,7 @@ fn fischer_question(n: usize, times: Times) -> Result<Question> {
 
 /// Two and three processes with short times, and with long ones in about the same proportions: the verdicts
 /// must be equal.
-fn fischer_agreement(rivals: &Competitors) -> Result<bool> {
+fn fischer_agreement(competitors: &Competitors) -> Result<bool> {
     step("Mutual exclusion by time alone, all times from 1 to 3 ms, and ten times as long");
     let mut agreed = true;
     let mut hold = 0;
@@ -288,7 +288,7 @@ fn fischer_agreement(rivals: &Competitors) -> Result<bool> {
                 wait: scale * wait + u32::from(scale > 1 && wait >= within),
                 section: scale * section,
             };
-            let [dotgen, tchecker, _] = fischer_question(n, times)?.ask(rivals, 1)?;
+            let [dotgen, tchecker, _] = fischer_question(n, times)?.ask(competitors, 1)?;
             let dotgen = dotgen.context("dotgen gave up")?.holds;
             hold += u32::from(dotgen);
             if let Some(tchecker) = tchecker.filter(|it| it.holds != dotgen) {
@@ -305,13 +305,13 @@ fn fischer_agreement(rivals: &Competitors) -> Result<bool> {
 }
 
 /// Random sets: equal verdicts, and equal responses if all deadlines are met.
-fn agreement(rivals: &Competitors, sets: u64) -> Result<bool> {
+fn agreement(competitors: &Competitors, sets: u64) -> Result<bool> {
     let mut agreed = true;
     let mut kept = 0;
     for seed in 0..sets {
         let tasks = random(seed);
         let [dotgen, tchecker, jobs] =
-            periodic_question("random", &tasks, false)?.ask(rivals, 1)?;
+            periodic_question("random", &tasks, false)?.ask(competitors, 1)?;
         let Some(mut dotgen) = dotgen else {
             bail!("set {seed}: dotgen gave up")
         };
@@ -319,7 +319,7 @@ fn agreement(rivals: &Competitors, sets: u64) -> Result<bool> {
         if dotgen.holds {
             kept += 1;
             let question = periodic_question("random", &tasks, true)?;
-            dotgen = question.dotgen(rivals)?;
+            dotgen = question.dotgen(competitors)?;
         }
         for (name, other) in [("TChecker", tchecker), ("schedule abstraction", jobs)] {
             let Some(other) = other else { continue };
@@ -359,7 +359,7 @@ fn random(seed: u64) -> Vec<Task> {
 
 /// A line per size, until dotgen and TChecker have both given up.
 fn table(
-    rivals: &Competitors,
+    competitors: &Competitors,
     runs: usize,
     unit: &str,
     sizes: impl Iterator<Item = usize>,
@@ -371,7 +371,7 @@ fn table(
     let mut agreed = true;
     for size in sizes {
         let question = question(size)?;
-        let answers = question.ask(rivals, runs)?;
+        let answers = question.ask(competitors, runs)?;
         for (line, answer) in std::iter::zip(&mut *lines, &answers) {
             let point = answer.as_ref().map(|it| (size, it.taken.seconds));
             line.points.extend(point);
@@ -391,8 +391,8 @@ fn table(
         };
         let present = [
             true,
-            rivals.tchecker.is_some(),
-            question.jobs && rivals.jobs.is_some(),
+            competitors.tchecker.is_some(),
+            question.jobs && competitors.jobs.is_some(),
         ];
         let cells = std::iter::zip(&answers, present).map(|(answer, present)| match answer {
             Some(it) => show(it.taken.seconds, it.taken.megabytes, it.states),

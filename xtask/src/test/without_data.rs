@@ -66,7 +66,7 @@ impl Uses {
 }
 
 /// Runs the tests that read shared data without the data.
-pub(crate) fn stranger() -> Result<Outcome> {
+pub(crate) fn without_data() -> Result<Outcome> {
     let mut outcome = Outcome::default();
     for ((program, folder), tests) in &Uses::read()?.0 {
         let mut arguments = Vec::new();
