@@ -13,8 +13,8 @@ use super::{FileView, render};
 use crate::{
     elab::DefKind,
     model::{
-        CodelKind, Component, ComponentKind, Owner, Param, Seconds, ServiceKind, Src, TypeKind, fsm::Machine,
-        turn::Turn,
+        CodelKind, Component, ComponentKind, Owner, Param, Seconds, ServiceKind, Src, TypeKind,
+        fsm::Machine, turn::Turn,
     },
     quantity,
     source_map::{bytes, offset},
@@ -301,7 +301,12 @@ impl Hints<'_, '_> {
                 continue;
             };
             // An endless turn is a diagnostic.
-            let Some(Turn::Bounded { sum, chain, incomplete }) = machine.longest_turn(state) else {
+            let Some(Turn::Bounded {
+                sum,
+                chain,
+                incomplete,
+            }) = machine.longest_turn(state)
+            else {
                 continue;
             };
             // The same number as its own `wcet`, or no number at all.
@@ -309,7 +314,10 @@ impl Hints<'_, '_> {
             if is_own || sum == Seconds::from_integer(0) {
                 continue;
             }
-            let steps: Vec<&str> = chain.iter().map(|&it| machine.at(it).name.as_str()).collect();
+            let steps: Vec<&str> = chain
+                .iter()
+                .map(|&it| machine.at(it).name.as_str())
+                .collect();
             let mut tooltip = format!("Longest way to the next pause: {}.", steps.join(" → "));
             let bound = match incomplete {
                 false => "≤",
@@ -439,7 +447,10 @@ component c {
         let wcet = shown(TEXT, InlayConfig { wcet: true, ..NONE });
         // A chain of one codel takes the time in its `wcet`.
         assert!(wcet.contains("codel<start>"), "{wcet}");
-        assert!(wcet.contains("yield more, ether;[ ‹turn ≤ 4.5 ms›]\n"), "{wcet}");
+        assert!(
+            wcet.contains("yield more, ether;[ ‹turn ≤ 4.5 ms›]\n"),
+            "{wcet}"
+        );
         let load = shown(
             TEXT,
             InlayConfig {

@@ -68,7 +68,11 @@ impl Verifier {
 
     /// The pause in typing before the next verification: short if the last ones were quick.
     pub(crate) fn debounce(&self) -> Duration {
-        let quick = |it: &Entry| it.answer.as_ref().is_some_and(|it| it.report.seconds <= QUICK_SECONDS);
+        let quick = |it: &Entry| {
+            it.answer
+                .as_ref()
+                .is_some_and(|it| it.report.seconds <= QUICK_SECONDS)
+        };
         match !self.results.is_empty() && self.results.values().all(quick) {
             true => QUICK_DEBOUNCE,
             false => DEBOUNCE,
