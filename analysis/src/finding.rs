@@ -1,7 +1,7 @@
 //! Findings: errors and warnings about a specification, as data.
 //!
-//! A [`Finding`] has its [`FindingKind`], its place, and related places. The message, the advice, the wording of the
-//! reference compiler and the fixes are made from the kind when a finding is placed in a file
+//! A [`Finding`] has its [`FindingKind`], its place, and related places. The message, the advice, the wording
+//! of the reference compiler and the fixes are made from the kind when a finding is placed in a file
 //! ([`crate::report`]); no code parses a message.
 //!
 //! Each family has a file of its own, with the code and the wording of every kind.

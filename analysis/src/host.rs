@@ -196,8 +196,8 @@ impl AnalysisHost {
         }
     }
 
-    /// Makes [`AnalysisHost::evict_cache`] evict nearly everything from now on: for a host that queries each file
-    /// only once.
+    /// Makes [`AnalysisHost::evict_cache`] evict nearly everything from now on: for a host that queries each
+    /// file only once.
     pub fn keep_little(&mut self) {
         const FEW: usize = 64;
         unit::keep(&mut self.db, FEW);

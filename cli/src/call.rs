@@ -1,4 +1,4 @@
-//! `dotgen call` and `dotgen watch`: what runs is asked for something.
+//! `dotgen call` and `dotgen watch`: requests to a run, and values of its ports.
 
 use std::io::{BufRead as _, BufReader, Write as _};
 
@@ -63,7 +63,7 @@ pub(super) struct Watch {
     socket: Option<Utf8PathBuf>,
 }
 
-/// A conversation with a run.
+/// A connection to a run.
 pub(super) struct RunConnection {
     stream: std::os::unix::net::UnixStream,
     lines: std::io::Lines<BufReader<std::os::unix::net::UnixStream>>,
@@ -82,7 +82,10 @@ impl RunConnection {
         Ok(())
     }
 
-    /// The next answer; `None` when the run has ended. What is wrong with a request is an error.
+    /// Returns the next answer, or `None` after the end of the run.
+    ///
+    /// # Errors
+    /// The run refuses the request.
     pub(super) fn hear(&mut self) -> anyhow::Result<Option<Value>> {
         let Some(Ok(line)) = self.lines.next() else {
             return Ok(None);
@@ -97,7 +100,7 @@ impl RunConnection {
         Ok(Some(it))
     }
 
-    /// The components of the run, as it describes them.
+    /// Returns the descriptions of the components of the run.
     pub(super) fn components(&mut self) -> anyhow::Result<Vec<Value>> {
         self.say(&json!({"id": 1, "describe": null}))?;
         match self.hear()? {
@@ -109,8 +112,8 @@ impl RunConnection {
         }
     }
 
-    /// The JSON Schema of the values of a port, given as COMPONENT/PORT. An empty one if there is no such
-    /// port.
+    /// Returns the JSON Schema of the values of a port, given as COMPONENT/PORT. The schema is empty if there
+    /// is no such port.
     pub(super) fn schema(&mut self, path: &str) -> anyhow::Result<Value> {
         let (component, port) = path.split_once('/').unwrap_or((path, ""));
         let mut all = self.components()?;
@@ -173,8 +176,8 @@ pub(super) fn watch(arguments: &Watch) -> anyhow::Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-/// Says why a service has failed.
+/// Prints the reason of the failure of a service.
 fn explain_failure(why: &str) {
-    // There is nowhere left to complain if this fails.
+    // If standard error is closed, nothing can be reported.
     let _ = writeln!(std::io::stderr(), "{why}");
 }

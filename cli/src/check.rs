@@ -59,7 +59,7 @@ enum Deny {
 }
 
 impl Arguments {
-    /// Whether a missing package or file is an error.
+    /// Returns true if a missing package or file is an error.
     fn denies_missing(&self) -> bool {
         let variable = std::env::var("DOTGEN_DENY").unwrap_or_default();
         let mut words = variable.split(',').map(str::trim);
@@ -109,7 +109,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }))
 }
 
-/// Adds what is wrong with the files of a session. A file that cannot be read is told, and the others go on.
+/// Adds the diagnostics of the files of a session. A file that cannot be read is reported, and the others are
+/// checked.
 fn check(session: &mut Session, report: &mut FileReports, trouble: &mut ErrorReporter) {
     if let Some(config) = &session.config {
         add_config_problems(config, &mut report.diagnostics, &mut report.texts);
@@ -127,14 +128,14 @@ fn check(session: &mut Session, report: &mut FileReports, trouble: &mut ErrorRep
 fn check_specifications(session: &mut Session, report: &mut FileReports) -> anyhow::Result<()> {
     let specifications = session.files.iter().filter(|it| !it.is_scenario());
     let specifications: Vec<Utf8PathBuf> = specifications.map(|it| it.path.clone()).collect();
-    // What each includes has to be known before what is included anywhere.
+    // The includes of each file have to be known before the question which files are included.
     session.ask_each(&specifications, Analysis::files_of_root, |_, _, _| Ok(()))?;
     let ours: FxHashSet<&Utf8PathBuf> = session.files.iter().map(|it| &it.path).collect();
     let mut wanted = Vec::new();
     for file in session.files.iter().filter(|it| !it.is_scenario()) {
         if !file.named {
-            // Found in a directory and included by another file of it: it is checked in there, and
-            // need not make sense alone.
+            // The file was found in a directory, and another file of the directory includes it. It is checked
+            // there, and may be incomplete alone.
             let roots = session.ask(&file.path, |it| it.roots_containing(&file.path))?;
             if roots.iter().any(|it| *it != file.path && ours.contains(it)) {
                 continue;
@@ -161,7 +162,7 @@ fn check_specifications(session: &mut Session, report: &mut FileReports) -> anyh
     Ok(())
 }
 
-/// Names the release of GenoM3 on the error output: once for all files that are read as the same one.
+/// Prints the release of GenoM3 on standard error, once for all files that are read as the same one.
 fn print_release(session: &Session) -> anyhow::Result<()> {
     let mut said = Vec::new();
     for file in session.files.iter().filter(|it| !it.is_scenario()) {
@@ -174,7 +175,7 @@ fn print_release(session: &Session) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What is wrong with a scenario: syntax, the specifications it uses, names.
+/// Returns the problems of a scenario: syntax, specifications, names.
 fn scenario(session: &Session, file: &SourceFile) -> anyhow::Result<Vec<Diagnostic>> {
     let problem = session.ask(&file.path, |it| {
         let text = it.text(&file.path)?.unwrap_or_default().to_string();

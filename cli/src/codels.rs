@@ -1,4 +1,4 @@
-//! `dotgen codels`: specifications and their C/C++ codels, compared and kept in step.
+//! `dotgen codels`: comparison and synchronization of specifications and their C and C++ codels.
 
 pub(super) mod build;
 
@@ -148,7 +148,7 @@ pub(super) fn project(session: &mut Session) -> Project<'_> {
     project
 }
 
-/// What is written goes beside the specification, so this has to be a file.
+/// Output goes next to the specification, so standard input is refused.
 fn check_is_file(paths: &[Utf8PathBuf]) -> anyhow::Result<()> {
     if let Some(path) = paths.iter().find(|it| session::is_standard_input(it)) {
         bail!("`{path}` is no file beside which codels could be written; name the specification");
@@ -214,7 +214,7 @@ fn check(arguments: &Check) -> anyhow::Result<Outcome> {
     }))
 }
 
-/// Says that a specification has errors, so that not everything could be compared.
+/// Prints a warning: the specification has errors, so not everything could be compared.
 fn has_errors(folder: &Folder) {
     let path = session::display(&folder.specification);
     let errors = folder.unit.diagnostics.iter();
@@ -242,7 +242,7 @@ fn has_errors(folder: &Folder) {
     report::note(&format!("`{path}` has {what}"));
 }
 
-/// How much of the codels of a folder was compared, by component.
+/// Returns the coverage of the codels of a folder, by component.
 fn coverage_of(folder: &Folder) -> Vec<Compared> {
     let all = folder.expected();
     let one = |it: &Expected<'_>| {
@@ -257,7 +257,7 @@ fn coverage_of(folder: &Folder) -> Vec<Compared> {
     all.iter().map(one).collect()
 }
 
-/// Says that a specification was compared with nothing: that is not the same as in step.
+/// Prints a warning: nothing was compared. This differs from agreement.
 fn warn_nothing_compared(folder: &Folder) {
     let path = session::display(&folder.specification);
     let sources = session::display(&folder.sources.folder);
@@ -376,7 +376,7 @@ fn headers(arguments: &Headers) -> anyhow::Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-/// Writes changes, all or none, and names the files; or shows the differences.
+/// Writes changes, all or none, and prints the names of the files; or prints the differences.
 fn write(changes: &[FileChange], dry_run: bool) -> anyhow::Result<()> {
     let changed = |it: &&FileChange| it.before.as_deref() != Some(&it.after);
     let changes: Vec<&FileChange> = changes.iter().filter(changed).collect();

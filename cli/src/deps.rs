@@ -1,4 +1,4 @@
-//! `dotgen deps`: what specifications need, from where, and what would bring what is missing.
+//! `dotgen deps`: the dependencies of specifications, where each was found, and how to install missing ones.
 
 use std::io::Write;
 
@@ -44,7 +44,7 @@ enum Format {
     Json,
 }
 
-/// What one specification needs.
+/// The dependencies of one specification.
 #[derive(Debug, Serialize)]
 struct FileDependencies {
     file: String,
@@ -104,7 +104,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }))
 }
 
-/// Paths as they are shown.
+/// Paths relative to the current directory.
 trait Relative {
     fn relative_to_here(&mut self);
 }
@@ -162,7 +162,7 @@ fn print(it: &FileDependencies, out: &mut impl Write) -> std::io::Result<()> {
     Ok(())
 }
 
-/// A path for people. The interfaces that come with dotgen are in a cache, whose path says nothing.
+/// Returns a path for display. The interfaces that come with dotgen are in a cache, whose path is not shown.
 fn place(path: &Utf8Path) -> String {
     let absolute = camino::absolute_utf8(path).unwrap_or_else(|_| path.to_owned());
     match vfs::include_of_own_interface(&absolute) {

@@ -189,7 +189,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     Ok(trouble.outcome(outcome))
 }
 
-/// The format asked for, or that of the file's name. Both have to say the same.
+/// Returns the requested format, or that of the file's name. Both have to agree.
 fn format(arguments: &Arguments) -> anyhow::Result<Format> {
     let file = arguments.output.as_deref().filter(|it| !it.is_dir());
     let named = file.and_then(by_name);
@@ -211,7 +211,7 @@ fn format(arguments: &Arguments) -> anyhow::Result<Format> {
     }
 }
 
-/// What the extension of a file says of what is in it.
+/// Returns the format of a file by its extension.
 fn by_name(path: &Utf8Path) -> Option<Format> {
     match path.extension()?.to_ascii_lowercase().as_str() {
         "svg" => Some(Format::Svg),
@@ -291,7 +291,7 @@ fn as_json(units: &[dotgen_analysis::host::UnitResult], picture: &Picture) -> se
     })
 }
 
-/// Writes pictures to their files, all or none; those without a name to standard output.
+/// Writes pictures to their files, all or none. Pictures without a name go to standard output.
 fn write(pictures: Vec<(Option<Utf8PathBuf>, Vec<u8>)>) -> anyhow::Result<()> {
     let mut files = Vec::new();
     for (path, bytes) in pictures {

@@ -59,7 +59,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         [] => &here[..],
         paths => paths,
     };
-    // Of directories, also the files that are only included.
+    // In directories, files that are only included are formatted too.
     let (files, mut trouble) = session::usable_files(paths, &["gen", "idl", "scn"]);
     let mut changed = Vec::new();
     for session in session::open(files, &arguments.reading)? {
@@ -84,7 +84,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     )
 }
 
-/// The text of a file, and in shape.
+/// Returns the text of a file, and the formatted text.
 fn formatted(session: &Session, file: &SourceFile) -> anyhow::Result<(String, String)> {
     let path: &Utf8Path = &file.path;
     let old = match vfs::read(path) {
@@ -108,7 +108,7 @@ fn formatted(session: &Session, file: &SourceFile) -> anyhow::Result<(String, St
     Ok((old, new))
 }
 
-/// Says that a file stays as it is, and gives its text.
+/// Reports that a file stays unchanged, and returns its text.
 fn left(path: &Utf8Path, text: &str) -> String {
     let path = session::display(path);
     report::note(&format!(
@@ -117,7 +117,7 @@ fn left(path: &Utf8Path, text: &str) -> String {
     text.to_owned()
 }
 
-/// Whether nothing of a text is formatted because its braces are not paired.
+/// Returns true if a text is not formatted because its braces are not paired.
 fn lacks_brace(text: &str) -> bool {
     let parse = parse_text(text);
     !parse.errors.is_empty() && !format::is_paired(&parse.syntax())
@@ -135,7 +135,7 @@ fn apply(text: &str, edits: &[FileEdit]) -> String {
     out
 }
 
-/// A text without a place: its includes are not followed.
+/// Formats standard input. Its includes are not followed, because the text has no path.
 fn standard_input(check: bool) -> anyhow::Result<Outcome> {
     let old = session::standard_input()?;
     let parse = parse_text(&old);
@@ -153,7 +153,7 @@ fn standard_input(check: bool) -> anyhow::Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-/// Prints what differs as a unified diff.
+/// Prints differences as a unified diff.
 pub(super) fn print_diff(name: &str, old: &str, new: &str) -> anyhow::Result<()> {
     let diff = TextDiff::from_lines(old, new);
     let mut unified = diff.unified_diff();

@@ -1,7 +1,7 @@
-//! `dotgen generate`, and `genom3` where it stands in for it.
+//! `dotgen generate`, and `genom3` if dotgen replaces it.
 //!
-//! Everything after the template's name belongs to the template, so these arguments are read by the
-//! generator itself, not here.
+//! All arguments after the template's name belong to the template, so the generator parses the arguments, not
+//! clap.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -28,7 +28,7 @@ pub(super) struct Arguments {
     arguments: Vec<String>,
 }
 
-/// Runs the generator when the command line is for it.
+/// Runs the generator if the command line contains the subcommand.
 pub(super) fn intercept() -> Option<ExitCode> {
     let mut arguments = std::env::args_os().map(|it| it.to_string_lossy().into_owned());
     let program = arguments.next().unwrap_or_default();
@@ -47,12 +47,12 @@ pub(super) fn intercept() -> Option<ExitCode> {
     }
 }
 
-/// Only reached by way of an abbreviation that [`intercept`] does not know.
+/// Reached only through an abbreviation that [`intercept`] does not know.
 pub(super) fn run_parsed(arguments: &Arguments) -> ExitCode {
     in_project(&arguments.arguments)
 }
 
-/// As `genom3`, which knows what it is told and nothing else.
+/// Runs as `genom3`: without configuration, with the options of `genom3` only.
 fn run_as_genom3(arguments: &[String]) -> ExitCode {
     let packages = PackageConfig {
         may_run: true,
@@ -61,7 +61,7 @@ fn run_as_genom3(arguments: &[String]) -> ExitCode {
     run("genom3", arguments, packages, None)
 }
 
-/// Under the `dotgen.toml` that counts for the files.
+/// Runs with the `dotgen.toml` of the files.
 fn in_project(arguments: &[String]) -> ExitCode {
     let mut config = Config::default();
     let arguments = Project::complete(arguments, |rest| {
@@ -81,8 +81,8 @@ fn in_project(arguments: &[String]) -> ExitCode {
     run("dotgen generate", &arguments, packages, config.release)
 }
 
-/// The nearest configuration around the last of the words that is a file, or around the current directory.
-/// What is wrong with it, `dotgen check` tells.
+/// Returns the nearest configuration around the last argument that is a file, or around the current
+/// directory. `dotgen check` reports errors in the configuration.
 fn configuration(words: &[String]) -> Config {
     let Ok(here) = camino::absolute_utf8(".") else {
         return Config::default();
@@ -118,7 +118,7 @@ fn run(
         base: PathBuf::new(),
         sink: OutputSink::Direct,
         processes: dotgen_platform::process::system(),
-        // `--confined` is for the generator to see, among its other options.
+        // The generator parses `--confined`, among its other options.
         confined: None,
         failed_at: None,
         release,

@@ -1,10 +1,10 @@
-//! The log: to stderr, never to stdout, which belongs to the protocol. `DOTGEN_LOG` filters it as
-//! `RUST_LOG` does elsewhere (`DOTGEN_LOG=debug`, `DOTGEN_LOG=dotgen_lsp_server=trace`).
+//! The log, on standard error; standard output belongs to the protocol. `DOTGEN_LOG` filters the log, in the
+//! syntax of `RUST_LOG` (`DOTGEN_LOG=debug`, `DOTGEN_LOG=dotgen_lsp_server=trace`).
 
 use tracing_subscriber::EnvFilter;
 
-/// Begins to log. What is logged without `DOTGEN_LOG` depends on who reads it: an editor keeps a
-/// log, a terminal shows it.
+/// Starts logging. `default` is the filter without `DOTGEN_LOG`: an editor keeps a log, and a terminal shows
+/// it.
 pub(crate) fn install(default: &str) {
     let filter = EnvFilter::try_from_env("DOTGEN_LOG").unwrap_or_else(|_| EnvFilter::new(default));
     // A second call, as in tests, keeps the first log.

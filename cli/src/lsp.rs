@@ -19,7 +19,7 @@ pub(super) struct Arguments {
 pub(super) fn run() -> anyhow::Result<Outcome> {
     logging::install("warn,dotgen_lsp_server=info");
     memory::return_when_idle();
-    // What sessions left behind that could not clean up; nobody waits for it.
+    // Removes files of sessions that ended without cleanup. The server does not wait for this.
     let cleaner = std::thread::Builder::new().name("cleaner".to_owned());
     if let Err(error) = cleaner.spawn(folders::clean_up) {
         tracing::warn!("temporary folders are not cleaned up: {error}");
@@ -27,12 +27,12 @@ pub(super) fn run() -> anyhow::Result<Outcome> {
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(2)
         .thread_name("dotgen")
-        // Recursion in analysis follows the nesting of the text, which has a limit but not a small one.
+        // Recursion in analysis follows the nesting of the text, whose limit is high.
         .thread_stack_size(16 << 20)
         .enable_all()
         .build()?;
     let shut_down = runtime.block_on(server::serve(tokio::io::stdin(), tokio::io::stdout()));
-    // A read of standard input, or a request nobody waits for, must not keep the process.
+    // A pending read of standard input, or an abandoned request, must not delay the end of the process.
     runtime.shutdown_background();
     // "exit with 0 if the shutdown request has been received before, otherwise with 1" (LSP 3.17).
     std::process::exit(i32::from(!shut_down));

@@ -94,7 +94,7 @@ enum Command {
     Mcp(mcp::Arguments),
 }
 
-/// When output has colours.
+/// The use of colours in output.
 #[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
 enum Colour {
     /// On a terminal, unless NO_COLOR is set
@@ -117,7 +117,7 @@ impl Colour {
     }
 }
 
-/// How specifications are read.
+/// The options with which specifications are read.
 #[derive(Debug, Clone, Default, Args)]
 struct SpecificationOptions {
     /// Search DIR for included files, before the directories of dotgen.toml
@@ -133,31 +133,31 @@ struct SpecificationOptions {
     #[arg(long, value_name = "RELEASE")]
     release: Option<Release>,
 
-    /// Take packages that are not installed for missing, also those whose interfaces come with dotgen.
+    /// Treats packages that are not installed as missing, even if dotgen contains their interfaces.
     #[arg(skip)]
     only_installed: bool,
 }
 
-/// A definition of a macro that can be one.
+/// Checks the definition of a macro.
 fn definition(text: &str) -> Result<String, String> {
     MacroEnv::default().define_option(text)?;
     Ok(text.to_owned())
 }
 
-/// What a command comes to.
+/// The outcome of a command.
 enum Outcome {
-    /// Done, and nothing is wrong: exit status 0.
+    /// No errors: exit status 0.
     Fine,
-    /// Done, and the specification has errors, or is not in shape: 1.
+    /// The specification has errors, or is not formatted: 1.
     Errors,
-    /// What was given has errors, so that nothing could be done; they are printed: 2.
+    /// The input has errors, which were printed, and nothing could be done: 2.
     Unusable,
     /// Not finished within the limits: 3.
     GaveUp,
 }
 
-/// Runs the program. Exit status 0: fine; 1: errors in a specification; 2: wrong usage, or a file
-/// that cannot be read or written.
+/// Runs the program. Exit status 0: no errors; 1: errors in a specification; 2: wrong usage, or a file that
+/// cannot be read or written.
 fn main() -> ExitCode {
     if let Some(status) = process::launch::intercept() {
         return status;
@@ -212,7 +212,7 @@ fn main() -> ExitCode {
         Ok(Outcome::Errors) => ExitCode::from(1),
         Ok(Outcome::Unusable) => ExitCode::from(2),
         Ok(Outcome::GaveUp) => ExitCode::from(3),
-        // Whoever reads our output has seen enough.
+        // The reader of the output has closed it.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             failure(&error);
@@ -227,13 +227,13 @@ fn is_broken_pipe(error: &anyhow::Error) -> bool {
         .is_some_and(|it| it.kind() == std::io::ErrorKind::BrokenPipe)
 }
 
-/// Says on standard error why a command could not do its work.
+/// Prints the reason for the failure of a command on standard error.
 fn failure(error: &anyhow::Error) {
     use std::io::Write;
     let style = clap::builder::styling::AnsiColor::Red.on_default().bold();
     let error = format!("{error:#}");
     let error = terminal::text(&error);
-    // There is nowhere left to complain if this fails.
+    // If standard error is closed, nothing can be reported.
     let _ = writeln!(
         anstream::stderr(),
         "{style}error{style:#}: {}",

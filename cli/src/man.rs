@@ -17,7 +17,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let mut command = Cli::command();
-    // Names of commands and what all of them take go down to the innermost.
+    // This passes global options and names down to all subcommands.
     command.build();
     let mut pages = Vec::new();
     add(&command, "dotgen", arguments, &mut pages)?;

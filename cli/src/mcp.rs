@@ -21,8 +21,8 @@ const TIMEOUT: Duration = Duration::from_secs(120);
 
 /// Serve dotgen's commands as tools of the Model Context Protocol, on standard input and output
 ///
-/// For assistants. Tools: look_up, check, fix, codels, verify, simulate, draw, explain. Only `fix` and `codels`
-/// change files.
+/// For assistants. Tools: look_up, check, fix, codels, verify, simulate, draw, explain. Only `fix` and
+/// `codels` change files.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {}
 

@@ -26,7 +26,7 @@ use super::wcet::{CHUNK_BYTES, given, open, read_log};
 use super::{Outcome, SpecificationOptions, report};
 use dotgen_platform::files::disk::Stream;
 
-/// How long to wait for more of a log that is followed.
+/// Interval of reads from a log that is followed.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Check recorded runs against the verified model
@@ -136,11 +136,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let bounds = bounds::of_tasks(arguments.bounds, &problem, &options, &prepared, &interrupt);
     let names = Names::new(&input.specs);
     let system = &prepared.built.system;
-    // The monitor compares no bounds then, but keeps them for ticks.
+    // Without execution times the monitor compares no bounds, but uses them for ticks.
     if let Some(note) = bounds::without_times(system, &mut [], true) {
         report::note(&note);
     }
-    // Each log is that of one run: what was awaited at the end of one does not come in the next.
+    // Each log contains one run: a wait at the end of a run does not continue in the next one.
     let mut reports = Vec::new();
     let mut trace = (arguments.trace.is_some()).then(|| Trace::new(Some(&names)));
     for log in &files.logs {
@@ -172,7 +172,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     };
     let nothing = reports.iter().all(empty);
     match arguments.format {
-        // A table of nothing says less than the error.
+        // Without lines, only the error is printed.
         Format::Text if nothing => {}
         Format::Text => text::print(&title, &reports)?,
         Format::Json => print_json(&title, &reports)?,
@@ -187,12 +187,12 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     })
 }
 
-/// Deviations that were told as they came.
+/// Deviations that were printed while the log was followed.
 #[derive(Debug, Default)]
 struct NewDeviations(usize);
 
 impl NewDeviations {
-    /// Tells what was found since, to people.
+    /// Prints the deviations since the last call, in text format.
     fn print(&mut self, monitor: &Monitor<'_>, format: Format) -> anyhow::Result<()> {
         let fresh = monitor.found(self.0);
         self.0 += fresh.len();
@@ -244,7 +244,7 @@ fn follow(
         let Some(file) = file.as_mut().filter(|_| is_file) else {
             break;
         };
-        // A server that was started anew has emptied it.
+        // A restarted server has emptied the file.
         if file.metadata().with_context(wrong)?.len() < place {
             file.seek(SeekFrom::Start(0)).with_context(wrong)?;
             (place, lines) = (0, Lines::default());

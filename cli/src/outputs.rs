@@ -1,31 +1,30 @@
-//! Files that a command writes beside its report: logs and traces.
+//! Files that a command writes in addition to its report: logs, traces and recordings.
 
 use anyhow::bail;
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_codegen::codels::source::Grammar;
 
-/// Ending of the names of traces that Perfetto opens.
+/// Extension of traces for Perfetto.
 pub(super) const PERFETTO: &str = "pftrace";
 
-/// Ending of the names of traces for the trace viewer.
+/// Extension of traces for the trace viewer.
 pub(super) const VIEWER: &str = "json";
 
-/// Ending of the names of recordings that Foxglove opens.
+/// Extension of recordings for Foxglove.
 pub(super) const MCAP: &str = "mcap";
 
-/// A file to be written.
+/// An output file.
 pub(super) struct Output<'f> {
     pub(super) path: &'f Utf8Path,
-    /// What its name may end in; empty: in anything.
+    /// The permitted extensions; empty: any.
     pub(super) endings: &'static [&'static str],
 }
 
-/// Looks at the files to be written, before anything is done.
+/// Checks the output files before anything is done.
 ///
 /// # Errors
-///
-/// One of them is a directory, has another ending, is among those that the command has `read`, is some other
-/// source that is there already, or is given twice.
+/// A file is a directory, has another extension, is one of the files that the command has `read`, is another
+/// existing source, or is given twice.
 pub(super) fn check<'f>(
     outputs: &[Output<'_>],
     read: impl IntoIterator<Item = &'f Utf8Path>,
@@ -59,17 +58,17 @@ pub(super) fn check<'f>(
     Ok(())
 }
 
-/// Whether a name is that of something that people write: codels and settings are not among the files that
-/// are read before a run.
+/// Returns true if a name is that of a source or of settings. Sources of codels and settings are not among
+/// the files that are read before a run.
 fn is_source(path: &Utf8Path) -> bool {
     let other = matches!(path.extension(), Some("gen" | "idl" | "scn" | "toml"));
     other || Grammar::of_path(path.as_str()).is_some()
 }
 
-/// What a path leads to, however it is spelled.
+/// The identity of a file, independent of the spelling of its path.
 #[derive(PartialEq, Eq)]
 enum Identity {
-    /// Device and number: hard links too lead to the same.
+    /// Device and inode: hard links have the same identity.
     #[cfg(unix)]
     File(u64, u64),
     Path(Utf8PathBuf),
@@ -83,7 +82,7 @@ impl Identity {
             return Identity::File(file.dev(), file.ino());
         }
         let whole = path.canonicalize_utf8().or_else(|_| {
-            // It is not there yet, but its folder may be.
+            // The file does not exist yet, but its folder may.
             let folder = path.parent().filter(|it| !it.as_str().is_empty());
             let folder = folder.unwrap_or(Utf8Path::new(".")).canonicalize_utf8()?;
             Ok::<_, std::io::Error>(folder.join(path.file_name().unwrap_or_default()))

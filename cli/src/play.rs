@@ -1,4 +1,4 @@
-//! `dotgen play`: port data of a recording goes to input ports of a run.
+//! `dotgen play`: writes the port data of a recording to input ports of a run.
 
 use std::collections::BTreeMap;
 use std::io::Write as _;
@@ -69,12 +69,12 @@ struct Port {
     schema: Value,
 }
 
-/// Where the data of a topic goes.
+/// An input port that receives the data of a topic.
 struct Target {
     port: usize,
     instance: Option<String>,
     written: u64,
-    /// The reason why data was refused; no more is sent then.
+    /// The reason for which data was refused. No more data is sent then.
     refused: Option<String>,
 }
 
@@ -132,7 +132,7 @@ fn inputs(components: &[Value]) -> Vec<Port> {
     ports.collect()
 }
 
-/// Finds the input ports for all topics: those that are named, else those with the name of the port.
+/// Finds the input ports for all topics: the named ones, or else those with the name of the topic's port.
 fn targets(
     data: &PortRecording,
     ports: &[Port],
@@ -161,7 +161,7 @@ fn targets(
     let mut topics: BTreeMap<u16, Topic> = BTreeMap::new();
     // Input ports and instances that are taken, with the topic.
     let mut taken: BTreeMap<(usize, Option<String>), String> = BTreeMap::new();
-    // Those that are named come first.
+    // Named ports come first.
     let mut order: Vec<(&u16, &str)> = data.topics.keys().zip(names).collect();
     order.sort_by_key(|(_, name)| !renamed.iter().any(|it| it.0 == *name));
     for (channel, name) in order {
@@ -273,7 +273,7 @@ fn play(
     Ok(true)
 }
 
-/// The value of a message: if it is not an object, the message has it as a member.
+/// Returns the value of a message. A value that is not an object is a member of the message.
 fn unwrap_member<'v>(value: &'v Value, schema: &Value) -> &'v Value {
     match value {
         Value::Object(all) if all.len() == 1 && schema["type"] != "object" => {
@@ -283,7 +283,7 @@ fn unwrap_member<'v>(value: &'v Value, schema: &Value) -> &'v Value {
     }
 }
 
-/// A float that is not a number is `null` in JSON, which a run would read as zero.
+/// Returns true for a float that is not a number: `null` in JSON, which a run would read as zero.
 fn is_not_finite(value: &Value, schema: &Value) -> bool {
     // The first is the type of an optional value.
     let optional = schema["anyOf"].as_array().and_then(|it| it.first());

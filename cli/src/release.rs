@@ -1,4 +1,4 @@
-//! `dotgen release`: releases of GenoM3, and what changes for specifications between them.
+//! `dotgen release`: releases of GenoM3, and their differences for specifications.
 
 use std::io::Write;
 
@@ -57,7 +57,7 @@ enum Format {
     Json,
 }
 
-/// What changes for one specification.
+/// The differences for one specification.
 #[derive(Debug, Serialize)]
 struct FileDiff {
     file: String,
@@ -68,7 +68,7 @@ struct FileDiff {
     generated: ReleaseDiff,
 }
 
-/// A diagnostic that one of the releases gives.
+/// A diagnostic of one of the releases.
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 struct CheckChange {
@@ -224,7 +224,7 @@ fn print(it: &FileDiff, out: &mut dyn Write) -> std::io::Result<()> {
     Ok(())
 }
 
-/// The lines that differ.
+/// Prints the lines that differ.
 fn print_text(change: &TextChange, out: &mut dyn Write) -> std::io::Result<()> {
     let (old, new): (Vec<&str>, Vec<&str>) =
         (change.from.lines().collect(), change.to.lines().collect());

@@ -138,8 +138,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     })
 }
 
-/// Gives a model what was around the recorded run: units of the real clock, and whoever sent requests from
-/// outside. The first of the clients that stand for him.
+/// Adds the environment of the recorded run to a model: units of the real clock, and clients for requests
+/// from outside. Returns the first of these clients.
 fn with_environment(
     prepared: &mut Prepared,
     about: &record::RunInfo,
@@ -214,7 +214,7 @@ fn print_text(
     Ok(())
 }
 
-/// A difference in words.
+/// Describes a difference.
 fn differs(it: &Difference, time: &dyn Fn(u64) -> String) -> String {
     match &it.what {
         DifferenceKind::Longer { took, limit } => format!(

@@ -1,4 +1,4 @@
-//! What a command found, and the formats it is printed in.
+//! The results of a command, and the formats in which they are printed.
 
 pub(super) mod json;
 pub(super) mod sarif;
@@ -26,13 +26,13 @@ use dotgen_views::verification::problem::EXTENSION;
 #[derive(Default)]
 pub(super) struct FileReports {
     pub(super) diagnostics: Vec<Diagnostic>,
-    /// The texts they talk about.
+    /// The texts to which the diagnostics refer.
     pub(super) texts: Texts,
     /// Number of specifications.
     pub(super) checked: usize,
-    /// How much of the codels was compared, by component.
+    /// Coverage of the codels, by component.
     pub(super) compared: Vec<Compared>,
-    /// What could not be checked for want of packages and files.
+    /// The names that could not be checked because packages and files are missing.
     pub(super) waiting: Vec<OpenNames>,
 }
 
@@ -47,7 +47,7 @@ pub(super) struct OpenNames {
 }
 
 impl OpenNames {
-    /// The names that wait, if some do.
+    /// Returns the names that need something missing, if there are any.
     pub(super) fn of(needs: &Dependencies) -> Option<OpenNames> {
         let unknown = needs.unknown.iter().map(|it| it.name.to_string());
         let interfaces = needs.interfaces.iter().filter(|it| it.found.is_none());
@@ -77,7 +77,7 @@ pub(super) struct Compared {
 }
 
 impl FileReports {
-    /// What several units say about a file they share is said once.
+    /// Merges the diagnostics of several units about a shared file.
     pub(super) fn finish(&mut self) {
         let mut seen = HashSet::new();
         self.diagnostics.retain(|it| {
@@ -113,7 +113,7 @@ pub(super) fn print(report: &FileReports, format: Format) -> anyhow::Result<()> 
     }
 }
 
-/// Says on standard error what one may like to know.
+/// Prints a note on standard error.
 pub(super) fn note(text: &str) {
     use std::io::Write;
     let style = clap::builder::styling::AnsiColor::Cyan.on_default().bold();
@@ -122,7 +122,8 @@ pub(super) fn note(text: &str) {
     let _ = writeln!(anstream::stderr(), "{style}note{style:#}: {text}");
 }
 
-/// Notes the scenarios of directories that stand for their specifications. Scenarios in `files` are named.
+/// Prints a note about scenarios of directories that are read for their specifications only. Scenarios in
+/// `files` were named.
 pub(super) fn note_unused_scenarios(arguments: &[Utf8PathBuf], files: &[SourceFile]) {
     for argument in arguments.iter().filter(|it| it.is_dir()) {
         let Ok(path) = absolute(argument) else {
@@ -144,12 +145,12 @@ pub(super) fn note_unused_scenarios(arguments: &[Utf8PathBuf], files: &[SourceFi
     }
 }
 
-/// Gives files their new content, all of them or none.
+/// Writes the new content of files: all of them, or none.
 pub(super) fn write_files(files: &[NewContent]) -> anyhow::Result<()> {
     Ok(SystemDisk.write(files)?)
 }
 
-/// The new content of a file that is edited as text.
+/// Returns the new content of a file that is edited as text.
 pub(super) fn new_content(path: &Utf8Path, text: &str) -> NewContent {
     NewContent {
         path: path.as_std_path().to_owned(),

@@ -214,32 +214,32 @@ enum Format {
     Json,
 }
 
-/// A file, and how many of what are in it.
+/// A file, and the number of items in it.
 type WrittenFile = (Utf8PathBuf, u64, Contents);
 
-/// What stands in a file.
+/// The kind of items in a file.
 #[derive(Debug, Clone, Copy)]
 enum Contents {
     Lines,
     Codels,
     Steps,
-    /// Of ports, and so many steps.
+    /// Messages of ports, and the number of steps.
     Messages(u64),
 }
 
-/// A run that is over.
+/// A finished run.
 struct Answer {
     problem: Problem,
     options: Options,
     report: RunReport,
     clock: Clock,
-    /// How many codels were executed, of how many.
+    /// Number of executed codels, and of all codels.
     executed: (usize, usize),
     /// Files that were written.
     written: Vec<WrittenFile>,
 }
 
-/// A time with its unit.
+/// Parses a time with its unit.
 fn time(text: &str) -> Result<Seconds, String> {
     let wrong = || "give a time with a unit, for example 10s, 500ms or 2min".to_owned();
     let at = text.find(|c: char| c.is_ascii_alphabetic());
@@ -256,7 +256,7 @@ fn time(text: &str) -> Result<Seconds, String> {
     Ok(number * unit)
 }
 
-/// A decimal number that is not negative.
+/// Parses a decimal number that is not negative.
 fn exact(text: &str) -> Option<Seconds> {
     let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
     let digits = format!("{whole}{fraction}");
@@ -270,7 +270,7 @@ fn exact(text: &str) -> Option<Seconds> {
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let checks: Vec<&str> = arguments.checks.iter().map(|it| body(it)).collect();
-    // A run ends what it has begun, whoever ends it.
+    // Every way to end a run also ends its compilers and hosts.
     let interrupt = interrupt::on_signals();
     let (all, mut trouble) = problems(&arguments.files, &arguments.reading);
     if arguments.profile.is_some() && all.len() > 1 {
@@ -398,7 +398,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
                 false => trouble.told(),
             }
         }
-        // What happened is told also where it could not be written down.
+        // The run is reported even if its files could not be written.
         let recorded = lines.and_then(|lines| {
             let whole = files.runs.map(|it| it.finish()).transpose()?;
             Ok((lines, whole))
@@ -460,8 +460,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
 }
 
 impl Arguments {
-    /// Tells of components that wait for a debugger: people on the error output; programs in a line of JSON
-    /// for each, before the report.
+    /// Returns a function that reports components that wait for a debugger: as text on standard error, or as
+    /// a line of JSON for each before the report.
     #[cfg(unix)]
     fn waiting(&self) -> dotgen_hosting::children::Waiting {
         let format = self.format;
@@ -472,13 +472,13 @@ impl Arguments {
             Format::Json => {
                 let line = serde_json::json!({ "component": component, "process": process });
                 let mut out = std::io::stdout();
-                // Where nobody hears it, nobody attaches.
+                // If the output is closed, the run continues.
                 let _ = writeln!(out, "{line}").and_then(|()| out.flush());
             }
         })
     }
 
-    /// Whether ports are exchanged with other machines.
+    /// Returns true if port data is exchanged with other machines.
     fn has_network(&self) -> bool {
         !self.zenoh_listen.is_empty() || !self.zenoh_connect.is_empty()
     }

@@ -1,4 +1,4 @@
-//! A specification, or several, read for one command.
+//! The specifications that one command reads.
 
 use anyhow::{Context, bail};
 use camino::{Utf8Path, Utf8PathBuf};
@@ -20,13 +20,13 @@ use dotgen_platform::files::vfs::{self, PackageConfig, Vfs};
 use dotgen_platform::panic;
 use dotgen_views::verification::problem::EXTENSION;
 
-/// Files that are read before what is known of them is forgotten again.
+/// Number of files after which cached results are dropped.
 const MAX_CACHED_FILES: usize = 64;
 
 /// Files that share a configuration.
 pub(super) struct Session {
     pub(super) files: Vec<SourceFile>,
-    /// What is wrong with the configuration file.
+    /// The problems of the configuration file.
     pub(super) config: Option<ConfigProblems>,
     host: AnalysisHost,
     packages: PackageConfig,
@@ -44,12 +44,12 @@ pub(super) struct SourceFile {
     pub(super) path: Utf8PathBuf,
     /// Named by the user, not found in a directory.
     pub(super) named: bool,
-    /// Its text, if that is not read from the disk: standard input.
+    /// The text, if it is not read from the disk but from standard input.
     pub(super) text: Option<Arc<str>>,
 }
 
 impl SourceFile {
-    /// Whether it says what is to be verified.
+    /// Returns true if the file is a scenario.
     pub(super) fn is_scenario(&self) -> bool {
         self.path.extension() == Some(EXTENSION)
     }
@@ -62,8 +62,10 @@ pub(super) struct ConfigProblems {
     pub(super) problems: Vec<Problem>,
 }
 
-/// The files that the arguments name: files themselves, directories all `.gen` below them. The first that
-/// cannot be used is an error.
+/// Returns the files that arguments name: the files themselves, and all `.gen` files below directories.
+///
+/// # Errors
+/// An argument cannot be used.
 pub(super) fn files(arguments: &[Utf8PathBuf]) -> anyhow::Result<Vec<SourceFile>> {
     let mut found = NamedFiles::default();
     for argument in arguments {
@@ -72,7 +74,7 @@ pub(super) fn files(arguments: &[Utf8PathBuf]) -> anyhow::Result<Vec<SourceFile>
     Ok(found.files)
 }
 
-/// As [`files`], for commands that go on without what cannot be used.
+/// Returns the files as [`files`] does, for commands that continue without unusable ones.
 pub(super) fn usable_files(
     arguments: &[Utf8PathBuf],
     extensions: &[&str],
@@ -87,7 +89,7 @@ pub(super) fn usable_files(
     (found.files, trouble)
 }
 
-/// As [`usable_files`], for commands that have nothing to do with scenarios.
+/// Returns the files as [`usable_files`] does, for commands that do not read scenarios.
 pub(super) fn specifications(arguments: &[Utf8PathBuf]) -> (Vec<SourceFile>, ErrorReporter) {
     let (mut files, mut trouble) = usable_files(arguments, &["gen"]);
     files.retain(|it| match refuse_scenario(it) {
@@ -133,7 +135,7 @@ impl NamedFiles {
         }
     }
 
-    /// Adds what an argument names. Returns what is wrong with files below a directory.
+    /// Adds the files of an argument. Returns the errors of files below a directory.
     fn add(
         &mut self,
         argument: &Utf8Path,
@@ -173,8 +175,8 @@ impl NamedFiles {
     }
 }
 
-/// Files below a directory whose names are no UTF-8, as errors: nobody could name them in a message or an
-/// include.
+/// Returns an error for each file below a directory whose name is not UTF-8: no message and no include could
+/// name it.
 fn unusable_names(directory: &Utf8Path, extensions: &[&str]) -> Vec<anyhow::Error> {
     let entries = walkdir::WalkDir::new(directory)
         .into_iter()
@@ -196,10 +198,10 @@ fn unusable_names(directory: &Utf8Path, extensions: &[&str]) -> Vec<anyhow::Erro
     found.map(error).collect()
 }
 
-/// How people write standard input.
+/// The argument for standard input.
 const STANDARD_INPUT: &str = "-";
 
-/// Whether an argument stands for standard input.
+/// Returns true if an argument is that for standard input.
 pub(super) fn is_standard_input(argument: &Utf8Path) -> bool {
     matches!(
         argument.as_str(),
@@ -207,7 +209,7 @@ pub(super) fn is_standard_input(argument: &Utf8Path) -> bool {
     )
 }
 
-/// All of standard input, as the text of a file.
+/// Reads all of standard input, as the text of a file.
 pub(super) fn standard_input() -> anyhow::Result<String> {
     let mut bytes = Vec::new();
     std::io::Read::read_to_end(&mut std::io::stdin(), &mut bytes)
@@ -215,7 +217,7 @@ pub(super) fn standard_input() -> anyhow::Result<String> {
     Ok(encoding::decode(bytes))
 }
 
-/// Remembers that something could not be used, while the rest is done.
+/// Reports errors, and keeps the fact for the exit status, while the command continues.
 #[derive(Debug, Default)]
 #[must_use]
 pub(super) struct ErrorReporter {
@@ -224,7 +226,7 @@ pub(super) struct ErrorReporter {
 }
 
 impl ErrorReporter {
-    /// For a first look, when a second one tells what is wrong.
+    /// Creates a reporter that prints nothing, for a first pass that a second one repeats.
     pub(super) fn silent() -> ErrorReporter {
         ErrorReporter {
             any: false,
@@ -232,7 +234,7 @@ impl ErrorReporter {
         }
     }
 
-    /// Says on standard error what is wrong.
+    /// Prints an error on standard error.
     pub(super) fn tell(&mut self, error: &anyhow::Error) {
         if !self.silent {
             super::failure(error);
@@ -240,22 +242,22 @@ impl ErrorReporter {
         self.any = true;
     }
 
-    /// Something is wrong, and that was said.
+    /// Notes that an error was reported elsewhere.
     pub(super) fn told(&mut self) {
         self.any = true;
     }
 
-    /// Whether anything was wrong.
+    /// Returns true if there was an error.
     pub(super) fn any(&self) -> bool {
         self.any
     }
 
-    /// The value; `None` when there is none, and that is told.
+    /// Returns the value, or `None` after reporting the error.
     pub(super) fn ok_or_report<T>(&mut self, result: anyhow::Result<T>) -> Option<T> {
         result.inspect_err(|error| self.tell(error)).ok()
     }
 
-    /// What the command comes to.
+    /// Returns the outcome of the command: `otherwise` if there was no error.
     pub(super) fn outcome(&self, otherwise: Outcome) -> Outcome {
         match self.any {
             true => Outcome::Unusable,
@@ -264,7 +266,7 @@ impl ErrorReporter {
     }
 }
 
-/// The one specification that a command is about: a file, or the only one below a directory.
+/// Returns the one specification of a command: a file, or the only one below a directory.
 pub(super) fn single(
     argument: &Utf8Path,
     reading: &SpecificationOptions,
@@ -308,7 +310,7 @@ pub(super) fn open(
         .collect())
 }
 
-/// Files under the configuration that counts for `path`.
+/// Returns a session for files, with the configuration of `path`.
 pub(super) fn around(
     path: &Utf8Path,
     files: Vec<SourceFile>,
@@ -387,27 +389,27 @@ impl Session {
         }
     }
 
-    /// The host, for commands that change texts before they ask.
+    /// Returns the host, for commands that change texts before queries.
     pub(super) fn host_mut(&mut self) -> &mut AnalysisHost {
         &mut self.host
     }
 
-    /// Connections between components that the configuration gives.
+    /// Returns the connections between components that the configuration gives.
     pub(super) fn connections(&self) -> &[dotgen_diagram::system::Connection] {
         &self.connections
     }
 
-    /// How packages are looked up.
+    /// Returns the configuration of packages.
     pub(super) fn packages(&self) -> &PackageConfig {
         &self.packages
     }
 
-    /// Which files hold codels.
+    /// Returns the configuration of the sources of codels.
     pub(super) fn codels(&self) -> FilesConfig {
         self.codels.clone()
     }
 
-    /// Asks analysis something. A bug in there is an error of this command.
+    /// Runs a query. A bug in analysis is an error of this command.
     pub(super) fn ask<R>(
         &self,
         about: &Utf8Path,
@@ -417,8 +419,8 @@ impl Session {
         told(about, panic::isolate(|| question(&analysis)))
     }
 
-    /// Asks the same of many files, on all cores, and hands each answer on in the order of the files. What is
-    /// remembered from the files does not grow with their number.
+    /// Runs a query for many files, on all cores, and passes on each answer in the order of the files. Cached
+    /// results do not grow with the number of files.
     pub(super) fn ask_each<R: Send>(
         &mut self,
         files: &[Utf8PathBuf],
@@ -443,7 +445,7 @@ impl Session {
         Ok(())
     }
 
-    /// The texts that diagnostics talk about.
+    /// Adds the texts to which diagnostics refer.
     pub(super) fn add_texts(
         &self,
         diagnostics: &[Diagnostic],
@@ -464,7 +466,7 @@ impl Session {
     }
 }
 
-/// An answer about a file. A bug in analysis is an error of the command.
+/// Returns an answer about a file. A bug in analysis is an error of the command.
 fn told<R>(about: &Utf8Path, answer: Result<Cancellable<R>, String>) -> anyhow::Result<R> {
     match answer {
         Ok(Ok(answer)) => Ok(answer),
@@ -473,10 +475,10 @@ fn told<R>(about: &Utf8Path, answer: Result<Cancellable<R>, String>) -> anyhow::
     }
 }
 
-/// Texts by path, with lines as the LSP counts them.
+/// Texts by path, with lines as in the LSP.
 pub(super) type Texts = FxHashMap<Utf8PathBuf, Lines>;
 
-/// A path as the user would write it: relative if it is below the current directory.
+/// Returns a path for display: relative if it is below the current directory.
 pub(super) fn display(path: &Utf8Path) -> String {
     match absolute(Utf8Path::new(".")) {
         Ok(here) => path.strip_prefix(&here).unwrap_or(path).to_string(),

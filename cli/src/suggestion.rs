@@ -6,8 +6,8 @@ use dotgen_syntax::suggestion::nearest;
 
 use super::Cli;
 
-/// Adds the option that was probably meant to the error of the command line. Clap's own measure finds no
-/// transposed letters in short words.
+/// Adds a similar option to the error of the command line. Clap's own similarity finds no transposed letters
+/// in short words.
 pub(super) fn add_suggestion(mut error: Error) -> Error {
     if error.kind() != ErrorKind::UnknownArgument || error.get(ContextKind::SuggestedArg).is_some()
     {
@@ -26,7 +26,7 @@ pub(super) fn add_suggestion(mut error: Error) -> Error {
     error
 }
 
-/// The option of the subcommand in the arguments that is nearest to a wrong one.
+/// Returns the option of the subcommand in the arguments that is nearest to a wrong one.
 fn near(wrong: &str, arguments: impl Iterator<Item = String>) -> Option<String> {
     let wrong = wrong.strip_prefix("--")?;
     let mut command = Cli::command();

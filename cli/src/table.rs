@@ -5,7 +5,7 @@ use serde_json::{Map, Value};
 /// The name of the first column, if it has times.
 const TIME: &str = "time";
 
-/// The name of the only column of values that have no members.
+/// The name of the single column of values that have no members.
 const WHOLE: &str = "value";
 
 /// Largest index of a list in a header.
@@ -39,7 +39,7 @@ struct Column {
 /// Reads a table of values of a schema.
 ///
 /// # Errors
-/// In words: the text is no such table.
+/// A message: the text is not such a table.
 pub(super) fn read(bytes: &[u8], schema: &Value) -> Result<Vec<Row>, String> {
     let text = std::str::from_utf8(bytes).map_err(|_| "it is not UTF-8".to_owned())?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
@@ -103,7 +103,7 @@ fn row(line: usize, text: &str, timed: bool, columns: &[Column]) -> Result<Row, 
     Ok(Row { line, time, value })
 }
 
-/// The cells of a line. A cell in quotes may contain commas, and quotes that are doubled.
+/// Splits a line into cells. A cell in quotes may contain commas, and doubled quotes.
 fn cells(line: &str) -> Result<Vec<String>, String> {
     let mut out = vec![String::new()];
     let mut rest = line.chars().peekable();
@@ -127,7 +127,7 @@ fn cells(line: &str) -> Result<Vec<String>, String> {
     }
 }
 
-/// The steps of `pos.x`, `.pos.x` or `points[2].x`.
+/// Parses `pos.x`, `.pos.x` or `points[2].x` into steps.
 fn path(title: &str, schema: &Value) -> Result<Vec<Step>, String> {
     if title == WHOLE && schema.get("properties").is_none() {
         return Ok(Vec::new());
@@ -153,7 +153,7 @@ fn path(title: &str, schema: &Value) -> Result<Vec<Step>, String> {
     Ok(out)
 }
 
-/// The schema at a path.
+/// Returns the schema at a path.
 fn inside<'v>(schema: &'v Value, path: &[Step]) -> &'v Value {
     path.iter().fold(schema, |schema, step| {
         // The first is the type of an optional value.
@@ -168,7 +168,7 @@ fn inside<'v>(schema: &'v Value, path: &[Step]) -> &'v Value {
     })
 }
 
-/// The value of a cell.
+/// Converts a cell to a value.
 fn cell(text: &str, schema: &Value) -> Result<Value, String> {
     let choices = match &schema["anyOf"] {
         Value::Array(all) => all.as_slice(),
@@ -184,7 +184,7 @@ fn cell(text: &str, schema: &Value) -> Result<Value, String> {
     let word = text.trim();
     let number = word.parse::<f64>().ok();
     if has("string") && !(has("integer") && word.parse::<u64>().is_ok()) {
-        // Of an enumeration, also a number is one.
+        // An enumeration accepts a number too.
         return Ok(text.into());
     }
     if word.is_empty() {
@@ -211,7 +211,7 @@ fn cell(text: &str, schema: &Value) -> Result<Value, String> {
             Ok(integer(number).unwrap_or_else(|| number.into()))
         }
         (None, Some(number)) => Ok(number.into()),
-        // The run says what the member has to be.
+        // The run reports the type of the member.
         (None, None) => Ok(word.into()),
     }
 }
@@ -222,7 +222,7 @@ fn integer(number: f64) -> Option<Value> {
     fits.then(|| (number as i64).into())
 }
 
-/// Puts a cell into a value. `None`: another column is in the way.
+/// Puts a cell into a value. Returns `None` if another column has the same place.
 fn put(value: &mut Value, path: &[Step], cell: Value) -> Option<()> {
     let Some((step, rest)) = path.split_first() else {
         *value = cell;
@@ -290,7 +290,7 @@ mod tests {
             json!({"on": false, "maybe": 3, "colour": 2}),
         ];
         assert_eq!(values(text).expect("a table"), expected);
-        // What does not fit is left to the run.
+        // The run checks values that do not fit.
         assert_eq!(
             values("pos.n\n1.5\nx\n").expect("a table")[1],
             json!({"pos": {"n": "x"}})

@@ -16,26 +16,25 @@ use dotgen_platform::files::vfs;
 use dotgen_views::verification::trace::{Trace, TraceInput, of_run};
 use dotgen_views::verification::{Problem, blocking, timeline::Ending};
 
-/// A run that is over, as it was told.
+/// A finished run, as it was reported.
 pub(super) struct RecordedRun<'r> {
-    /// What is shown.
+    /// The title of the trace.
     pub(super) title: String,
-    /// Of the times of the events.
+    /// The unit of the times of events.
     pub(super) unit: &'r str,
-    /// What happened.
+    /// The events.
     pub(super) events: &'r [Event],
-    /// How it ends.
+    /// The end of the run.
     pub(super) ending: Ending<'r>,
-    /// The event from which on it repeats itself.
+    /// The event from which the run repeats itself.
     pub(super) cycle: Option<usize>,
-    /// What should be known about it.
+    /// Notes about the run.
     pub(super) notes: Vec<String>,
 }
 
-/// Writes a run to a file, whole or not at all; how many steps it has.
+/// Writes a run to a file, complete or not at all. Returns the number of steps.
 ///
 /// # Errors
-///
 /// The file cannot be written.
 pub(super) fn write(
     path: &Utf8Path,

@@ -178,16 +178,16 @@ enum DurationsName {
     Open,
 }
 
-/// Maximum number of states for a specification without a scenario: with a client that may send anything,
-/// a longer search seldom finds more.
+/// Maximum number of states for a specification without a scenario. Its client may send any request, and a
+/// longer search seldom finds more.
 const MAX_DEFAULT_STATES: usize = 100_000;
 
-/// What `--sensitivity` finds.
+/// The results of `--sensitivity`.
 struct Slacks {
-    /// Where something is missed, the changes that repair it, each with its edit.
+    /// If a deadline or limit is missed, the changes that repair it, each with its edit.
     repairs: Repairs,
     edits: Vec<Option<FileEdit>>,
-    /// None where the scenario has errors, which were told.
+    /// `None` if the scenario has errors, which were reported.
     sensitivity: Option<Sensitivity>,
 }
 
@@ -196,13 +196,13 @@ struct Answer {
     problem: Problem,
     options: Options,
     report: Report,
-    /// By check: why it fails, and what would help.
+    /// By check: the cause of a failure, and a remedy.
     why: Vec<Option<FailureCause>>,
-    /// What holds with fewer requests, where no scenario is written.
+    /// Without a scenario, the answers with fewer requests.
     first: Vec<FirstAnswer>,
-    /// What was said beside it, for programs.
+    /// The diagnostics, for JSON.
     diagnostics: serde_json::Value,
-    /// What repairs it, and how far it is from missing deadlines.
+    /// The results of `--sensitivity`.
     limits: Option<Slacks>,
 }
 
@@ -274,7 +274,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         let told = |all: &[dotgen_timing::diagnostic::Diagnostic]| {
             ScenarioDiagnostics::by_verifier(&session, &problem, all, &checks)
         };
-        // Programs are told everything, in their document if there is one.
+        // In JSON, diagnostics are part of the document, if there is one.
         if matches!(arguments.format, Format::Text) || report.has_errors() {
             told(&together(&report.diagnostics))?.print()?;
         }
@@ -325,7 +325,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     )
 }
 
-/// Writes the run that shows most, of several scenarios that of the first which has one.
+/// Writes the run of the first refuted check, or else the first witness. Of several scenarios, the first one
+/// with such a run counts.
 fn write_trace(path: &Utf8Path, answers: &[Answer]) -> anyhow::Result<()> {
     let with_run = |it: &'_ Answer| runs::chosen(&it.report, None);
     let found = answers.iter().find_map(|it| Some((it, with_run(it)?)));
@@ -344,15 +345,14 @@ fn write_trace(path: &Utf8Path, answers: &[Answer]) -> anyhow::Result<()> {
     trace::write(path, recorded, &answer.problem, &answer.options).map(drop)
 }
 
-/// One per scenario, and one for all specifications named. What cannot be used is told, and the others are
-/// there.
+/// Returns one problem for each scenario, and one for all named specifications. Unusable files are reported.
 pub(super) fn problems(
     arguments: &[Utf8PathBuf],
     reading: &SpecificationOptions,
 ) -> (Vec<(Session, Problem)>, ErrorReporter) {
     let (files, mut trouble) = session::usable_files(arguments, &["gen"]);
     report::note_unused_scenarios(arguments, &files);
-    // Without one of its parts it would be another system.
+    // Without one of its parts the system would differ.
     let mut whole = !trouble.any();
     let mut out = Vec::new();
     let mut specifications = Vec::new();
@@ -375,7 +375,7 @@ pub(super) fn problems(
     (out, trouble)
 }
 
-/// As [`problems`], when there may be only one. `None` if it cannot be used, which was told.
+/// Returns the single problem of the arguments. Returns `None` if it cannot be used, which was reported.
 pub(super) fn one_problem(
     files: &[Utf8PathBuf],
     reading: &SpecificationOptions,
@@ -409,7 +409,7 @@ fn of_scenario(
     Ok((session, problem))
 }
 
-/// All of them as one system, though each may have a configuration of its own.
+/// Returns all specifications as one system, even if they have different configurations.
 fn of_specifications(
     files: Vec<SourceFile>,
     reading: &SpecificationOptions,
@@ -459,7 +459,7 @@ impl Arguments {
     }
 }
 
-/// Checks of the command line, as if they stood after the scenario.
+/// Parses checks of the command line, with places after the text of the scenario.
 pub(super) fn parsed(checks: &[&str], problem: &Problem) -> anyhow::Result<Vec<Check>> {
     let mut at = problem.text.len();
     let mut parsed = Vec::new();
@@ -470,13 +470,13 @@ pub(super) fn parsed(checks: &[&str], problem: &Problem) -> anyhow::Result<Vec<C
     Ok(parsed)
 }
 
-/// A check of the command line; a `check` before it and a `;` after it are welcome.
+/// Returns a check of the command line without `check` before it and `;` after it.
 pub(super) fn body(text: &str) -> &str {
     let body = text.trim().trim_end_matches(';');
     body.strip_prefix("check ").unwrap_or(body).trim()
 }
 
-/// Parses a check as if it stood at `at`.
+/// Parses a check with places from `at`.
 fn check(body: &str, at: usize) -> anyhow::Result<Check> {
     match parse_check(&format!("{}{body}", " ".repeat(at))) {
         Ok(check) => Ok(check),

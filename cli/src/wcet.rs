@@ -14,7 +14,7 @@ use super::Outcome;
 use super::report;
 use super::session::is_standard_input;
 
-/// Bytes that are read at once.
+/// Bytes of one read.
 pub(super) const CHUNK_BYTES: usize = 1 << 18;
 
 /// Import and summarise measured execution times
@@ -39,8 +39,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
 }
 
-/// Reads a log piece by piece. The function gets each line with its number, and whether its end was there. A
-/// note says where a log breaks off.
+/// Reads a log piece by piece. The function gets each line with its number, and true if the line ends with a
+/// line break. A note tells where a truncated log ends.
 pub(super) fn read_log(
     path: &Utf8Path,
     mut each: impl FnMut(u64, &[u8], bool),
@@ -80,12 +80,12 @@ pub(super) fn read_log(
 /// Opens a log.
 ///
 /// # Errors
-/// In the words that all commands have for files that cannot be read.
+/// The message of all commands for files that cannot be read.
 pub(super) fn open(path: &Utf8Path) -> anyhow::Result<File> {
     File::open(path).map_err(|error| unreadable(path, &error))
 }
 
-/// Why a file cannot be read.
+/// Returns the error for a file that cannot be read.
 pub(super) fn unreadable(path: &Utf8Path, error: &std::io::Error) -> anyhow::Error {
     match error.kind() {
         std::io::ErrorKind::NotFound => {
@@ -95,17 +95,17 @@ pub(super) fn unreadable(path: &Utf8Path, error: &std::io::Error) -> anyhow::Err
     }
 }
 
-/// Logs and other files, told apart by their extensions.
+/// Logs and other files, distinguished by their extensions.
 pub(super) struct InputFiles {
     pub(super) logs: Vec<Utf8PathBuf>,
     /// Scenarios and specifications.
     pub(super) texts: Vec<Utf8PathBuf>,
 }
 
-/// Sorts what was named.
+/// Sorts the arguments.
 ///
 /// # Errors
-/// No log was named.
+/// The arguments name no log.
 pub(super) fn given(files: &[Utf8PathBuf]) -> anyhow::Result<InputFiles> {
     let is_text = |it: &&Utf8PathBuf| matches!(it.extension(), Some("gen" | "scn"));
     let texts: Vec<_> = files.iter().filter(is_text).cloned().collect();

@@ -1,19 +1,19 @@
-//! Lines that fit the terminal.
+//! The width of output lines.
 
 use terminal_size::{Width, terminal_size_of};
 
-/// Columns where there is no terminal, and most columns where there is one.
+/// Number of columns without a terminal, and maximum number with one.
 const MAX_COLUMNS: usize = 100;
 
-/// Columns that lines may have.
+/// Returns the number of columns for output.
 fn columns() -> usize {
     let terminal =
         terminal_size_of(std::io::stdout()).map(|(Width(columns), _)| usize::from(columns));
     terminal.map_or(MAX_COLUMNS, |it| it.clamp(40, MAX_COLUMNS))
 }
 
-/// Breaks a text between words, where the first line has `first` columns before the text. All other lines
-/// begin with `indent` blanks.
+/// Breaks a text between words. The first line has `first` columns before the text. All other lines begin
+/// with `indent` blanks.
 pub(super) fn wrapped(text: &str, first: usize, indent: usize) -> String {
     broken(text, columns(), first, indent)
 }

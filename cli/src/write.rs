@@ -1,4 +1,4 @@
-//! `dotgen write`: an input port of a run gets values.
+//! `dotgen write`: writes values to an input port of a run.
 
 use std::io::BufRead as _;
 use std::time::{Duration, Instant};
@@ -63,7 +63,7 @@ pub(super) struct Pacer {
     latest: Duration,
 }
 
-/// Delays that are reported.
+/// Minimum delay that is reported.
 const REPORTED_DELAY: Duration = Duration::from_millis(100);
 
 impl Pacer {
@@ -171,7 +171,7 @@ fn write_value(
     };
     let period = Duration::from_secs_f64(1.0 / rate);
     loop {
-        // It is the same value: what is late is not made up for.
+        // The value stays the same: missed writes are not repeated.
         std::thread::sleep(period);
         if !input.write(value)? {
             return Ok(Outcome::Fine);

@@ -4,9 +4,9 @@
 //! `folder` the components that share them. `expected` derives the functions from the specification, and
 //! `drift` compares both. `repair` turns a finding into text edits. `stub` writes missing functions.
 //! `headers` writes the other files that a C compiler needs. `build` plans the compilation. `glue` and
-//! `hosted` generate the code that runs codels. `value` converts the data between both sides. `command`
-//! implements the commands of the command line. Everything except `command` is a pure function of texts and
-//! models.
+//! `shared_object` generate the code that runs codels. `value` converts the data between both sides.
+//! `command` implements the commands of the command line. Everything except `command` is a pure function of
+//! texts and models.
 
 mod allowances;
 pub mod build;

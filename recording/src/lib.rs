@@ -1,9 +1,9 @@
 //! Recorded runs.
 //!
 //! Servers generated with profiling, and `dotgen run --profile`, write a line for each run of a codel: see
-//! [`log`]. From such logs this crate computes statistics ([`statistics`]), execution times ([`measured`],
-//! [`propose`]), the edits that write them into specifications ([`edits`]), comparisons with the verified
-//! model ([`monitor`]), and traces ([`trace`]).
+//! [`log`]. From such logs this crate computes statistics ([`statistics`]), execution times
+//! ([`measurements`], [`proposal`]), the edits that write them into specifications ([`edits`]), comparisons
+//! with the verified model ([`monitor`]), and traces ([`trace`]).
 //!
 //! This crate neither reads nor writes files: callers pass the bytes.
 

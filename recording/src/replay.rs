@@ -107,8 +107,8 @@ pub fn with_any_exception(system: &TimedSystem) -> TimedSystem {
 }
 
 impl<'s> Replay<'s> {
-    /// Creates a replay. `system` is the [form with any exception](with_any_exception) of the `verified` system. Clients from
-    /// `outside` on stand for requests from outside.
+    /// Creates a replay. `system` is the [form with any exception](with_any_exception) of the `verified`
+    /// system. Clients from `outside` on stand for requests from outside.
     pub fn new(system: &'s TimedSystem, verified: &TimedSystem, outside: Option<usize>) -> Self {
         let mut stepper = Stepper::new(system, &Watched::default());
         let mut seen = Vec::new();

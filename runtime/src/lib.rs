@@ -2,12 +2,12 @@
 //!
 //! A run follows the verified rules step by step ([`dotgen_timing::explore::Stepper`]): only the stepper
 //! knows the possible actions. This crate chooses an action ([`decide`]), performs it ([`engine`]), counts it
-//! ([`tally`]) and compares the run with the checks of the scenario and with proved bounds ([`judge`]).
+//! ([`tally`]) and compares the run with the checks of the scenario and with proved bounds ([`checker`]).
 //! [`simulation`] combines these modules. [`watch`] is the interface for observers of every step, and
 //! [`progress`] reports the state of a run under way.
 //!
 //! If components have codels, [`live`] has them executed by [`hosts`], which this crate knows only as a
-//! trait. On the real clock ([`paced`]) the rules are the same, with real times ([`refine`]).
+//! trait. On the real clock ([`real_clock`]) the rules are the same, with real times ([`refine`]).
 
 pub mod checker;
 pub mod counts;

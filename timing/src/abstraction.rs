@@ -65,8 +65,8 @@ impl Default for Budget {
     }
 }
 
-/// Returns, by task, a bound on the response time of a task that meets its deadlines, or the reason why none is
-/// known.
+/// Returns, by task, a bound on the response time of a task that meets its deadlines, or the reason why none
+/// is known.
 pub fn abstract_bounds(
     system: &TimedSystem,
     budget: Budget,

@@ -10,7 +10,8 @@
 //! | `dotgen.cdx.json` | cargo-cyclonedx | the bill of materials (CycloneDX) |
 //! | `SHA256SUMS` | `sha256sum` | checksums |
 //!
-//! The program is linked by Zig against the C library of [`GLIBC`], so that it runs on older systems than this.
+//! The program is linked by Zig against the C library of [`GLIBC`], so that it runs on older systems than
+//! this.
 
 mod check;
 

@@ -1,4 +1,4 @@
-//! `dotgen check --fix` and `--diff`: what has one plain repair gets it.
+//! `dotgen check --fix` and `--diff`: plain fixes are applied.
 
 use std::collections::BTreeMap;
 
@@ -12,19 +12,19 @@ use dotgen_codegen::codels::folder::NEVER_THROWN;
 use super::{ErrorReporter, FileReports, Outcome, Session, check};
 use crate::{codels, fmt, report, session};
 
-/// Repairs may show what else is wrong; texts in which more than so many lie one below the other are left.
+/// Maximum number of rounds. A fix may reveal other errors.
 const MAX_ROUNDS: usize = 20;
 
-/// Errors of one file for which repairs are sought by trying.
+/// Maximum number of errors of one file for which fixes are found by trial.
 const MAX_TRIED: usize = 3;
 
-/// Texts as they were and as they are now, by file.
+/// Original and new texts, by file.
 pub(super) type ChangedTexts = BTreeMap<Utf8PathBuf, (String, String)>;
 
-/// Titles of the fixes that were made, with the number of times, by file.
+/// Titles of the applied fixes, with their number, by file.
 pub(super) type AppliedFixes = BTreeMap<Utf8PathBuf, BTreeMap<String, usize>>;
 
-/// Repairs the texts that a session reads, in memory. A repair is made if it was tried and is whole: see
+/// Applies fixes to the texts of a session, in memory. A fix is applied if it was tried and is whole: see
 /// [`judge`](dotgen_codegen::codels::command::judge).
 pub(super) fn apply_fixes(
     session: &mut Session,
@@ -34,7 +34,7 @@ pub(super) fn apply_fixes(
     let mut room = MAX_TRIALS;
     for _ in 0..MAX_ROUNDS {
         let mut report = FileReports::default();
-        // What cannot be read is told once, with the report.
+        // Files that cannot be read are reported once, with the final report.
         check(session, &mut report, &mut ErrorReporter::silent());
         let found = report.diagnostics.iter();
         let plain = found.filter_map(|it| Some((it.fixes.first()?, it)));
@@ -56,7 +56,7 @@ pub(super) fn apply_fixes(
                 let of_file = titles.entry(it.1.path.clone()).or_default();
                 *of_file.entry(title.to_owned()).or_default() += 1;
             }
-            // Edits of other units are judged beside these.
+            // Edits of other units are judged together with these.
             for it in project.changes(&edit) {
                 project.overlay(it.path.clone(), it.after.clone());
                 made.push(it);
@@ -73,7 +73,7 @@ pub(super) fn apply_fixes(
     Ok(())
 }
 
-/// Keeps the fixes of findings that are whole. Those for which there is no room to try them are left out.
+/// Keeps the fixes of findings that are whole. Fixes that cannot be tried within the limit are left out.
 pub(super) fn judge(session: &mut Session, changed: &ChangedTexts, found: &mut [Diagnostic]) {
     let is_open = |it: &Diagnostic| it.severity == Severity::Error || !it.fixes.is_empty();
     if !found.iter().any(is_open) {
@@ -101,7 +101,7 @@ pub(super) fn judge(session: &mut Session, changed: &ChangedTexts, found: &mut [
                 if verdict != Verdict::Whole && fix.kind == FixKind::Plain {
                     fix.kind = FixKind::Guess;
                 }
-                // A fix of a file that many units include is offered untried.
+                // A fix of a file that many units include is offered without a trial.
                 verdict == Verdict::Whole || verdict == Verdict::Unknown && had_room
             });
             if it.severity == Severity::Error && it.fixes.is_empty() && tried < MAX_TRIED {
@@ -120,8 +120,7 @@ pub(super) fn judge(session: &mut Session, changed: &ChangedTexts, found: &mut [
 }
 
 /// Judges all fixes of findings of one file, in their order. The first fixes of all findings are tried
-/// together, then the second ones, since alternatives exclude each other; those of errors come before
-/// others.
+/// together, then the second ones, because alternatives exclude each other. Fixes of errors come first.
 fn verdicts(judge: &mut Judge<'_, '_>, found: &[Diagnostic]) -> Vec<Verdict> {
     let mut order: Vec<usize> = (0..found.len()).collect();
     order.sort_by_key(|&it| found[it].severity);
@@ -141,7 +140,7 @@ fn verdicts(judge: &mut Judge<'_, '_>, found: &[Diagnostic]) -> Vec<Verdict> {
     verdicts.into_iter().flatten().collect()
 }
 
-/// Leaves out findings with which the sources of codels disagree.
+/// Removes findings that the sources of codels contradict.
 pub(super) fn retain_unrefuted(session: &mut Session, found: &mut Vec<Diagnostic>) {
     if found.iter().any(|it| it.code == NEVER_THROWN) {
         let project = codels::project(session);
@@ -149,7 +148,7 @@ pub(super) fn retain_unrefuted(session: &mut Session, found: &mut Vec<Diagnostic
     }
 }
 
-/// The specifications of a session and their codels, with the texts that were changed.
+/// Returns the specifications of a session and their codels, with the changed texts.
 fn project<'s>(session: &'s mut Session, changed: &ChangedTexts) -> Project<'s> {
     let mut project = codels::project(session);
     for (path, (_, new)) in changed {
@@ -158,7 +157,7 @@ fn project<'s>(session: &'s mut Session, changed: &ChangedTexts) -> Project<'s> 
     project
 }
 
-/// Edits by the roots of the units that they concern, each with the finding that it mends.
+/// Edits by the roots of the units that they concern, each with the finding that it fixes.
 type EditsByRoots<'e> = BTreeMap<Vec<Utf8PathBuf>, Vec<(Edit, &'e Diagnostic)>>;
 
 fn by_roots<'e>(project: &Project<'_>, edits: Vec<(Edit, &'e Diagnostic)>) -> EditsByRoots<'e> {
@@ -173,7 +172,7 @@ fn by_roots<'e>(project: &Project<'_>, edits: Vec<(Edit, &'e Diagnostic)>) -> Ed
     out
 }
 
-/// Shows what would change.
+/// Prints the changes.
 pub(super) fn print(changed: &ChangedTexts) -> anyhow::Result<Outcome> {
     for (path, (old, new)) in changed {
         fmt::print_diff(&session::display(path), old, new)?;
@@ -184,7 +183,7 @@ pub(super) fn print(changed: &ChangedTexts) -> anyhow::Result<Outcome> {
     })
 }
 
-/// Gives the files their new texts: all of them, or none.
+/// Writes the new texts: all of them, or none.
 pub(super) fn write(changed: &ChangedTexts, made: &AppliedFixes) -> anyhow::Result<()> {
     let files = changed.iter();
     let files: Vec<_> = files
@@ -203,7 +202,7 @@ pub(super) fn write(changed: &ChangedTexts, made: &AppliedFixes) -> anyhow::Resu
     Ok(())
 }
 
-/// Whether a fix changes only what was given, and what lies beside or below it.
+/// Returns true if a fix changes only files that were given, and files in their directories or below.
 fn is_within_arguments(session: &Session, fix: &Fix) -> bool {
     let beside = |path: &Utf8Path| {
         let mut folders = session.files.iter().filter_map(|it| it.path.parent());

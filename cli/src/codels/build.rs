@@ -37,7 +37,7 @@ use dotgen_platform::process;
 /// Folder of builds, below that of generated headers.
 const RUN: &str = "run";
 
-/// Code of what compilers say.
+/// Code of diagnostics from compilers.
 const CODE: &str = "codel/compiler";
 
 /// Compile codels with the system's compilers; GenoM3 is not needed
@@ -135,7 +135,7 @@ fn tools(optimization: Optimization) -> anyhow::Result<Tools> {
     })
 }
 
-/// The steps whose outputs are missing or out of date.
+/// Returns the steps whose outputs are missing or out of date.
 fn stale<'s>(steps: &[&'s Step]) -> Vec<&'s Step> {
     let steps = steps.iter().copied();
     steps.filter(|it| !it.is_fresh(&SystemDisk)).collect()
@@ -149,7 +149,7 @@ fn files(count: usize) -> String {
     }
 }
 
-/// A line on the terminal that counts compiled files, and goes when it is dropped.
+/// A line on the terminal that counts compiled files. Dropping it clears the line.
 struct Counter {
     of: usize,
     done: AtomicUsize,
@@ -174,7 +174,7 @@ impl Counter {
 
     fn show(&self, done: usize) {
         if self.shown {
-            // A terminal that does not take the line gets no other one.
+            // If the terminal refuses the line, nothing else is printed.
             let _ = write!(std::io::stderr(), "\rcompiled {done} of {}", files(self.of));
         }
     }
@@ -198,23 +198,23 @@ struct Builder<'b> {
 
 struct Built {
     diagnostics: Vec<Diagnostic>,
-    /// The shared object is there, and all codels are in it.
+    /// True if the shared object exists and contains all codels.
     whole: bool,
 }
 
 /// The shared objects of a folder, for hosts.
 pub(crate) struct BuiltObjects {
-    /// By component; those whose objects are whole.
+    /// By component; only complete objects.
     pub(crate) hosted: Vec<SharedObject>,
-    /// What compilers said.
+    /// Messages of compilers.
     pub(crate) diagnostics: Vec<Diagnostic>,
-    /// Something does not compile.
+    /// True if something does not compile.
     pub(crate) failed: bool,
 }
 
-/// Builds what hosts run, of a folder that has sources.
+/// Builds the shared objects for hosts, from a folder with sources.
 ///
-/// When it is interrupted, it has failed.
+/// An interrupted build has failed.
 pub(crate) fn hosts(
     folder: &Folder,
     packages: &PackageConfig,
@@ -231,7 +231,7 @@ pub(crate) fn hosts(
     builder.hosts()
 }
 
-/// What is to be done for a folder.
+/// The build of a folder.
 struct FolderPlan {
     plan: Plan,
     packages: Packages,
@@ -304,7 +304,7 @@ impl Builder<'_> {
         })
     }
 
-    /// Packages that are there. Those that only the specification requires may be missing.
+    /// Returns the packages that are installed. Packages that only the specification requires may be missing.
     fn packages(&self, shown: &str) -> anyhow::Result<Vec<String>> {
         let required = build::packages(self.folder);
         let all = required.all();
@@ -326,7 +326,7 @@ impl Builder<'_> {
                 };
                 match flags(std::slice::from_ref(&one)) {
                     Ok(_) => wanted.push(one),
-                    // It is no more than interfaces.
+                    // The package contains only interfaces.
                     Err(_) if vfs::has_own_interfaces(name) => {}
                     Err(why) => bail!(
                         "`{shown}` is not compiled: its codels require the package `{one}`: {}; install {}",
@@ -355,7 +355,7 @@ impl Builder<'_> {
         let shown = session::display(specification);
         let codels = &self.folder.sources.folder;
         if !self.folder.unit.accepted() {
-            // A model with errors has gaps that a compiler would report as something else.
+            // A model with errors has gaps, which a compiler would report as other errors.
             bail!("`{shown}` is not compiled: it has errors; `dotgen check {shown}` shows them");
         }
         if self.folder.sources.sources.is_empty() {
@@ -404,7 +404,7 @@ impl Builder<'_> {
         })
     }
 
-    /// Runs what has to be run; what was said about places, and what else went wrong.
+    /// Runs the necessary steps. Returns the messages with places, and other errors.
     fn compile(
         &self,
         steps: &[&Step],
@@ -416,7 +416,7 @@ impl Builder<'_> {
             .jobs
             .unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
         let next = AtomicUsize::new(0);
-        // A compiler that is ended leaves its own temporary files, here.
+        // A compiler that is ended leaves its temporary files, in this folder.
         let temporary = process::System.folder(None)?;
         let (place, interrupt) = (temporary.path(), self.interrupt);
         let work = |step: &Step| perform(step, place, interrupt);
@@ -460,7 +460,7 @@ impl Builder<'_> {
         Ok((said, other))
     }
 
-    /// What compilers said, at its places; notes belong to what was said before.
+    /// Converts messages of compilers to diagnostics. Notes belong to the message before them.
     fn diagnostics(&self, said: &[CompilerMessage]) -> Vec<Diagnostic> {
         let expected = self.folder.expected();
         let mut out: Vec<Diagnostic> = Vec::new();
@@ -507,7 +507,7 @@ impl Builder<'_> {
     }
 }
 
-/// Writes what has changed: a header that stays as it is keeps its time.
+/// Writes changed headers only: an unchanged header keeps its time.
 fn write_headers(plan: &Plan, folder: &Utf8Path) -> anyhow::Result<()> {
     let mut files: Vec<NewContent> = (plan.headers.iter())
         .map(|it| report::new_content(&it.path, &it.text))
@@ -522,16 +522,16 @@ fn write_changed(mut files: Vec<NewContent>) -> anyhow::Result<()> {
     report::write_files(&files)
 }
 
-/// Runs a step: whether its output was made, and what was printed.
+/// Runs a step. Returns true if its output was created, and the printed text.
 fn perform(step: &Step, temporary: &Path, interrupt: &Interrupt) -> anyhow::Result<(bool, String)> {
-    // Until the output is whole nothing says that it is.
+    // Until the output is complete, the record is empty.
     report::write_files(&[report::new_content(&step.record(), "")])?;
     let (program, arguments) = step
         .command
         .split_first()
         .context("a step runs a program")?;
     let arguments: Vec<OsString> = arguments.iter().map(Into::into).collect();
-    // Messages are read, so they have to be in one language.
+    // Messages are parsed, so their language is fixed.
     let environment = [
         ("LC_ALL", "C".to_owned()),
         ("TMPDIR", temporary.to_string_lossy().into_owned()),
@@ -551,7 +551,7 @@ fn perform(step: &Step, temporary: &Path, interrupt: &Interrupt) -> anyhow::Resu
     Ok((status.success(), printed))
 }
 
-/// The word at a line and a column, both from 1; what is beyond a line is its end.
+/// Returns the range of the word at a line and a column, both from 1. A column beyond the line is its end.
 fn place(text: &str, line: usize, column: usize) -> std::ops::Range<usize> {
     let mut start = 0;
     let mut lines = text.split_inclusive('\n');

@@ -1,4 +1,4 @@
-//! `dotgen monitor SOCKET`: a run is followed while it goes on.
+//! `dotgen monitor SOCKET`: follows a run until it ends.
 
 use std::os::unix::fs::FileTypeExt as _;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -11,12 +11,12 @@ use serde_json::json;
 use super::{Format, NewDeviations, POLL_INTERVAL};
 use crate::call::RunConnection;
 
-/// Whether a path leads to a socket.
+/// Returns true if a path is that of a socket.
 pub(super) fn is_socket(path: &Utf8Path) -> bool {
     std::fs::metadata(path).is_ok_and(|it| it.file_type().is_socket())
 }
 
-/// Hears of the runs of codels until the run ends, or Ctrl-C.
+/// Receives executions of codels until the run ends, or Ctrl-C.
 pub(super) fn follow(
     path: &Utf8Path,
     monitor: &mut Monitor<'_>,
@@ -26,7 +26,7 @@ pub(super) fn follow(
     let mut talk = RunConnection::begin(Some(&path.to_owned()))?;
     talk.say(&json!({"id": 1, "profile": null}))?;
     let (sender, lines) = channel();
-    // It waits for what comes, also when nobody hears it any more.
+    // The thread may outlive its receiver, and ends with the process.
     std::thread::spawn(move || {
         loop {
             let heard = talk.hear();

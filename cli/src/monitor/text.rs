@@ -14,7 +14,7 @@ const TITLE: Style = Style::new().bold();
 const GOOD: Style = AnsiColor::Green.on_default();
 const BAD: Style = AnsiColor::Red.on_default().bold();
 
-/// More of a list are counted only.
+/// Maximum number of listed items. Further ones are only counted.
 const MAX_LISTED: usize = 20;
 
 pub(super) fn print(title: &str, reports: &[(Utf8PathBuf, MonitorReport)]) -> anyhow::Result<()> {
@@ -122,7 +122,7 @@ fn list(out: &mut impl Write, title: &str, all: &[String]) -> anyhow::Result<()>
     Ok(())
 }
 
-/// Deviations of a log that is followed.
+/// Prints deviations of a log that is followed.
 pub(super) fn as_they_come(deviations: &[Deviation]) -> anyhow::Result<()> {
     if deviations.is_empty() {
         return Ok(());

@@ -11,7 +11,8 @@ use super::{FileReports, OpenNames};
 use crate::session::{self, Texts};
 use dotgen_lsp_server::protocol::types::{Position, Range};
 
-/// Version of the form. What a new one adds may be ignored; what it takes away or changes raises it.
+/// Version of the format. Additions may be ignored by readers; a removed or changed member increases the
+/// version.
 pub(crate) const VERSION: u32 = 1;
 
 /// What `dotgen check --format json` prints.
@@ -170,7 +171,7 @@ struct Waiting {
     codels: usize,
 }
 
-/// Diagnostics as programs read them.
+/// Converts diagnostics to entries.
 pub(crate) fn entries(diagnostics: &[Diagnostic], texts: &Texts) -> Vec<Entry> {
     let entries = diagnostics.iter().map(|it| Entry {
         file: session::display(&it.path),
@@ -217,7 +218,7 @@ pub(crate) fn print(report: &FileReports) -> anyhow::Result<()> {
     Ok(std::io::stdout().write_all(dotgen_syntax::encoding::shown(&json).as_bytes())?)
 }
 
-/// Lines from 0, characters in UTF-16 units.
+/// Returns a range with lines from 0 and characters in UTF-16 units.
 pub(super) fn range(texts: &Texts, path: &Utf8Path, range: &std::ops::Range<usize>) -> Range {
     texts
         .get(path)
@@ -231,7 +232,7 @@ mod tests {
 
     use super::*;
 
-    /// Freshness: regenerates the committed schema and fails if it had to write.
+    /// Rewrites the committed schema, and fails if the schema was out of date.
     #[test]
     fn committed_schema_of_check_is_up_to_date() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/check.schema.json");

@@ -69,7 +69,7 @@ fn result(report: &FileReports, it: &Diagnostic) -> Value {
     result
 }
 
-/// A fix; whether it can be applied unasked is a property of ours.
+/// Converts a fix. A property of dotgen tells if the fix is plain.
 fn fix(report: &FileReports, it: &Fix) -> Value {
     let changes = it.edits.iter().map(|it| {
         json!({
@@ -106,8 +106,8 @@ fn region(report: &FileReports, path: &Utf8Path, range: &std::ops::Range<usize>)
     })
 }
 
-/// A relative reference for files below the current directory, so that the result holds on other
-/// machines; a URI otherwise.
+/// Returns a relative reference for files below the current directory, so that the result holds on other
+/// machines. For other files, returns a URI.
 fn artifact(path: &Utf8Path) -> String {
     let whole = uri::from_path(path).map_or_else(|| path.to_string(), |it| it.as_str().to_owned());
     let shown = session::display(path);

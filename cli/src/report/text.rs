@@ -17,16 +17,16 @@ use crate::session::{self, Texts};
 use dotgen_lsp_server::protocol::convert::Lines;
 use dotgen_platform::panic;
 
-/// Lines longer than this many bytes are not shown: they are no help.
+/// Maximum length of a line that is shown, in bytes.
 const LONGEST_LINE: usize = 1000;
-/// An explanation further away in the same file than this many lines gets a snippet of its own.
+/// Maximum distance in lines at which an explanation in the same file shares a snippet.
 const MAX_SNIPPET_LINES: u32 = 40;
 
-/// Diagnostics and a line that sums them up.
+/// Prints diagnostics and a summary line.
 pub(crate) fn print(report: &FileReports) -> anyhow::Result<()> {
     let mut out = std::io::BufWriter::new(anstream::AutoStream::auto(std::io::stdout().lock()));
     let (texts, cores) = (&report.texts, parallel::cores());
-    // Not all at once: the texts may be many.
+    // In parts: there may be many texts.
     for some in report.diagnostics.chunks(1024) {
         let parts: Vec<&[Diagnostic]> = some.chunks(some.len().div_ceil(4 * cores)).collect();
         let one = |part: &&[Diagnostic]| -> String {
@@ -42,14 +42,14 @@ pub(crate) fn print(report: &FileReports) -> anyhow::Result<()> {
         let (file, component) = (terminal::name(&it.file), terminal::text(&it.component));
         writeln!(out, "{file}: {component}: {}", it.coverage)?;
     }
-    // If nothing could be checked, the errors say why.
+    // If nothing could be checked, the errors give the reason.
     if report.checked > 0 || !report.diagnostics.is_empty() {
         writeln!(out, "{}", summary(report))?;
     }
     Ok(out.flush()?)
 }
 
-/// The errors alone, on standard error.
+/// Prints the errors, on standard error.
 pub(crate) fn print_errors(diagnostics: &[Diagnostic], texts: &Texts) -> anyhow::Result<()> {
     let errors = diagnostics
         .iter()
@@ -57,7 +57,7 @@ pub(crate) fn print_errors(diagnostics: &[Diagnostic], texts: &Texts) -> anyhow:
     print_to_stderr(errors, texts)
 }
 
-/// Some diagnostics, on standard error.
+/// Prints some diagnostics, on standard error.
 pub(crate) fn print_to_stderr<'d>(
     diagnostics: impl IntoIterator<Item = &'d Diagnostic>,
     texts: &Texts,
@@ -101,14 +101,14 @@ fn summary(report: &FileReports) -> String {
     out
 }
 
-/// One diagnostic, with colours that the stream takes away where they are not wanted.
+/// Renders one diagnostic. The output stream removes colours if necessary.
 fn render(diagnostic: &Diagnostic, texts: &Texts) -> String {
     let render = || {
         let mut groups = vec![main_group(diagnostic, texts)];
         groups.extend(diagnostic.fixes.first().and_then(|it| fix_group(it, texts)));
         Renderer::styled().render(&groups)
     };
-    // The snippet library indexes texts; a diagnostic is worth more than its picture.
+    // The snippet library may panic on a text. The diagnostic is then printed without a snippet.
     panic::isolate(render).unwrap_or_else(|_| {
         let position = texts
             .get(&diagnostic.path)
@@ -144,7 +144,7 @@ fn level(severity: Severity) -> Level<'static> {
     }
 }
 
-/// A path for a terminal. The snippet library sees to messages and sources.
+/// Returns a path for a terminal. The snippet library escapes messages and sources.
 fn shown(path: &Utf8Path) -> String {
     terminal::name(&session::display(path)).into_owned()
 }
@@ -228,14 +228,14 @@ fn add_excerpt<'d>(
     )
 }
 
-/// The title of a fix as it stands after a colon, without the capital letter that it has in menus.
+/// Returns the title of a fix for use after a colon, without its capital letter.
 pub(crate) fn title(of_fix: &str) -> String {
     let mut rest = of_fix.chars();
     let first = rest.next().into_iter().flat_map(char::to_lowercase);
     first.chain(rest).collect()
 }
 
-/// The best fix as the text it makes, if it is in one file.
+/// Returns the best fix as a patch, if it is in one file.
 fn fix_group<'d>(fix: &'d Fix, texts: &'d Texts) -> Option<Group<'d>> {
     let path = &fix.edits.first()?.path;
     let lines = texts.get(path)?;
@@ -264,7 +264,7 @@ struct Window {
 }
 
 impl Window {
-    /// The lines in which the ranges begin and the edits end; `None` if one is too long to show.
+    /// Returns the lines in which the ranges begin and the edits end, or `None` if one is too long to show.
     fn around(lines: &Lines, ranges: impl Iterator<Item = Range<usize>>) -> Option<Window> {
         let (mut first, mut last) = (u32::MAX, 0);
         let mut end = 0;
@@ -286,7 +286,7 @@ impl Window {
         })
     }
 
-    /// The text, with every line end one that the snippet library knows. Same length.
+    /// Returns the text, with line ends that the snippet library knows. The length stays.
     fn text(&self, lines: &Lines) -> String {
         let text = &lines.text()[self.bytes.clone()];
         let mut bytes = text.chars().peekable();
@@ -298,7 +298,7 @@ impl Window {
         out
     }
 
-    /// A range in [`Window::text`]. What spans lines is shown by its first.
+    /// Converts a range to one in [`Window::text`]. Of several lines, the first is shown.
     fn span(&self, lines: &Lines, range: &Range<usize>) -> Range<usize> {
         let line = lines.position(range.start).line;
         let line_end = lines.line(line).map_or(range.end, |it| it.end);

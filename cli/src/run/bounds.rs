@@ -1,4 +1,4 @@
-//! Bounds on response times, for a run to be compared with.
+//! Bounds on response times, to compare a run with.
 
 use std::collections::HashMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -27,13 +27,13 @@ pub(crate) enum Source {
     None,
 }
 
-/// States of the verification that goes on during a run.
+/// Maximum number of states of the verification during a run.
 pub(super) const STATES: usize = 200_000;
 
-/// States of the verification before a run begins. A run does not wait for more.
+/// Maximum number of states of the verification before a run, which the run waits for.
 const MAX_STATES_BEFORE_RUN: usize = 1_000;
 
-/// By task; `None` where no bound is known.
+/// Returns the bounds, by task; `None` if no bound is known.
 pub(crate) fn of_tasks(
     source: Source,
     problem: &Problem,
@@ -50,8 +50,9 @@ pub(crate) fn of_tasks(
     bounds
 }
 
-/// As [`of_tasks`], as far as the bounds are known at once. On the real clock, also what may prove more of
-/// them. On the virtual clock a report must not depend on the speed of the machine.
+/// Returns the bounds that are known at once, as [`of_tasks`] does. On the real clock, also returns the
+/// verification that may prove more of them. On the virtual clock there is none, because a report must not
+/// depend on the speed of the machine.
 pub(super) fn at_once(
     (source, clock): (Source, Clock),
     problem: &Problem,
@@ -82,9 +83,9 @@ fn analysed(source: Source, system: &TimedSystem) -> Vec<Option<Ticks>> {
 pub(super) struct BoundVerification {
     /// Tasks by component and number, as in the report.
     tasks: HashMap<(usize, u32), usize>,
-    /// A tick in the unit of the report.
+    /// A base unit, in the unit of the report.
     tick: f64,
-    /// By task, what was proved; `None` before everything was answered or given up.
+    /// The proved bounds, by task; `None` before the verification has ended.
     proved: Mutex<Option<Answers>>,
 }
 
@@ -103,7 +104,7 @@ impl BoundVerification {
         }
     }
 
-    /// Verifies, within this number of states.
+    /// Verifies within this number of states.
     pub(super) fn prove(
         &self,
         problem: &Problem,
@@ -138,17 +139,17 @@ impl BoundVerification {
         }
     }
 
-    /// Whether every response time was answered, none given up.
+    /// Returns true if every response time was answered.
     fn is_done(&self) -> bool {
         self.proved().as_ref().is_some_and(|it| !it.given_up)
     }
 
-    /// Begins anew: what is proved from here on counts.
+    /// Starts again: earlier results are dropped.
     pub(super) fn reset(&self) {
         *self.proved() = None;
     }
 
-    /// Lowers bounds to what was proved; `false` if the verification has not ended.
+    /// Lowers bounds to the proved ones. Returns false if the verification has not ended.
     pub(super) fn add_to(&self, bounds: &mut [Option<Ticks>]) -> bool {
         let proved = self.proved();
         let Some(answers) = proved.as_ref() else {
@@ -165,8 +166,8 @@ impl BoundVerification {
     }
 }
 
-/// Drops bounds that say nothing because codels have no execution time: of tasks without any; if times are
-/// measured, of all tasks, because codels delay each other. Returns a note on codels without a time.
+/// Drops bounds that are meaningless because codels have no execution time: of tasks without any; if times
+/// are measured, of all tasks, because codels delay each other. Returns a note on codels without a time.
 pub(crate) fn without_times(
     system: &TimedSystem,
     bounds: &mut [Option<Ticks>],
@@ -201,5 +202,5 @@ pub(crate) fn without_times(
     }
 }
 
-/// More codels without a time are counted only.
+/// Maximum number of codels in the note. Further ones are only counted.
 const NAMED: usize = 10;

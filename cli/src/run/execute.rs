@@ -1,4 +1,4 @@
-//! One system, run: on the virtual or the real clock, with or without its codels.
+//! The execution of one system: on the virtual or the real clock, with or without its codels.
 
 use std::io::{self, Write};
 
@@ -19,47 +19,47 @@ use crate::session::Session;
 use dotgen_platform::files::disk::AppendedFile;
 use dotgen_views::verification::Problem;
 
-/// What a run is about.
+/// The input of a run.
 pub(super) struct Context<'c, 's> {
     pub(super) session: &'c Session,
     pub(super) problem: &'c Problem,
     pub(super) names: &'c Names<'s>,
     pub(super) options: &'c Options,
-    /// On response times, in units of the system.
+    /// Bounds on response times, in units of the system.
     pub(super) bounds: Vec<Option<Ticks>>,
-    /// What proves more bounds while the system runs.
+    /// The verification that proves more bounds during the run.
     pub(super) proving: Option<&'c BoundVerification>,
-    /// Codels are executed on the real clock.
+    /// True if codels are executed on the real clock.
     pub(super) measured: bool,
     pub(super) interrupt: &'c Interrupt,
 }
 
-/// What came of it.
+/// The results of a run.
 pub(super) struct Run {
     pub(super) report: RunReport,
-    /// How many codels were executed, and how many simulated.
+    /// Number of executed and of simulated codels.
     pub(super) executed: (usize, usize),
-    /// Lines of the profile; the first error where they could not be written.
+    /// Number of lines of the profile, or the first error of a write.
     pub(super) lines: io::Result<u64>,
-    /// The recording, if one is made.
+    /// The recording, if one was requested.
     pub(super) messages: anyhow::Result<Option<RecordingResult>>,
-    /// The first run, if it is to be shown.
+    /// The events of the first run, if a trace was requested.
     pub(super) told: Option<RunEvents>,
 }
 
 /// A recording that has ended.
 pub(super) struct RecordingResult {
-    /// Messages of ports.
+    /// Number of messages of ports.
     pub(super) data: u64,
     pub(super) steps: u64,
-    /// All of it could be written; otherwise the reason was told.
+    /// True if all of it was written. Otherwise the reason was reported.
     pub(super) whole: bool,
 }
 
-/// What happened in a run.
+/// The events of a run.
 pub(super) struct RunEvents {
     pub(super) events: Vec<Event>,
-    /// Only its beginning is there.
+    /// True if only the beginning is present.
     pub(super) left_out: bool,
 }
 
@@ -68,7 +68,7 @@ const NOT_PROVED: &str = "verification of response times cancelled: the run ende
      known before the run; `dotgen verify` may prove lower ones";
 
 impl Context<'_, '_> {
-    /// Runs, and proves bounds meanwhile. Bounds that are not proved when the run ends are not waited for.
+    /// Runs the system, and proves bounds meanwhile. The end of the run cancels the verification.
     pub(super) fn run_while_proving(
         &self,
         arguments: &Arguments,
@@ -92,7 +92,7 @@ impl Context<'_, '_> {
         })
     }
 
-    /// The bounds that are known when a run has ended, and a note if some may be missing.
+    /// Returns the bounds that are known at the end of a run, and a note if some may be missing.
     fn final_bounds(&self, prepared: &Prepared) -> (Vec<Option<Ticks>>, Option<String>) {
         let mut bounds = self.bounds.clone();
         let proved = self.proving.is_none_or(|it| it.add_to(&mut bounds));
@@ -100,7 +100,8 @@ impl Context<'_, '_> {
         (bounds, (!proved).then(|| NOT_PROVED.to_owned()))
     }
 
-    /// `None` if it cannot run, which was told, or was interrupted before it ran.
+    /// Runs the system. Returns `None` if it cannot run, which was reported, or was interrupted before the
+    /// run.
     fn run(
         &self,
         arguments: &Arguments,
@@ -151,8 +152,8 @@ impl Context<'_, '_> {
         })
     }
 
-    /// What writes the runs of codels, if somebody wants them. `measured`: on the real clock, the codels that
-    /// are executed.
+    /// Returns the writer of executions of codels, if one was requested. `measured`: the codels that are
+    /// executed on the real clock.
     fn profile<'r, 'a>(
         &self,
         prepared: &'r Prepared,
@@ -180,7 +181,7 @@ impl Context<'_, '_> {
         Ok(Some(Profile::new(system, functions, runs)))
     }
 
-    /// The recording that is wanted, if one is.
+    /// Returns the recording, if one was requested.
     fn recording<'r>(
         &'r self,
         file: Option<AppendedFile>,
@@ -249,7 +250,7 @@ impl Context<'_, '_> {
         }
         let settings = settings(&self.problem.scenario, self.options);
         let parts = hosted.parts(prepared, self.names, &settings, &inputs);
-        // Without a scenario nobody sends requests but who is outside.
+        // Without a scenario, requests come only from outside.
         let default = self.problem.path.extension() == Some("gen");
         let (opened, factor, first) = hosted::opened(prepared, &parts, real, default);
         let parts = match first {
@@ -284,7 +285,7 @@ impl Context<'_, '_> {
             );
         }
         if real {
-            // What is not granted, hosts tell.
+            // Hosts report the rights that the system does not grant.
             realtime::lock_memory(realtime::Pages::Present);
         }
         let serving = match real {

@@ -1,4 +1,4 @@
-//! Codels of their own: what of a system is executed, and built for that.
+//! Codels that are executed: their selection, and their build.
 
 use std::collections::{HashMap, HashSet};
 
@@ -23,18 +23,18 @@ use dotgen_lsp_server::features::codels::Disk;
 use dotgen_lsp_server::protocol::convert::{Encoding, Lines};
 use dotgen_views::verification::Problem;
 
-/// What is executed of a system.
+/// The executed part of a system.
 pub(super) struct Hosted<'s> {
     /// By component of [`Names`].
     parts: Vec<Option<HostedComponent<'s>>>,
-    /// Shared objects, likewise.
+    /// Shared objects, by component of [`Names`].
     libraries: Vec<Option<Utf8PathBuf>>,
-    /// What people should know of it.
+    /// Notes for the report.
     pub(super) notes: Vec<String>,
 }
 
-/// Builds what has sources, for a debugger if one is wanted; `None` if that does not compile, which is told,
-/// or is interrupted.
+/// Builds the components with sources, on request for a debugger. Returns `None` if the build fails, which is
+/// reported, or is interrupted.
 pub(super) fn build<'s>(
     session: &Session,
     problem: &Problem,
@@ -93,7 +93,7 @@ pub(super) fn build<'s>(
     }
     if failed {
         said.finish();
-        // On the error output: what comes of a run may be read by a program.
+        // On standard error: standard output may be read by a program.
         report::text::print_errors(&said.diagnostics, &said.texts)?;
         report::note("codels that do not compile cannot run; `--simulate all` does without them");
         return Ok(None);
@@ -120,7 +120,7 @@ pub(super) fn build<'s>(
 }
 
 impl<'s> Hosted<'s> {
-    /// Nothing is executed.
+    /// Returns the absence of executed codels.
     pub(super) fn none(names: &Names<'s>) -> Self {
         Hosted {
             parts: names.components.iter().map(|_| None).collect(),
@@ -129,12 +129,12 @@ impl<'s> Hosted<'s> {
         }
     }
 
-    /// Whether anything is executed.
+    /// Returns true if no codel is executed.
     pub(super) fn is_empty(&self) -> bool {
         self.parts.iter().all(Option::is_none)
     }
 
-    /// Shared objects by component of the system.
+    /// Returns the shared objects by component of the system.
     pub(super) fn libraries(&self, prepared: &Prepared) -> Vec<Option<Utf8PathBuf>> {
         let built = &prepared.built;
         let mut out = vec![None; built.system.components.len()];
@@ -144,7 +144,7 @@ impl<'s> Hosted<'s> {
         out
     }
 
-    /// The parts of a system, with what requests send.
+    /// Returns the parts of a system, with the inputs of requests.
     pub(super) fn parts(
         &self,
         prepared: &Prepared,
@@ -159,8 +159,9 @@ impl<'s> Hosted<'s> {
     }
 }
 
-/// A system with room for what codels do; on the real clock also for how long they take, and for who is
-/// outside. The factor by which its times have grown, and the first client from outside.
+/// Returns a system that allows the behaviour of executed codels; on the real clock also their durations, and
+/// requests from outside. Also returns the factor by which the times of the system have grown, and the first
+/// client for requests from outside.
 pub(super) fn opened(
     prepared: &Prepared,
     parts: &HostedComponents<'_>,
@@ -182,7 +183,7 @@ pub(super) fn opened(
     (out, factor, Some(first))
 }
 
-/// What `--input COMPONENT.SERVICE=JSON` gives, as bytes.
+/// Parses `--input COMPONENT.SERVICE=JSON`. Returns the inputs as bytes.
 pub(super) fn inputs(
     given: &[String],
     names: &Names<'_>,
@@ -218,7 +219,7 @@ pub(super) fn inputs(
     Ok(out)
 }
 
-/// The unit of a clock in nanoseconds.
+/// Returns the unit of a clock in nanoseconds.
 pub(super) fn nanos(prepared: &Prepared) -> u64 {
     let unit = prepared.built.system.unit * num_rational::Ratio::from_integer(1_000_000_000);
     u64::try_from(unit.to_integer()).unwrap_or(1).max(1)

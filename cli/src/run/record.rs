@@ -1,4 +1,4 @@
-//! A run as a recording: its steps, and what its components write to their ports.
+//! A recording of a run: its steps, and the data that its components write to their ports.
 
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 
 use dotgen_platform::files::disk::AppendedFile;
 
-/// Longest time until messages are in the file, although their chunk is not full.
+/// Maximum time until messages are in the file, even if their chunk is not full.
 const FLUSH_INTERVAL: Duration = Duration::from_millis(500);
 
 /// See the [module](self).
@@ -27,18 +27,18 @@ pub(super) struct Recording<'r, 's> {
     members: Vec<Option<&'r Member<'s>>>,
     out: Writer<AppendedFile>,
     about: RunInfo,
-    /// Nanoseconds since 1970 at which the run begins; 0 on the virtual clock.
+    /// Nanoseconds since 1970 at the start of the run; 0 on the virtual clock.
     start: u64,
-    /// Messages, steps apart.
+    /// Number of messages, without steps.
     pub(super) data: u64,
     pub(super) steps: u64,
-    /// When the present chunk began, if it has messages.
+    /// Start of the present chunk, if it has messages.
     begun: Option<Instant>,
     error: Option<anyhow::Error>,
 }
 
 impl<'r, 's> Recording<'r, 's> {
-    /// For a run of a system, to a file.
+    /// Creates a recording of a run of a system, in a file.
     pub(super) fn new(
         file: AppendedFile,
         prepared: &'r Prepared,
@@ -73,7 +73,7 @@ impl<'r, 's> Recording<'r, 's> {
         })
     }
 
-    /// Ends the file. Returns false if something could not be written, which was told.
+    /// Ends the file. Returns false if something could not be written, which was reported.
     pub(super) fn finish(self) -> anyhow::Result<bool> {
         match self.error {
             Some(error) => Err(error),
@@ -133,7 +133,7 @@ impl Record for Recording<'_, '_> {
         if !written.id.is_empty() {
             topic = format!("{topic}/{}", written.id);
         }
-        // Messages are objects: what is none is wrapped, as its schema is.
+        // Messages are objects. Another value becomes a member of an object, as in its schema.
         let value = match value {
             it @ Value::Object(_) => it,
             it => json!({"value": it}),
@@ -158,7 +158,7 @@ impl Record for Recording<'_, '_> {
     }
 }
 
-/// The schema of messages with values of a schema.
+/// Returns the schema of messages for the schema of values.
 fn message(mut schema: Value) -> Value {
     if schema["type"] != "object" {
         schema = json!({

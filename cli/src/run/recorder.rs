@@ -10,22 +10,22 @@ use dotgen_timing::scn::names::Names;
 use crate::failure;
 use dotgen_platform::files::disk::AppendedFile;
 
-/// All files of a run that grow with it.
+/// All files that grow during a run.
 pub(super) struct Files<'a> {
-    /// Those with the runs of codels, if any is wanted.
+    /// The files with the executions of codels, if requested.
     pub(super) runs: Option<Recorder<'a>>,
     /// The recording, until the run begins.
     pub(super) recording: Option<AppendedFile>,
 }
 
-/// Lines of a log come in; a log and a trace are written.
+/// Reads lines of a log, and writes a log and a trace.
 pub(super) struct Recorder<'a> {
     log: Option<AppendedFile>,
     trace: Option<(AppendedFile, Trace<'a>)>,
     lines: Lines,
 }
 
-/// Opens a file. The run goes on if it cannot be written any more.
+/// Opens a file. The run goes on if a later write fails.
 fn open(path: &Utf8Path) -> anyhow::Result<AppendedFile> {
     let told = path.to_owned();
     let tell = move |error: &io::Error| {
@@ -38,10 +38,10 @@ fn open(path: &Utf8Path) -> anyhow::Result<AppendedFile> {
 }
 
 impl<'a> Files<'a> {
-    /// Opens the files that are wanted.
+    /// Opens the requested files.
     ///
     /// # Errors
-    /// One of them cannot be opened or made.
+    /// A file cannot be opened or created.
     pub(super) fn open(
         log: Option<&Utf8Path>,
         trace: Option<&Utf8Path>,
@@ -62,7 +62,7 @@ impl<'a> Files<'a> {
     }
 }
 
-/// Files that are whole. For those that are not, the reason was told.
+/// Marks the files that are complete. For the others, the reason was reported.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CompleteFiles {
     pub(super) log: bool,
@@ -70,7 +70,7 @@ pub(super) struct CompleteFiles {
 }
 
 impl Recorder<'_> {
-    /// Writes a line that only the log has.
+    /// Writes a line to the log only.
     pub(super) fn say(&mut self, text: &str) -> io::Result<()> {
         match &mut self.log {
             Some(log) => log.write_all(text.as_bytes()),
@@ -110,7 +110,7 @@ impl Write for Recorder<'_> {
     }
 }
 
-/// A recorder, if there is one, and who follows the run, if somebody may.
+/// The recorder and the subscribers of a run, if there are any.
 pub(super) struct Runs<'r, 'a> {
     pub(super) recorder: Option<&'r mut Recorder<'a>>,
     pub(super) followers: Option<Box<dyn Write>>,

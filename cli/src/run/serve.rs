@@ -1,4 +1,4 @@
-//! A run that listens: the socket, other machines, and what is known of the components there.
+//! The server of a run: the socket, other machines, and the descriptions of components.
 
 use std::collections::BTreeMap;
 
@@ -20,14 +20,14 @@ use dotgen_hosting::server::{Clients, Server, listen};
 use dotgen_hosting::sockets;
 use dotgen_views::verification::Problem;
 
-/// Who listens; nobody does any more when it is dropped.
+/// The server. Dropping it ends all connections.
 pub(super) struct RunServer {
     pub(super) server: Server,
     #[cfg(feature = "zenoh")]
     _network: Option<Network>,
 }
 
-/// Listens for whoever wants something of a run.
+/// Starts the server.
 pub(super) fn start(
     arguments: &Arguments,
     problem: &Problem,
@@ -107,7 +107,7 @@ pub(super) fn start(
     })
 }
 
-/// Joins other machines, if they are named.
+/// Connects to other machines, if endpoints are given.
 #[cfg(feature = "zenoh")]
 fn join(
     arguments: &Arguments,

@@ -20,7 +20,7 @@ const GOOD: Style = AnsiColor::Green.on_default();
 const BAD: Style = AnsiColor::Red.on_default().bold();
 const OPEN: Style = AnsiColor::Yellow.on_default();
 
-/// More transitions that were never taken are counted only.
+/// Maximum number of listed transitions that were never taken. Further ones are only counted.
 const NEVER: usize = 20;
 
 pub(super) fn print(answers: &[Answer]) -> anyhow::Result<()> {
@@ -102,7 +102,7 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// How many codels were executed, if any.
+/// Returns the number of executed codels, if there are any.
 fn executed(answer: &Answer) -> String {
     match answer.executed {
         (0, _) => String::new(),
@@ -120,7 +120,7 @@ fn durations(report: &RunReport) -> &'static str {
     }
 }
 
-/// Why the last run did not last as long as was asked for.
+/// Returns the reason why the last run ended early.
 fn ended(end: End) -> Option<&'static str> {
     match end {
         End::Done => None,
@@ -208,7 +208,7 @@ fn transitions(out: &mut impl Write, report: &RunReport) -> std::io::Result<()> 
 
 fn word(it: &CheckOutcome) -> &'static str {
     match it.verdict {
-        // The word of `dotgen verify`.
+        // The word that `dotgen verify` uses.
         Verdict::Kept if it.exceeded => "exceeds",
         Verdict::Kept => "kept",
         Verdict::Violated => "violated",
@@ -313,7 +313,7 @@ fn times(count: u64) -> String {
     }
 }
 
-/// When it was, and how to come there again.
+/// Returns the time of an event, and the options that repeat it.
 fn moment(at: &RunMoment, report: &RunReport, scale: Scale) -> String {
     let time = scale.show_value(at.time);
     match report.runs {
@@ -322,7 +322,8 @@ fn moment(at: &RunMoment, report: &RunReport, scale: Scale) -> String {
     }
 }
 
-/// The first column is on the left, and the second where it is a text; numbers are on the right.
+/// Prints a table. The first column is left-aligned, and so is the second if it is text. Numbers are
+/// right-aligned.
 fn table(out: &mut impl Write, head: &[&str], rows: &[Vec<String>]) -> std::io::Result<()> {
     if rows.is_empty() {
         return Ok(());
@@ -332,7 +333,7 @@ fn table(out: &mut impl Write, head: &[&str], rows: &[Vec<String>]) -> std::io::
         .map(|column| {
             let cells = rows.iter().map(|it| it[column].chars().count());
             let most = cells.max().unwrap_or(0);
-            // Columns that are empty are left out.
+            // Empty columns are left out.
             if most == 0 {
                 0
             } else {

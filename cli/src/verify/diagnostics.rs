@@ -1,4 +1,4 @@
-//! What the verifier says about a scenario and its specifications, beside its answers.
+//! The diagnostics of the verifier about a scenario and its specifications.
 
 use camino::Utf8PathBuf;
 use dotgen_analysis::diagnostic::Diagnostic;
@@ -9,17 +9,17 @@ use dotgen_lsp_server::config::Level;
 use dotgen_lsp_server::protocol::convert::{Encoding, Lines};
 use dotgen_views::verification::Problem;
 
-/// More places than this beside the first are not shown: a wall of them is no help.
+/// Maximum number of related places that are shown.
 const PLACES: usize = 4;
 
-/// Diagnostics and the texts they talk about.
+/// Diagnostics, with the texts to which they refer.
 pub(crate) struct ScenarioDiagnostics {
     found: Vec<Diagnostic>,
     texts: Texts,
 }
 
 impl ScenarioDiagnostics {
-    /// Why a problem cannot be verified.
+    /// Returns the reasons why a problem cannot be verified.
     pub(crate) fn about(
         session: &Session,
         problem: &Problem,
@@ -34,8 +34,8 @@ impl ScenarioDiagnostics {
         Ok(ScenarioDiagnostics { found, texts })
     }
 
-    /// What the verifier says, also about the checks of the command line, whose places follow the text of the
-    /// scenario.
+    /// Returns the diagnostics of the verifier, also about the checks of the command line, whose places
+    /// follow the text of the scenario.
     pub(crate) fn by_verifier(
         session: &Session,
         problem: &Problem,
@@ -60,7 +60,7 @@ impl ScenarioDiagnostics {
         Ok(out)
     }
 
-    /// On standard error.
+    /// Prints the diagnostics on standard error.
     pub(crate) fn print(mut self) -> anyhow::Result<()> {
         for it in &mut self.found {
             if it.related.len() > PLACES {
@@ -70,7 +70,7 @@ impl ScenarioDiagnostics {
         report::text::print_to_stderr(&self.found, &self.texts)
     }
 
-    /// As `dotgen check` has them.
+    /// Returns the diagnostics in the form of `dotgen check --format json`.
     pub(crate) fn to_json(&self) -> anyhow::Result<serde_json::Value> {
         let entries = report::json::entries(&self.found, &self.texts);
         Ok(serde_json::to_value(entries)?)

@@ -1,4 +1,4 @@
-//! `--explain`: which reductions the explorations used, and why others were not.
+//! `--explain`: the reductions that the explorations used, and the reasons against the others.
 
 use std::io::Write;
 

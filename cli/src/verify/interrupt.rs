@@ -1,4 +1,4 @@
-//! Ctrl-C on a terminal: a verification ends with what is known so far. A second one ends everything at once.
+//! Ctrl-C: a verification ends with the answers so far. A second Ctrl-C ends the process at once.
 
 use std::io::IsTerminal;
 
@@ -8,10 +8,11 @@ use tokio::signal::unix::{Signal, SignalKind, signal};
 
 use dotgen_platform::files::disk;
 
-/// What a process says that was ended by Ctrl-C.
+/// Exit status of a process that was ended by Ctrl-C.
 const ENDED: i32 = 130;
 
-/// Raised by Ctrl-C, if somebody sits at a terminal; elsewhere the signal ends the process as it does others.
+/// Returns an interrupt that Ctrl-C raises, if the process has a terminal. Otherwise the signal ends the
+/// process.
 pub(crate) fn on_terminal() -> Interrupt {
     match std::io::stderr().is_terminal() {
         true => watched(),
@@ -19,18 +20,19 @@ pub(crate) fn on_terminal() -> Interrupt {
     }
 }
 
-/// Raised by Ctrl-C, and by the wish that this process ends, wherever that comes from.
+/// Returns an interrupt that Ctrl-C, TERM and HUP raise, whatever their source.
 pub(crate) fn on_signals() -> Interrupt {
     watched()
 }
 
-/// The signals that ask for the end. Those that come while nobody waits are heard by who waits next.
+/// The signals that request the end. A signal that comes while no task waits for it is kept for the next one.
 #[cfg(unix)]
 struct Signals {
     interrupts: Signal,
     ends: Signal,
     hangs_up: Signal,
-    /// Where this is heard, a file that may not grow is an error of that file, and not the end.
+    /// With this handler, a file that may not grow causes an error of its write, and does not end the
+    /// process.
     #[cfg(target_os = "linux")]
     _too_large: Option<Signal>,
 }
@@ -47,7 +49,7 @@ impl Signals {
         })
     }
 
-    /// The next one.
+    /// Waits for the next signal.
     async fn next(&mut self) {
         tokio::select! {
             _ = self.interrupts.recv() => {}
@@ -82,12 +84,12 @@ fn watched() -> Interrupt {
         return interrupt;
     };
     let (raised, listens) = (interrupt.clone(), std::sync::mpsc::channel());
-    // It waits until the process ends.
+    // The thread ends with the process.
     std::thread::spawn(move || {
         runtime.block_on(async {
             let signals = Signals::new();
             let _ = listens.0.send(());
-            // Without a handler the signal does what it always did.
+            // Without a handler the signal has its default effect.
             let Ok(mut signals) = signals else { return };
             signals.next().await;
             raised.raise();
@@ -95,7 +97,7 @@ fn watched() -> Interrupt {
             disk::leave(ENDED);
         });
     });
-    // From here on a signal is heard.
+    // From here on signals are handled.
     let _ = listens.1.recv();
     interrupt
 }

@@ -1,4 +1,4 @@
-//! `--format json`: the shape that `docs/cli.md` promises.
+//! `--format json`: the format that `docs/cli.md` documents.
 
 use std::io::Write;
 

@@ -1,5 +1,4 @@
-//! `--sensitivity`: what repairs a system, and how far it is from missing deadlines. Answers are printed as
-//! they come.
+//! `--sensitivity`: changes that repair a system, and its slack. Answers are printed when they are found.
 
 use std::io::{IsTerminal, Write};
 
@@ -11,7 +10,7 @@ use super::progress::{self, Activity};
 use super::{Answer, Session, Slacks, text};
 use dotgen_views::verification::changes::{self, Repair};
 
-/// Looks for all of it, and prints what is found if that is wanted.
+/// Computes all answers, and prints each when it is found if `prints` is set.
 pub(super) fn found(
     session: &Session,
     answer: &Answer,
@@ -22,11 +21,11 @@ pub(super) fn found(
     let print = |text: &dyn Fn(&mut dyn Write) -> std::io::Result<()>| {
         if prints {
             let mut out = anstream::AutoStream::auto(std::io::stdout().lock());
-            // Whoever does not read it any more need not.
+            // If the reader has closed the output, the computation continues.
             let _ = text(&mut out).and_then(|()| out.flush());
         }
     };
-    // Lines that come one by one say themselves how far it is.
+    // Lines that are printed one by one show the progress themselves.
     let shows = prints && std::io::stdout().is_terminal();
     type Work<'a> = &'a mut dyn FnMut(&(dyn Fn(Activity) + Sync));
     let during = |doing: &str, work: Work<'_>| match shows {
@@ -58,7 +57,7 @@ pub(super) fn found(
             InterimResult::Wcet(it) => print(&|out| lines.extreme(out, "largest WCET", it)),
             InterimResult::Period(it) => print(&|out| lines.extreme(out, "smallest period", it)),
         };
-        // What is wrong with the scenario has been said.
+        // Errors of the scenario were reported.
         sensitivity = problem.sensitivity(options, cancel, &told).ok();
     });
     if let Some(it) = &sensitivity {

@@ -1,4 +1,4 @@
-//! How far a long verification is: one line on the terminal, which goes when it has ended.
+//! The progress of a long verification: one line on the terminal, which is cleared at the end.
 
 use std::io::{IsTerminal, Write};
 use std::sync::{Condvar, Mutex, PoisonError};
@@ -6,23 +6,23 @@ use std::time::{Duration, Instant};
 
 use dotgen_timing::verify::{Cancel, Effort};
 
-/// What is soon over says nothing.
+/// Time before the line is drawn: short verifications show none.
 const FIRST_DRAW_DELAY: Duration = Duration::from_secs(1);
 const REDRAW_INTERVAL: Duration = Duration::from_millis(250);
 
-/// Longer lines would be wrapped, and could not be taken back.
+/// Maximum length. Longer lines would be wrapped, and could not be cleared.
 const WIDTH: usize = 78;
 
-/// What is at work.
+/// The current work.
 #[derive(Clone, Default)]
 pub(super) struct Activity {
-    /// In words; shortened when it is too long.
+    /// The work as text, shortened if it is too long.
     pub(super) what: String,
-    /// Of that, if it is known.
+    /// The finished part of the work, if it is known.
     pub(super) how_far: String,
 }
 
-/// Does some work, which says what it is at; meanwhile its line is kept up to date.
+/// Does some work, which sets its activity, and keeps the line up to date meanwhile.
 pub(super) fn during<R>(
     cancel: &Cancel,
     doing: &str,
@@ -53,7 +53,7 @@ struct Shared {
     ended: Condvar,
 }
 
-/// Ends the painting, also when the work panics.
+/// Ends the drawing, also when the work panics.
 struct End<'s>(&'s Shared);
 
 impl Drop for End<'_> {
@@ -107,7 +107,7 @@ fn words(Activity { what, how_far }: &Activity, effort: Effort, elapsed: Duratio
     }
 }
 
-/// A line that is written over itself. A terminal that does not take it is none of our business.
+/// A line that is overwritten. Errors of the terminal are ignored.
 struct Line<W> {
     out: W,
     shown: bool,

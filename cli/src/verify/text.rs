@@ -20,7 +20,7 @@ use dotgen_views::verification::view::{CheckView, Outcome};
 const TITLE: Style = Style::new().bold();
 const FAINT: Style = Style::new().dimmed();
 
-/// What was found of the checks, and the runs that show it; after another answer with a blank line between.
+/// Prints the answers of the checks, and their runs, after a blank line unless it is the first.
 pub(super) fn head(answer: &Answer, is_first: bool, explained: bool) -> anyhow::Result<()> {
     let out = &mut anstream::AutoStream::auto(std::io::stdout().lock());
     if !is_first {
@@ -36,7 +36,7 @@ pub(super) fn head(answer: &Answer, is_first: bool, explained: bool) -> anyhow::
         summary::platform(&settings),
         answer.file(),
     )?;
-    // Without any execution time, the table says all there is to say.
+    // Without any execution time, the table is sufficient.
     let is_nothing = |it: &FirstAnswer| it.outcome == Outcome::Nothing;
     if !answer.first.iter().all(is_nothing) {
         writeln!(out)?;
@@ -102,13 +102,13 @@ pub(super) fn head(answer: &Answer, is_first: bool, explained: bool) -> anyhow::
     Ok(())
 }
 
-/// A paragraph below a run, after its label.
+/// Prints a paragraph below a run, after its label.
 fn labelled(out: &mut impl Write, label: &str, text: &str) -> std::io::Result<()> {
     let text = wrapped(text, label.len() + 3, 4);
     writeln!(out, "  {TITLE}{label}{TITLE:#} {text}")
 }
 
-/// What it depends on, and what it amounts to.
+/// Prints the assumptions and the summary.
 pub(super) fn tail(answer: &Answer, explained: bool) -> anyhow::Result<()> {
     let out = &mut anstream::AutoStream::auto(std::io::stdout().lock());
     let (report, view) = (&answer.report, answer.view());
@@ -156,7 +156,7 @@ pub(super) fn tail(answer: &Answer, explained: bool) -> anyhow::Result<()> {
     }
 }
 
-/// The lines of `--sensitivity`, each printed when it is found.
+/// Prints the lines of `--sensitivity`, each when it is found.
 pub(super) struct Limits {
     scale: Scale,
     width: usize,
@@ -172,12 +172,12 @@ impl Limits {
         }
     }
 
-    /// A change that repairs what is missed.
+    /// Prints a change that repairs the system.
     pub(super) fn repair(&self, out: &mut dyn Write, it: &Repair) -> std::io::Result<()> {
         writeln!(out, "  {TITLE}repair{TITLE:#} {}", it.words)
     }
 
-    /// The smallest of several, and whether all were tried.
+    /// Prints the smallest of several changes, and a note if not all were tried.
     pub(super) fn repaired(&self, out: &mut dyn Write, all: &Repairs) -> std::io::Result<()> {
         if let [smallest, _, ..] = &all.all[..] {
             writeln!(out, "  {TITLE}smallest{TITLE:#} {}", smallest.words)?;
@@ -199,7 +199,7 @@ impl Limits {
         }
     }
 
-    /// How far a value can go.
+    /// Prints the limit of a value.
     pub(super) fn extreme(
         &self,
         out: &mut dyn Write,
@@ -219,7 +219,7 @@ impl Limits {
         )
     }
 
-    /// What breaks first, and whether something is missing.
+    /// Prints the most critical value, and a note if something is missing.
     pub(super) fn ending(&self, out: &mut dyn Write, it: &Sensitivity) -> std::io::Result<()> {
         if let Some(next) = &it.next_to_break {
             let next = summary::next_to_break(next, self.scale);
@@ -235,7 +235,7 @@ impl Limits {
     }
 }
 
-/// A line of the table.
+/// A row of the table.
 struct Row {
     verdict: &'static str,
     style: Style,
@@ -271,7 +271,7 @@ impl Row {
     }
 }
 
-/// Takes long remarks that several rows have out of the rows, which refer to them by number.
+/// Moves long remarks of several rows below the table. The rows refer to them by number.
 fn shared_remarks(rows: &mut [Row]) -> Vec<String> {
     const LONG: usize = 100;
     let mut shared: Vec<String> = Vec::new();
@@ -317,7 +317,7 @@ fn table(out: &mut impl Write, rows: &[Row]) -> std::io::Result<()> {
         width("limit", |it| &it.limit),
     );
     let slack = width("slack", |it| &it.slack);
-    // Columns that are empty are left out.
+    // Empty columns are left out.
     let right = |text: &str, width: usize| match width {
         0 => String::new(),
         _ => format!("  {text:>width$}"),
@@ -358,7 +358,7 @@ fn table(out: &mut impl Write, rows: &[Row]) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Of runs with more lines the beginning and the end are shown.
+/// Maximum number of lines of a run. Of longer runs the beginning and the end are shown.
 const MAX_LINES: usize = 100;
 const HEAD_LINES: usize = 20;
 const TAIL_LINES: usize = 50;
@@ -366,7 +366,7 @@ const TAIL_LINES: usize = 50;
 /// A line of a run.
 enum Line {
     Step(usize),
-    /// What repeats itself, and the last step of that.
+    /// The repeated part, with the index of its last step.
     Again(String, usize),
 }
 
@@ -387,7 +387,7 @@ fn lines(events: &[Event], cycle: Option<usize>) -> Vec<Line> {
     lines.collect()
 }
 
-/// A run as a list: times once each, who, what; and what repeats itself once.
+/// Returns a run as a list. Equal times are shown once, and so is a repeated part.
 fn run(
     out: &mut impl Write,
     events: &[Event],
@@ -472,7 +472,7 @@ fn run(
     Ok(())
 }
 
-/// The rule that acted in a step, as JSON and `docs/verification.md` call it.
+/// Returns the name of the rule of a step, as in JSON and `docs/verification.md`.
 fn rule(kind: MomentKind) -> String {
     let word = serde_json::to_value(kind).ok();
     let word = word.as_ref().and_then(|it| it.as_str());

@@ -91,7 +91,7 @@ enum Format {
 /// A codel in one of its states.
 struct Row {
     path: String,
-    /// Where its codel is declared.
+    /// The place of the declaration of the codel.
     place: Option<Location>,
     function: String,
     measure: ExecutionTimes,
@@ -100,17 +100,17 @@ struct Row {
     decision: Decision,
 }
 
-/// What came of it.
+/// The result of an import.
 struct Answer {
     logs: Vec<Utf8PathBuf>,
     rows: Vec<Row>,
     strays: Vec<(LineKind, Mismatch, u64)>,
-    /// Simulated codels, with the number of their runs.
+    /// Simulated codels, with the number of their executions.
     simulated: BTreeMap<String, u64>,
     left: SkippedLines,
     refused: Vec<(String, Refusal)>,
     edits: Vec<FileEdit>,
-    /// Texts before and after, by file.
+    /// Original and new texts, by file.
     changed: BTreeMap<Utf8PathBuf, (String, String)>,
 }
 
@@ -157,7 +157,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     })
 }
 
-/// The specification of the current directory.
+/// Returns the only specification of the current directory.
 fn only_specification() -> anyhow::Result<Utf8PathBuf> {
     let entries = std::fs::read_dir(".")?.flatten();
     let paths = entries.filter_map(|it| Utf8PathBuf::from_path_buf(it.path()).ok());
@@ -181,7 +181,7 @@ fn answer(
     let found = measured.found(&names);
     let sidecar = arguments.form == FormName::Sidecar;
     let mut rows = Vec::new();
-    // A declaration is for all of its states: their greatest counts.
+    // A declaration applies to all of its states: the greatest time counts.
     let mut greatest: BTreeMap<(usize, CodelRef), i64> = BTreeMap::new();
     for (site, measure) in found.sites.iter().filter(|it| it.1.runs > 0) {
         let entry = greatest.entry((site.component, site.codel)).or_default();
@@ -207,7 +207,7 @@ fn answer(
             None => codel.wcet.as_ref().map(|it| it.value),
         };
         let proposed = of.map(|it| micros(it, arguments.margin));
-        // A duration without upper bound is greater than any.
+        // A duration without an upper bound is greater than any other.
         let endless = of_scenario == Some(None);
         let decision = match endless && proposed.is_some() && !arguments.replace {
             true => Decision::Kept,
@@ -317,7 +317,7 @@ fn answer(
     all.dedup();
     for edits in all.chunk_by(|a, b| a.path == b.path) {
         let Some(first) = edits.first() else { continue };
-        // Pragmas may stand one after the other at one place, such as the end of a file.
+        // Several pragmas may stand at one place, such as the end of a file.
         let apart = |it: &[FileEdit]| match it {
             [a, b] => {
                 let lines = form == WcetForm::Pragma && a.range.is_empty();
@@ -340,8 +340,8 @@ fn answer(
     Ok(answer)
 }
 
-/// A declaration that several specifications include, such as that of an interface, gets the greatest time of
-/// all of them; so does a function that is used there, as a pragma is about functions.
+/// Gives each shared declaration the greatest time of all specifications that include it, such as that of an
+/// interface. The same holds for a function with several uses, because a pragma applies to a function.
 fn unify_declarations(units: &[UnitResult], wanted: &mut [Vec<NewWcet>]) {
     let place = |unit: &UnitResult, it: &NewWcet| {
         let codel = (unit.spec.components.get(it.component as usize)?).codel(it.codel);
@@ -381,7 +381,7 @@ fn unify_declarations(units: &[UnitResult], wanted: &mut [Vec<NewWcet>]) {
     }
 }
 
-/// The upper bound that a scenario gives a codel, if it gives any.
+/// Returns the upper bound that a scenario gives a codel, if there is one.
 fn declared_bound(scenario: &Scenario, codel: &str) -> Option<Option<Seconds>> {
     scenario.items.iter().find_map(|it| match it {
         Item::Duration(path, interval, unit) if path.text() == codel => {
@@ -409,7 +409,7 @@ fn change(answer: &mut Answer, path: &Utf8Path, old: &str, edits: &[FileEdit]) {
     entry.or_insert_with(|| (old.to_owned(), new));
 }
 
-/// Reads the specification as it would be: it must mean what it meant, with the times that were wanted.
+/// Reads the new specification, and checks that it is the same except for the new times.
 fn check_unit(
     session: &mut Session,
     unit: &UnitResult,
@@ -439,7 +439,7 @@ fn check_unit(
         };
         let codel = component.codel(it.codel);
         let time = codel.wcet.as_ref().map(|it| it.value);
-        // A pragma for several uses has the greatest of them.
+        // A pragma for several uses has the greatest time.
         if !refused(&codel.name) && time.is_none_or(|time| time < seconds(it.micros)) {
             bail!(
                 "the time of `{}` cannot be written where it is declared; write it by hand",
@@ -455,7 +455,7 @@ fn check_unit(
     Ok(())
 }
 
-/// The same for a scenario.
+/// Checks a new scenario in the same way.
 fn check_scenario(
     answer: &Answer,
     problem: &Problem,

@@ -63,7 +63,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
                 report::note(&it);
             }
             let text = lines(&groups);
-            // Programs get the names as they are.
+            // In a pipe, names are not escaped.
             match std::io::stdout().is_terminal() {
                 true => terminal::text(&text).into_owned(),
                 false => text,
@@ -125,7 +125,7 @@ fn row(name: String, times: &Times) -> [String; 6] {
     ]
 }
 
-/// A table whose first column stands on the left, the others on the right.
+/// Prints a table. The first column is left-aligned, the others are right-aligned.
 pub(crate) fn table<const N: usize>(
     out: &mut impl Write,
     rows: &[[String; N]],
@@ -147,7 +147,7 @@ pub(crate) fn table<const N: usize>(
     Ok(())
 }
 
-/// Nanoseconds in a unit that people read.
+/// Formats nanoseconds in a suitable unit.
 pub(crate) fn nanos(time: i64) -> String {
     let (sign, time) = (if time < 0 { "-" } else { "" }, time.unsigned_abs());
     let in_unit = |unit: u64, name: &str| {
@@ -164,7 +164,7 @@ pub(crate) fn nanos(time: i64) -> String {
     }
 }
 
-/// What lines were left out, in words.
+/// Describes the lines that were skipped.
 pub(crate) fn told(left: &SkippedLines) -> Vec<String> {
     let one = |count: u64, what: &str| {
         let lines = if count == 1 { "line" } else { "lines" };

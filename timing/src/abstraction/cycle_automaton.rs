@@ -92,7 +92,8 @@ type IsInterrupted = bool;
 /// The states of all activities, and the activity that executes a codel.
 type AutomatonState = (Vec<ActivityPosition>, Option<usize>);
 
-/// Returns the cycle automaton of a task. The permanent activity, if there is one, is the first of `activities`.
+/// Returns the cycle automaton of a task. The permanent activity, if there is one, is the first of
+/// `activities`.
 pub(super) fn cycle_automaton(
     system: &TimedSystem,
     activities: &[Activity],

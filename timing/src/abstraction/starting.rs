@@ -217,8 +217,8 @@ impl Model<'_> {
         releases.map(released).collect()
     }
 
-    /// Handles a tick of an idle task: there is no work, or the task asks for a core. Or handles its start: it
-    /// asks for a core for its first pass, or is started after the next tick.
+    /// Handles a tick of an idle task: there is no work, or the task asks for a core. Or handles its start:
+    /// it asks for a core for its first pass, or is started after the next tick.
     pub(super) fn tick(&self, s: &State, thread: usize, when: Span, out: &mut Out) {
         let mut asks = s.clone();
         asks.steps += 1;

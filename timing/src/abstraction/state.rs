@@ -52,8 +52,8 @@ impl Span {
 pub(super) enum Stage {
     /// Servers: not started yet.
     Off,
-    /// Its next tick comes, and may find no work. In its first pass: it may be started between the tick before
-    /// and the next one.
+    /// Its next tick comes, and may find no work. In its first pass: it may be started between the tick
+    /// before and the next one.
     Idle,
     /// Its next job has been released, or will be, and has no core yet.
     Waiting,

@@ -1,8 +1,8 @@
 //! Exploration: strategies that follow the rules in different orders, and a search control.
 //!
 //! [`goals`] lists what is searched for. [`observations`] performs single steps and records what they show.
-//! [`layers`] proceed from moment to moment, keep a [`graph`] and reconstruct runs. [`mod@depth_first`] proceeds
-//! depth first, in random orders. [`zones`] search in dense time. The [`control`] divides the effort
+//! [`layers`] proceed from moment to moment, keep a [`graph`] and reconstruct runs. [`mod@depth_first`]
+//! proceeds depth first, in random orders. [`zones`] search in dense time. The [`control`] divides the effort
 //! between these strategies and ends the exploration.
 
 mod control;

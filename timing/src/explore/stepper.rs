@@ -183,8 +183,8 @@ impl<'s> Stepper<'s> {
         self.walk.next_moment(&|_| false)
     }
 
-    /// Returns the time for which no new action is possible, in base units, if the executors with `can_be_deferred`
-    /// may end at any time.
+    /// Returns the time for which no new action is possible, in base units, if the executors with
+    /// `can_be_deferred` may end at any time.
     pub fn next_moment_but(&self, can_be_deferred: &dyn Fn(usize) -> bool) -> Option<Ticks> {
         self.walk.next_moment(can_be_deferred)
     }

@@ -25,7 +25,7 @@ fn texts(files: &[(&str, &str)]) -> Texts {
         .collect()
 }
 
-/// The range of the n-th occurrence of a text.
+/// Returns the range of the n-th occurrence of a text.
 fn find(text: &str, what: &str, nth: usize) -> Range<usize> {
     let (at, _) = text.match_indices(what).nth(nth).expect("it occurs");
     at..at + what.len()

@@ -1,4 +1,4 @@
-//! What an import has found, for people and for programs.
+//! The output of an import, as text and as JSON.
 
 use std::io::Write;
 use std::ops::Range;
@@ -21,17 +21,17 @@ use crate::session::display;
 const TITLE: Style = Style::new().bold();
 const BAD: Style = AnsiColor::Red.on_default().bold();
 
-/// A greatest time this many times the mean is worth a look.
+/// A greatest time of this many times the mean is reported.
 const OUTLIER_FACTOR: i64 = 100;
 
-/// Runs from which a mean says something.
+/// Minimum number of executions for a meaningful mean.
 const MANY: u64 = 10;
 
-/// More lines that are about no codel are counted only.
+/// Maximum number of listed lines without a codel. Further ones are only counted.
 const MAX_UNMATCHED_LINES: usize = 10;
 
 pub(super) fn print(answer: &Answer, only_shown: bool) -> anyhow::Result<()> {
-    // A diff on standard output stays one.
+    // Standard output contains only the diff.
     let mut out: Box<dyn Write> = match only_shown {
         true => Box::new(anstream::AutoStream::auto(std::io::stderr().lock())),
         false => Box::new(anstream::AutoStream::auto(std::io::stdout().lock())),
@@ -121,7 +121,7 @@ pub(super) fn print(answer: &Answer, only_shown: bool) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Codels without a run, measured or simulated.
+/// Returns the codels without an execution, measured or simulated.
 fn unobserved_codels(answer: &Answer) -> impl Iterator<Item = &Row> {
     let is_seen = |row: &Row| row.measure.runs > 0 || answer.simulated.contains_key(&row.path);
     answer.rows.iter().filter(move |row| !is_seen(row))
@@ -160,7 +160,7 @@ fn in_nanos(time: Seconds) -> i64 {
     i64::try_from(nanos.to_integer()).unwrap_or(i64::MAX)
 }
 
-/// A range of a file, as the Language Server Protocol has it.
+/// Returns a range of a file, in the form of the Language Server Protocol.
 fn place(path: &Utf8Path, range: &Range<usize>) -> Value {
     let text = super::text(path).unwrap_or_default();
     let lines = LineIndex::new(&text);

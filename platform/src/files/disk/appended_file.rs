@@ -1,8 +1,8 @@
 //! A file that grows during a run: a log, a trace, a recording.
 //!
 //! A separate thread writes the file, so that the recording thread does not wait for the disk, except if much
-//! data is waiting. Recorded data is in the file within [`FLUSH_INTERVAL`], and on the disk within [`SYNC`]. A process
-//! that is killed loses at most the data of that time. There is no temporary file.
+//! data is waiting. Recorded data is in the file within [`FLUSH_INTERVAL`], and on the disk within [`SYNC`].
+//! A process that is killed loses at most the data of that time. There is no temporary file.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind, Write};

@@ -16,10 +16,10 @@
 //! Groups meet only at cores: while a task of another group waits for a core no end can be postponed. (A lazy
 //! task that waits loses nothing by a later grant: its release is past, and its codels have wider windows.)
 //! Start-up is lazy only if no timer starts at its end, and if there are clients (its overtaking, see
-//! [`super::sleep_sets`], is not examined). No group is lazy while a lazy task has a pending tick: its next job
-//! is released, and measured, from the end of the present one. The order of steps of different groups is not
-//! preserved, so groups that a predicate observes are not lazy. And there has to be a next hard moment: some
-//! task is periodic.
+//! [`super::sleep_sets`], is not examined). No group is lazy while a lazy task has a pending tick: its next
+//! job is released, and measured, from the end of the present one. The order of steps of different groups is
+//! not preserved, so groups that a predicate observes are not lazy. And there has to be a next hard moment:
+//! some task is periodic.
 
 pub(super) mod rest;
 

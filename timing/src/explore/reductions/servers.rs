@@ -7,12 +7,12 @@
 //! without preemption, actions that free a core, or let a task ask for one, are followed in every order, as
 //! the order of the queue depends on them. So are the actions of a group of which a task waits for a core.
 //!
-//! *Deferral.* As for the published rules (see [`super::deferral`]): with least times of 0, an end that no other
-//! executor waits for gains nothing before the next tick or end of a window. All that follows the end can
-//! follow there, in the same order and in no time. Tickets are taken in that order, so that the queue is the
-//! same, and codels begun later have wider windows. A group is *lazy* if all its codels and delays have lower
-//! bound 0, no predicate is about it, and the response time of none of its aperiodic tasks is measured. No
-//! end is postponed while a first cycle has a tick that is kept: the next job is measured from the end of
+//! *Deferral.* As for the published rules (see [`super::deferral`]): with least times of 0, an end that no
+//! other executor waits for gains nothing before the next tick or end of a window. All that follows the end
+//! can follow there, in the same order and in no time. Tickets are taken in that order, so that the queue is
+//! the same, and codels begun later have wider windows. A group is *lazy* if all its codels and delays have
+//! lower bound 0, no predicate is about it, and the response time of none of its aperiodic tasks is measured.
+//! No end is postponed while a first cycle has a tick that is kept: the next job is measured from the end of
 //! that cycle. Because of the queue for cores either all groups are lazy or, with limited cores, none is. A
 //! polling loop may rest, as for the published rules, if its rounds could wake no other aperiodic task of its
 //! component.

@@ -2,8 +2,8 @@
 //!
 //! *Units* are components, clients or tasks, with all their parts. Two units are symmetric if exchanging
 //! them, with everything else in its place, changes neither the system nor the watched properties (see
-//! [`alike`]). Then a state and the state with the two units exchanged have the same future, with the units
-//! exchanged, and it is enough to keep one of them: the one whose units are in ascending order of their
+//! [`automorphisms`]). Then a state and the state with the two units exchanged have the same future, with the
+//! units exchanged, and it is enough to keep one of them: the one whose units are in ascending order of their
 //! present state. (A quotient by automorphisms: C. Ip and D. Dill, *Better verification through symmetry*,
 //! 1996.)
 //!

@@ -1,8 +1,8 @@
 //! The search control: the division of effort between strategies, the end of an exploration, and intermediate
 //! findings.
 //!
-//! Layers get most of the effort, and poll the search control every few steps ([`PollControl::look`]). It runs
-//! randomised search ([`random_search`]) and zones ([`zones`](super::zones)) in between.
+//! Layers get most of the effort, and poll the search control every few steps ([`PollControl::look`]). It
+//! runs randomised search ([`random_search`]) and zones ([`zones`](super::zones)) in between.
 
 mod interim;
 mod random_search;

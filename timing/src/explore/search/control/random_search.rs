@@ -2,8 +2,8 @@
 //!
 //! Breadth-first search finds short runs, but it examines all earlier events first. A failure that comes
 //! late, or at a dense instant, is found late. So a small part of the effort goes to depth-first searches
-//! (see [`DepthFirstSearch`]): many short ones, in different orders, because a search that has begun badly hardly ever
-//! recovers. They prove nothing; their runs are as valid as any others.
+//! (see [`DepthFirstSearch`]): many short ones, in different orders, because a search that has begun badly
+//! hardly ever recovers. They prove nothing; their runs are as valid as any others.
 //!
 //! Such runs are longer than necessary. So before they are reported, breadth-first search continues, and
 //! searches look for runs that end earlier. Both take as long as all steps so far, up to a limit. A reported
@@ -97,7 +97,8 @@ impl RandomSearch {
         order
     }
 
-    /// Records the runs of a search for some goals that are new or end earlier. Returns true if there are any.
+    /// Records the runs of a search for some goals that are new or end earlier. Returns true if there are
+    /// any.
     fn note(&mut self, goals: &[GoalId], found_run: impl Iterator<Item = Option<Run>>) -> bool {
         let mut any = false;
         for (&goal, run) in goals.iter().zip(found_run) {
@@ -126,7 +127,8 @@ impl RandomSearch {
         self.found_run[goal].as_ref()
     }
 
-    /// Returns the random search for the next exploration of the same system, including the runs seen by this one.
+    /// Returns the random search for the next exploration of the same system, including the runs seen by this
+    /// one.
     pub(super) fn carried_over<R: Reduced>(mut self, layers: &Layers<'_, R>) -> RandomSearch {
         self.steps = 0;
         self.report_at = None;
