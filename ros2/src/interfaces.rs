@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
-use dotgen_analysis::model::{Component, ScopeKind, Spec, Src, TypeId, TypeKind};
+use dotgen_analysis::model::{Component, ComponentKind, ScopeKind, Spec, Src, TypeId, TypeKind};
 
 use crate::description::{Base, FILLER, Field};
 use crate::mapping::Mapping;
@@ -21,7 +21,8 @@ pub struct Interfaces {
 }
 
 /// Writes the packages of components: one for each module that they use. All types of these modules are in them,
-/// so that every component that includes the same files has the same packages.
+/// so that every component that includes the same files has the same packages. Of its own types, a component has
+/// those of its ports and services.
 pub fn interfaces(spec: &Spec, components: &[&Component]) -> Interfaces {
     let mut mapping = Mapping::new(spec);
     let mut refused = Vec::new();
@@ -80,22 +81,22 @@ pub fn interfaces(spec: &Spec, components: &[&Component]) -> Interfaces {
     Interfaces { files, refused }
 }
 
-/// Adds all types of the packages in use, except for the ids of components.
+/// Adds all types of the packages in use, except for those of components.
 fn types_of_modules(mapping: &mut Mapping<'_>, spec: &Spec, refused: &mut Vec<Refusal>) {
     let packages: BTreeSet<String> = mapping.packages().map(str::to_owned).collect();
     for (ty, it) in (0u32..).map(TypeId).zip(&spec.types) {
         let is_wanted = match &it.kind {
             TypeKind::Struct { .. } | TypeKind::Union { .. } | TypeKind::Enum { .. } => true,
             TypeKind::Exception { members } => !members.is_empty(),
-            TypeKind::Native => true,
             _ => false,
         };
         let modules = it.scope.iter().filter(|it| it.kind == ScopeKind::Module);
-        let package = names::package(modules.map(|it| it.name.as_str()));
-        let is_ids = |component: &Component| component.ids == Some(ty);
-        let is_wanted =
-            is_wanted && it.name.is_some() && package.is_ok_and(|it| packages.contains(&it));
-        if !is_wanted || spec.components.iter().any(is_ids) {
+        let modules: Vec<&str> = modules.map(|it| it.name.as_str()).collect();
+        let is_internal = spec.components.iter().any(|it| {
+            it.kind == ComponentKind::Component && modules.first() == Some(&it.name.as_str())
+        });
+        let package = names::package(modules);
+        if !is_wanted || is_internal || !package.is_ok_and(|it| packages.contains(&it)) {
             continue;
         }
         if let Err(obstacle) = mapping.named(ty) {
@@ -138,7 +139,7 @@ fn source(mapping: &Mapping<'_>, name: &str, path: &str) -> Option<(String, Stri
 /// A comment: the part of the model that a file is for.
 fn heading(mapping: &Mapping<'_>, name: &str) -> String {
     let origin = mapping.origin(name).map_or("", |it| it.0);
-    format!("# For {} of GenoM3.\n", origin.replace('`', ""))
+    format!("# GenoM3: {}\n", origin.replace('`', ""))
 }
 
 fn line(field: &Field, out: &mut String) {

@@ -5,6 +5,15 @@ use dotgen_analysis::model::{ScopeKind, Spec, TypeId};
 /// The package of types that are declared outside modules.
 const GLOBAL: &str = "genom_global";
 
+/// Packages of ROS 2 whose types are used.
+const STANDARD: [&str; 5] = [
+    "action_msgs",
+    "builtin_interfaces",
+    "service_msgs",
+    "std_msgs",
+    "unique_identifier_msgs",
+];
+
 /// Words that no package and no field can be called by, because the generated C, C++ or Python does not compile.
 const KEYWORDS: &str = " alignas alignof and and_eq as asm assert async auto await bitand bitor bool break case \
      catch char char8_t char16_t char32_t class co_await co_return co_yield compl concept const const_cast consteval \
@@ -35,6 +44,14 @@ fn snake(name: &str) -> String {
     out
 }
 
+/// The begin of a message about a name.
+fn becomes(of: &str, name: &str) -> String {
+    match of == name {
+        true => format!("`{name}` is"),
+        false => format!("`{of}` becomes `{name}`,"),
+    }
+}
+
 /// The name if it can be used.
 fn checked(name: String, of: &str) -> Result<String, String> {
     if !name.starts_with(|c: char| c.is_ascii_lowercase()) {
@@ -43,9 +60,8 @@ fn checked(name: String, of: &str) -> Result<String, String> {
         ));
     }
     if KEYWORDS.contains(&format!(" {name} ")) {
-        return Err(format!(
-            "`{of}` becomes `{name}`, a keyword of C++ or Python: rename it"
-        ));
+        let becomes = becomes(of, &name);
+        return Err(format!("{becomes} a keyword of C++ or Python: rename it"));
     }
     Ok(name)
 }
@@ -53,12 +69,20 @@ fn checked(name: String, of: &str) -> Result<String, String> {
 /// The package of a path of modules: `or_t3d`.
 ///
 /// # Errors
-/// In words: the name is a keyword, or does not begin with a letter.
+/// In words: the name is a keyword or a package of ROS 2, or does not begin with a letter.
 pub fn package<'n>(modules: impl IntoIterator<Item = &'n str>) -> Result<String, String> {
     let modules: Vec<&str> = modules.into_iter().collect();
-    match modules.is_empty() {
-        true => Ok(GLOBAL.to_owned()),
-        false => checked(snake(&modules.join("_")), &modules.join("::")),
+    if modules.is_empty() {
+        return Ok(GLOBAL.to_owned());
+    }
+    let path = modules.join("::");
+    let name = checked(snake(&modules.join("_")), &path)?;
+    match STANDARD.contains(&name.as_str()) {
+        false => Ok(name),
+        true => {
+            let becomes = becomes(&path, &name);
+            Err(format!("{becomes} a package of ROS 2: rename it"))
+        }
     }
 }
 

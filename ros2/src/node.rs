@@ -181,13 +181,8 @@ impl Offer<'_, '_> {
         let obstacle = |why| Obstacle { why, src: port.src };
         let topic = [self.component.name.as_str(), port.name.as_str()];
         let topic = names::topic(topic).map_err(obstacle)?;
-        // Both sides of an interface have the same type.
-        let owner = port
-            .imported_from
-            .map(|it| &self.spec.components[it as usize]);
-        let owner = owner.unwrap_or(self.component);
         let place = Place {
-            package: self.mapping.package(&[module(owner)], port.src)?,
+            package: self.package.clone(),
             local: names::camel(&port.name).map_err(obstacle)?,
             src: port.src,
         };
@@ -298,6 +293,13 @@ impl Offer<'_, '_> {
 
     /// The fields that say how a service ended.
     fn exceptions(&mut self, service: u32, out: &mut Vec<Field>) -> Result<(), Obstacle> {
+        if out.iter().any(|it| it.name == "exception") {
+            return Err(Obstacle {
+                why: "an output becomes `exception`, a field of every response: rename it"
+                    .to_owned(),
+                src: self.component.services[service as usize].src,
+            });
+        }
         out.push(Field::new("exception", Base::String));
         for ty in service_throws(self.component, service) {
             let it = self.spec.ty(self.spec.resolve_alias(ty));

@@ -5,7 +5,7 @@ use dotgen_ros2::description::{Base, Count, Field, FieldType, Types};
 /// Types with their fields in the words of `.msg` files; `---` divides the parts of services and actions.
 const DEFINITIONS: &str = include_str!("fixtures/definitions.txt");
 /// Names and hashes.
-const HASHES: &str = include_str!("fixtures/hashes.txt");
+pub(crate) const HASHES: &str = include_str!("fixtures/hashes.txt");
 
 fn field(line: &str) -> Field {
     let (ty, name) = line.split_once(' ').expect("type and name");
@@ -39,7 +39,7 @@ fn field(line: &str) -> Field {
 }
 
 /// Adds types of a text: a line `= NAME` begins one.
-fn add(text: &str, to: &mut Types) {
+pub(crate) fn add(text: &str, to: &mut Types) {
     for definition in text.split("= ").skip(1) {
         let (name, rest) = definition.split_once('\n').expect("a name");
         let parts = rest.split("---\n").map(|part| {
