@@ -1,5 +1,6 @@
 //! Tests of the crate as others use it.
 
+mod corpus;
 mod hashes;
 mod interfaces;
 mod node;
