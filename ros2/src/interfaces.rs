@@ -16,7 +16,7 @@ use crate::refusal::Refusal;
 pub struct Interfaces {
     /// The files, by path below the folder of the packages.
     pub files: BTreeMap<String, String>,
-    /// Ports, services and types that ROS 2 cannot say.
+    /// Ports, services and types that have no form in ROS 2.
     pub refused: Vec<Refusal>,
 }
 

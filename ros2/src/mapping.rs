@@ -16,8 +16,8 @@ pub struct Obstacle {
     pub src: Src,
 }
 
-/// Maximum depth of messages in messages.
-const DEPTH: usize = 64;
+/// Maximum depth of types within types. Values that are deeper are refused too.
+const DEPTH: usize = 60;
 
 /// A place for a name of a message whose type has none.
 #[derive(Debug, Clone)]
@@ -46,6 +46,8 @@ pub struct Mapping<'s> {
     done: HashMap<TypeId, String>,
     /// Types whose messages are being made.
     around: Vec<TypeId>,
+    /// Number of types around the current one.
+    depth: usize,
 }
 
 impl<'s> Mapping<'s> {
@@ -59,6 +61,7 @@ impl<'s> Mapping<'s> {
             origins: BTreeMap::new(),
             done: HashMap::new(),
             around: Vec::new(),
+            depth: 0,
         }
     }
 
@@ -213,6 +216,19 @@ impl<'s> Mapping<'s> {
 
     /// The type of a field.
     fn field_type(&mut self, ty: TypeId, place: &Place) -> Result<FieldType, Obstacle> {
+        if self.depth >= DEPTH {
+            return Err(Obstacle {
+                why: format!("the type is deeper than {DEPTH} types: make it flatter"),
+                src: place.src,
+            });
+        }
+        self.depth += 1;
+        let found = self.field_type_here(ty, place);
+        self.depth -= 1;
+        found
+    }
+
+    fn field_type_here(&mut self, ty: TypeId, place: &Place) -> Result<FieldType, Obstacle> {
         let resolved = self.spec.resolve_alias(ty);
         let kind = &self.spec.ty(resolved).kind;
         let base = match kind {
@@ -300,12 +316,6 @@ impl<'s> Mapping<'s> {
             local: format!("{}Item", place.local),
             ..place.clone()
         };
-        if place.local.len() > 1 << 10 {
-            return Err(Obstacle {
-                why: "the type is too deep: name its parts with `typedef`".to_owned(),
-                src: place.src,
-            });
-        }
         let it = self.field_type(ty, &place)?;
         match it.count {
             Count::One => Ok(it.base),
@@ -326,10 +336,10 @@ impl<'s> Mapping<'s> {
         }
         let (spec, src) = (self.spec, self.spec.ty(ty).src);
         let full = spec.full_name(ty).unwrap_or_default();
-        if self.around.contains(&ty) || self.around.len() >= DEPTH {
+        if self.around.contains(&ty) {
             return Err(Obstacle {
                 why: format!(
-                    "a message cannot contain itself, as `{full}` does, or be deeper than {DEPTH}"
+                    "a message cannot contain itself, as `{full}` does: refer to it by a number"
                 ),
                 src,
             });

@@ -1,4 +1,4 @@
-//! Parts of a model that ROS 2 cannot say.
+//! Parts of a model that have no form in ROS 2.
 
 use dotgen_analysis::model::Src;
 

@@ -63,13 +63,17 @@ pub(crate) fn add(text: &str, to: &mut Types) {
 fn hashes_are_those_of_rosidl() {
     let mut types = Types::standard();
     add(DEFINITIONS, &mut types);
-    let mut wrong = Vec::new();
+    let (mut wrong, mut checked) = (Vec::new(), 0);
     for line in HASHES.lines() {
         let (name, hash) = line.split_once(' ').expect("name and hash");
-        if types.fields(name).is_none() || types.hash(name) != hash {
-            wrong.push(name);
+        // Types of GenoM3 have no definition here.
+        if types.fields(name).is_some() {
+            checked += 1;
+            if types.hash(name) != hash {
+                wrong.push(name);
+            }
         }
     }
     assert!(wrong.is_empty(), "other hashes: {wrong:#?}");
-    assert!(HASHES.lines().count() > 60);
+    assert_eq!(checked, 86);
 }

@@ -1,6 +1,6 @@
 //! Payloads of ports, services and actions.
 
-use dotgen_codegen::codels::cdr::{CdrWriter, Unions};
+use dotgen_codegen::codels::cdr::{CdrWriter, Unions, to_cdr};
 use dotgen_codegen::codels::value::{Reader, Values};
 use dotgen_ros2::cdr::{self, GoalInfo, Outcome, Payloads, Stamp};
 use proptest::prelude::*;
@@ -78,7 +78,11 @@ fn a_union_is_a_discriminator_and_its_branches() {
         &[0, 0, 0, 0],
     ]);
     assert_eq!(message, expected);
-    assert_eq!(payloads.data(ty, &message), Ok(data));
+    assert_eq!(payloads.data(ty, &message), Ok(data.clone()));
+    // Outside of ROS 2, only the selected branch.
+    let plain = to_cdr(Values::new(spec), ty, &data);
+    let (one, two) = (1f64.to_le_bytes(), 2f64.to_le_bytes());
+    assert_eq!(plain, Ok(body(&[&[0; 8][..], &one, &two])));
     // The branch of another discriminator, and two branches.
     let mut other = message.clone();
     other[4] = 1;
