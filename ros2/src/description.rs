@@ -140,8 +140,8 @@ impl Field {
     }
 }
 
-/// Messages, services and actions by name: `or_t3d/msg/Pos`. A service has the name of its description, and its
-/// request, response and event messages are types too.
+/// Messages, services and actions by name: `or_t3d/msg/Pos`. The request, response and event messages of a
+/// service are types too.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Types(BTreeMap<String, Vec<Field>>);
 

@@ -20,9 +20,9 @@ pub struct Interfaces {
     pub refused: Vec<Refusal>,
 }
 
-/// Writes the packages of components: one for each module that they use. All types of these modules are in them,
-/// so that every component that includes the same files has the same packages. Of its own types, a component has
-/// those of its ports and services.
+/// Writes the packages of components: one for each module that the components use. A package has all types of
+/// its module, so that components that include the same files have equal packages. The package of a component
+/// has only the types that its ports and services use.
 pub fn interfaces(spec: &Spec, components: &[&Component]) -> Interfaces {
     let mut mapping = Mapping::new(spec);
     let mut refused = Vec::new();
@@ -217,7 +217,8 @@ fn manifest(package: &str, needs: &BTreeSet<String>) -> String {
     }
     format!(
         "<?xml version=\"1.0\"?>\n<package format=\"3\">\n  <name>{package}</name>\n  \
-         <version>0.0.0</version>\n  <description>Types of GenoM3 components, written by dotgen</description>\n  \
+         <version>0.0.0</version>\n  \
+         <description>Types of GenoM3 components, written by dotgen</description>\n  \
          <maintainer email=\"unknown@example.com\">unknown</maintainer>\n  <license>unknown</license>\n  \
          <buildtool_depend>ament_cmake</buildtool_depend>\n  \
          <buildtool_depend>rosidl_default_generators</buildtool_depend>\n{depends}  \

@@ -1,5 +1,5 @@
-//! GenoM3 components as ROS 2 nodes, without I/O: names, type descriptions with their hashes, payloads, and the
-//! keys and tokens of `rmw_zenoh` (ROS 2 Jazzy and later).
+//! GenoM3 components as ROS 2 nodes, without I/O: names, type descriptions with their hashes, payloads, and
+//! the keys and tokens of `rmw_zenoh` (ROS 2 Jazzy and later).
 //!
 //! | GenoM3 | ROS 2 |
 //! | --- | --- |
@@ -15,8 +15,8 @@
 //! | function, attribute | service `/COMPONENT/SERVICE` |
 //! | activity | action `/COMPONENT/ACTIVITY`; the feedback is the state |
 //!
-//! The response of a service and the result of an action have the outputs, a string `exception`, which is empty
-//! after success, and a `T[<=1]` for each exception with members.
+//! The response of a service and the result of an action have the outputs, a string `exception`, which is
+//! empty after success, and a `T[<=1]` for each exception with members.
 
 pub mod cdr;
 pub mod description;

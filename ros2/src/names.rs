@@ -14,15 +14,17 @@ const STANDARD: [&str; 5] = [
     "unique_identifier_msgs",
 ];
 
-/// Words that no package and no field can be called by, because the generated C, C++ or Python does not compile.
-const KEYWORDS: &str = " alignas alignof and and_eq as asm assert async auto await bitand bitor bool break case \
-     catch char char8_t char16_t char32_t class co_await co_return co_yield compl concept const const_cast consteval \
-     constexpr constinit continue decltype def default del delete do double dynamic_cast elif else enum except \
-     explicit export extern false finally float for friend from global goto if import in inline int is lambda long \
-     mutable namespace new noexcept nonlocal not not_eq nullptr operator or or_eq pass private protected public \
-     raise register reinterpret_cast requires restrict return short signed sizeof static static_assert static_cast \
-     struct switch template this thread_local throw true try typedef typeid typename union unsigned using virtual \
-     void volatile wchar_t while with xor xor_eq yield ";
+/// Words that are not names of packages and fields, because the generated C++ or Python would not compile.
+const KEYWORDS: &str = " \
+     alignas alignof and and_eq as asm assert async auto await bitand bitor bool break case catch char \
+     char8_t char16_t char32_t class co_await co_return co_yield compl concept const const_cast consteval \
+     constexpr constinit continue decltype def default del delete do double dynamic_cast elif else enum \
+     except explicit export extern false finally float for friend from global goto if import in inline \
+     int is lambda long mutable namespace new noexcept nonlocal not not_eq nullptr operator or or_eq pass \
+     private protected public raise register reinterpret_cast requires restrict return short signed \
+     sizeof static static_assert static_cast struct switch template this thread_local throw true try \
+     typedef typeid typename union unsigned using virtual void volatile wchar_t while with xor xor_eq \
+     yield ";
 
 /// Words in lower case with single `_` between them: a word begins at `_`, and at an upper case letter that
 /// follows a lower case letter or digit.
