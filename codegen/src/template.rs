@@ -25,7 +25,7 @@ pub(crate) mod readable_files;
 mod script;
 mod session;
 pub(crate) mod tcl;
-pub(crate) mod throws;
+pub mod throws;
 
 use std::path::PathBuf;
 use std::sync::Arc;

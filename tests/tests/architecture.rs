@@ -34,6 +34,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
         &["dotgen-syntax", "dotgen-analysis", "dotgen-codegen"],
     ),
     (
+        "ros2",
+        &["dotgen-syntax", "dotgen-analysis", "dotgen-codegen"],
+    ),
+    (
         "hosting",
         &[
             "dotgen-platform",
@@ -373,6 +377,7 @@ fn nothing_looks_into_a_message() {
         "runtime",
         "recording",
         "platform",
+        "ros2",
         "hosting",
         "views",
         "lsp-server",

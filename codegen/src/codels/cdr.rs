@@ -3,7 +3,7 @@
 //! Numbers are aligned to their size, counted from the end of the four bytes of the header (OMG, DDS-XTypes
 //! 1.3, 7.4 and 7.6.3.1.2). The plain representation of version 1 in little-endian order is written. The
 //! plain representations of both versions are read, in either order of bytes. An `optional` is a sequence of
-//! at most one element, because ROS 2 has no optional values.
+//! at most one element, because ROS 2 has no optional values. [`Unions`] says how a union is represented.
 
 use dotgen_analysis::model::{TypeId, TypeKind};
 
@@ -17,9 +17,9 @@ const HEADER: [u8; 4] = [0, 1, 0, 0];
 /// # Errors
 /// The bytes are not a value of the type.
 pub fn to_cdr(values: Values<'_>, ty: TypeId, bytes: &[u8]) -> Result<Vec<u8>, ValueError> {
-    let mut to = CdrWriter(HEADER.to_vec());
-    recode(values, ty, &mut Reader { bytes }, &mut to, DEPTH)?;
-    Ok(to.0)
+    let mut to = CdrWriter::new(Unions::Plain);
+    to.value(values, ty, &mut Reader::new(bytes))?;
+    Ok(to.bytes)
 }
 
 /// Converts CDR to the bytes of the [glue](super::glue). Bytes after the value (padding) are ignored.
@@ -27,22 +27,19 @@ pub fn to_cdr(values: Values<'_>, ty: TypeId, bytes: &[u8]) -> Result<Vec<u8>, V
 /// # Errors
 /// The bytes are not a value of the type, or the representation is not supported.
 pub fn from_cdr(values: Values<'_>, ty: TypeId, bytes: &[u8]) -> Result<Vec<u8>, ValueError> {
-    let (big, widest) = match bytes {
-        [0, 0, _, _, ..] => (true, 8),
-        [0, 1, _, _, ..] => (false, 8),
-        [0, 6, _, _, ..] => (true, 4),
-        [0, 7, _, _, ..] => (false, 4),
-        _ => return wrong("", "plain CDR"),
-    };
-    let mut from = CdrReader {
-        bytes: &bytes[4..],
-        at: 0,
-        big,
-        widest,
-    };
-    let mut to = GlueWriter(Vec::new());
-    recode(values, ty, &mut from, &mut to, DEPTH)?;
-    Ok(to.0)
+    let mut to = Vec::new();
+    CdrReader::new(bytes, Unions::Plain)?.value(values, ty, &mut to)?;
+    Ok(to)
+}
+
+/// The representation of a union in CDR.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unions {
+    /// The discriminator and the selected branch: that of the standard.
+    Plain,
+    /// A structure of the discriminator and a sequence of at most one element for each branch, because ROS 2
+    /// has no unions. Likewise, a structure without members has one byte.
+    Branches,
 }
 
 /// The source of a value.
@@ -52,6 +49,10 @@ trait ValueReader {
     fn text(&mut self) -> Result<&[u8], ValueError>;
     /// True if an optional has a value.
     fn presence(&mut self) -> Result<bool, ValueError>;
+    /// Passes the mark of a branch of a union, which must say whether the branch is selected.
+    fn branch(&mut self, is_selected: bool) -> Result<(), ValueError>;
+    /// Passes a structure without members.
+    fn nothing(&mut self) -> Result<(), ValueError>;
     /// Number of remaining bytes.
     fn left(&self) -> usize;
 }
@@ -61,6 +62,10 @@ trait ValueWriter {
     fn number<const N: usize>(&mut self, bytes: [u8; N]);
     fn text(&mut self, text: &[u8]);
     fn presence(&mut self, is_there: bool);
+    /// Marks a branch of a union.
+    fn branch(&mut self, is_selected: bool);
+    /// Writes a structure without members.
+    fn nothing(&mut self);
 }
 
 impl ValueReader for Reader<'_> {
@@ -77,15 +82,23 @@ impl ValueReader for Reader<'_> {
         Ok(self.take::<1>()?[0] != 0)
     }
 
+    fn branch(&mut self, _: bool) -> Result<(), ValueError> {
+        Ok(())
+    }
+
+    fn nothing(&mut self) -> Result<(), ValueError> {
+        Ok(())
+    }
+
     fn left(&self) -> usize {
         self.bytes.len()
     }
 }
 
 /// Bytes of the glue to write: in the order of this machine, without padding.
-struct GlueWriter(Vec<u8>);
+struct GlueWriter<'o>(&'o mut Vec<u8>);
 
-impl ValueWriter for GlueWriter {
+impl ValueWriter for GlueWriter<'_> {
     fn number<const N: usize>(&mut self, bytes: [u8; N]) {
         self.0.extend(bytes);
     }
@@ -99,55 +112,143 @@ impl ValueWriter for GlueWriter {
     fn presence(&mut self, is_there: bool) {
         self.0.push(u8::from(is_there));
     }
+
+    fn branch(&mut self, _: bool) {}
+
+    fn nothing(&mut self) {}
 }
 
 /// CDR to write, with its header.
-struct CdrWriter(Vec<u8>);
+#[derive(Debug, Clone)]
+pub struct CdrWriter {
+    bytes: Vec<u8>,
+    unions: Unions,
+}
 
-impl ValueWriter for CdrWriter {
-    fn number<const N: usize>(&mut self, mut bytes: [u8; N]) {
-        let length = self.0.len() - HEADER.len();
-        self.0.resize(HEADER.len() + length.next_multiple_of(N), 0);
+impl CdrWriter {
+    /// A stream without values.
+    pub fn new(unions: Unions) -> Self {
+        CdrWriter {
+            bytes: HEADER.to_vec(),
+            unions,
+        }
+    }
+
+    /// Writes the next value of the glue.
+    ///
+    /// # Errors
+    /// The bytes are not a value of the type.
+    pub fn value(
+        &mut self,
+        values: Values<'_>,
+        ty: TypeId,
+        from: &mut Reader<'_>,
+    ) -> Result<(), ValueError> {
+        recode(values, ty, from, self, DEPTH).map(|_| ())
+    }
+
+    /// Writes a number, from bytes in the order of this machine.
+    pub fn number<const N: usize>(&mut self, mut bytes: [u8; N]) {
+        let length = self.bytes.len() - HEADER.len();
+        self.bytes
+            .resize(HEADER.len() + length.next_multiple_of(N), 0);
         if cfg!(target_endian = "big") {
             bytes.reverse();
         }
-        self.0.extend(bytes);
+        self.bytes.extend(bytes);
+    }
+
+    /// Writes a string.
+    pub fn text(&mut self, text: &[u8]) {
+        let length = u32::try_from(text.len() + 1).unwrap_or(u32::MAX);
+        self.number(length.to_ne_bytes());
+        self.bytes.extend(text);
+        self.bytes.push(0);
+    }
+
+    /// Returns the stream.
+    pub fn finish(self) -> Vec<u8> {
+        self.bytes
+    }
+}
+
+impl ValueWriter for CdrWriter {
+    fn number<const N: usize>(&mut self, bytes: [u8; N]) {
+        CdrWriter::number(self, bytes);
     }
 
     fn text(&mut self, text: &[u8]) {
-        let length = u32::try_from(text.len() + 1).unwrap_or(u32::MAX);
-        self.number(length.to_ne_bytes());
-        self.0.extend(text);
-        self.0.push(0);
+        CdrWriter::text(self, text);
     }
 
     fn presence(&mut self, is_there: bool) {
         self.number(u32::from(is_there).to_ne_bytes());
     }
+
+    fn branch(&mut self, is_selected: bool) {
+        if self.unions == Unions::Branches {
+            self.presence(is_selected);
+        }
+    }
+
+    fn nothing(&mut self) {
+        if self.unions == Unions::Branches {
+            self.number([0]);
+        }
+    }
 }
 
 /// CDR to read, after its header.
-struct CdrReader<'b> {
+#[derive(Debug, Clone)]
+pub struct CdrReader<'b> {
     bytes: &'b [u8],
     at: usize,
     big: bool,
     /// Maximum alignment of numbers, in bytes.
     widest: usize,
+    unions: Unions,
 }
 
-impl CdrReader<'_> {
-    fn some(&mut self, count: usize) -> Result<&[u8], ValueError> {
-        let end = self.at.checked_add(count);
-        let Some(found) = end.and_then(|end| self.bytes.get(self.at..end)) else {
-            return wrong("", "a value that does not break off");
+impl<'b> CdrReader<'b> {
+    /// Reads a stream of either version and order of bytes.
+    ///
+    /// # Errors
+    /// The header is that of another representation, or missing.
+    pub fn new(bytes: &'b [u8], unions: Unions) -> Result<Self, ValueError> {
+        let (big, widest) = match bytes {
+            [0, 0, _, _, ..] => (true, 8),
+            [0, 1, _, _, ..] => (false, 8),
+            [0, 6, _, _, ..] => (true, 4),
+            [0, 7, _, _, ..] => (false, 4),
+            _ => return wrong("", "plain CDR"),
         };
-        self.at += count;
-        Ok(found)
+        Ok(CdrReader {
+            bytes: &bytes[4..],
+            at: 0,
+            big,
+            widest,
+            unions,
+        })
     }
-}
 
-impl ValueReader for CdrReader<'_> {
-    fn number<const N: usize>(&mut self) -> Result<[u8; N], ValueError> {
+    /// Reads the next value, and appends it to bytes of the glue.
+    ///
+    /// # Errors
+    /// The next bytes are not a value of the type.
+    pub fn value(
+        &mut self,
+        values: Values<'_>,
+        ty: TypeId,
+        to: &mut Vec<u8>,
+    ) -> Result<(), ValueError> {
+        recode(values, ty, self, &mut GlueWriter(to), DEPTH).map(|_| ())
+    }
+
+    /// Reads a number, as bytes in the order of this machine.
+    ///
+    /// # Errors
+    /// The stream ends before.
+    pub fn number<const N: usize>(&mut self) -> Result<[u8; N], ValueError> {
         self.at = self.at.next_multiple_of(N.min(self.widest));
         let foreign = self.big != cfg!(target_endian = "big");
         let mut number = [0; N];
@@ -158,7 +259,20 @@ impl ValueReader for CdrReader<'_> {
         Ok(number)
     }
 
-    fn text(&mut self) -> Result<&[u8], ValueError> {
+    fn some(&mut self, count: usize) -> Result<&'b [u8], ValueError> {
+        let end = self.at.checked_add(count);
+        let Some(found) = end.and_then(|end| self.bytes.get(self.at..end)) else {
+            return wrong("", "a value that does not break off");
+        };
+        self.at += count;
+        Ok(found)
+    }
+
+    /// Reads a string, without its terminator.
+    ///
+    /// # Errors
+    /// The stream ends before, or the string has no terminator or several.
+    pub fn text(&mut self) -> Result<&'b [u8], ValueError> {
         let length = u32::from_ne_bytes(self.number()?);
         let text = self.some(length as usize)?;
         match text.split_last() {
@@ -168,12 +282,39 @@ impl ValueReader for CdrReader<'_> {
             _ => wrong("", "a string that ends with its zero"),
         }
     }
+}
+
+impl ValueReader for CdrReader<'_> {
+    fn number<const N: usize>(&mut self) -> Result<[u8; N], ValueError> {
+        CdrReader::number(self)
+    }
+
+    fn text(&mut self) -> Result<&[u8], ValueError> {
+        CdrReader::text(self)
+    }
 
     fn presence(&mut self) -> Result<bool, ValueError> {
         match u32::from_ne_bytes(self.number()?) {
             0 => Ok(false),
             1 => Ok(true),
             _ => wrong("", "a list of at most one"),
+        }
+    }
+
+    fn branch(&mut self, is_selected: bool) -> Result<(), ValueError> {
+        if self.unions == Unions::Branches && self.presence()? != is_selected {
+            return wrong(
+                "",
+                "a union with the branch that its discriminator selects only",
+            );
+        }
+        Ok(())
+    }
+
+    fn nothing(&mut self) -> Result<(), ValueError> {
+        match self.unions {
+            Unions::Plain => Ok(()),
+            Unions::Branches => self.some(1).map(|_| ()),
         }
     }
 
@@ -270,12 +411,22 @@ fn recode(
             for &member in members {
                 recode(values, member, from, to, depth)?;
             }
+            if members.is_empty() {
+                from.nothing()?;
+                to.nothing();
+            }
             return Ok(None);
         }
         TypeKind::Union { switch, members } => {
             let number = recode(values, *switch, from, to, depth)?.unwrap_or(0);
-            if let Some(member) = values.chosen(members, number) {
-                recode(values, member, from, to, depth)?;
+            let selected = values.chosen(members, number);
+            for &member in members {
+                let is_selected = selected == Some(member);
+                from.branch(is_selected)?;
+                to.branch(is_selected);
+                if is_selected {
+                    recode(values, member, from, to, depth)?;
+                }
             }
             return Ok(None);
         }

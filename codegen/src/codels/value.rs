@@ -543,11 +543,17 @@ fn object<'v>(value: &'v Value, at: &str) -> Result<Option<&'v Map<String, Value
 }
 
 /// Bytes of the glue to read.
-pub(super) struct Reader<'b> {
+#[derive(Debug, Clone)]
+pub struct Reader<'b> {
     pub(super) bytes: &'b [u8],
 }
 
 impl<'b> Reader<'b> {
+    /// Reads from the begin of bytes.
+    pub fn new(bytes: &'b [u8]) -> Self {
+        Reader { bytes }
+    }
+
     pub(super) fn some(&mut self, count: usize) -> Result<&'b [u8], ValueError> {
         match self.bytes.split_at_checked(count) {
             Some((taken, rest)) => {

@@ -26,7 +26,7 @@ pub(crate) fn task_throws(component: &Component, task: &Task) -> Vec<TypeId> {
 }
 
 /// Of a service.
-pub(crate) fn service_throws(component: &Component, service: u32) -> Vec<TypeId> {
+pub fn service_throws(component: &Component, service: u32) -> Vec<TypeId> {
     let service = &component.services[service as usize];
     let task = service.task.map(|it| &component.tasks[it as usize]);
     let task = task.map_or(&[][..], |it| it.throws.as_slice());

@@ -1,0 +1,199 @@
+//! Names of ROS 2 for names of GenoM3.
+
+use dotgen_analysis::model::{ScopeKind, Spec, TypeId};
+
+/// The package of types that are declared outside modules.
+const GLOBAL: &str = "genom_global";
+
+/// Packages of ROS 2 whose types are used.
+const STANDARD: [&str; 5] = [
+    "action_msgs",
+    "builtin_interfaces",
+    "service_msgs",
+    "std_msgs",
+    "unique_identifier_msgs",
+];
+
+/// Words that are not names of packages and fields, because the generated C++ or Python would not compile.
+const KEYWORDS: &str = " \
+     alignas alignof and and_eq as asm assert async auto await bitand bitor bool break case catch char \
+     char8_t char16_t char32_t class co_await co_return co_yield compl concept const const_cast consteval \
+     constexpr constinit continue decltype def default del delete do double dynamic_cast elif else enum \
+     except explicit export extern false finally float for friend from global goto if import in inline \
+     int is lambda long mutable namespace new noexcept nonlocal not not_eq nullptr operator or or_eq pass \
+     private protected public raise register reinterpret_cast requires restrict return short signed \
+     sizeof static static_assert static_cast struct switch template this thread_local throw true try \
+     typedef typeid typename union unsigned using virtual void volatile wchar_t while with xor xor_eq \
+     yield ";
+
+/// Words in lower case with single `_` between them: a word begins at `_`, and at an upper case letter that
+/// follows a lower case letter or digit.
+fn snake(name: &str) -> String {
+    let mut out = String::new();
+    let mut before = '_';
+    for c in name.chars() {
+        let begins =
+            c.is_ascii_uppercase() && (before.is_ascii_lowercase() || before.is_ascii_digit());
+        if (begins || c == '_') && !out.is_empty() && !out.ends_with('_') {
+            out.push('_');
+        }
+        if c != '_' {
+            out.push(c.to_ascii_lowercase());
+        }
+        before = c;
+    }
+    out.truncate(out.trim_end_matches('_').len());
+    out
+}
+
+/// The begin of a message about a name.
+fn becomes(of: &str, name: &str) -> String {
+    match of == name {
+        true => format!("`{name}` is"),
+        false => format!("`{of}` becomes `{name}`,"),
+    }
+}
+
+/// The name if it can be used.
+fn checked(name: String, of: &str) -> Result<String, String> {
+    if !name.starts_with(|c: char| c.is_ascii_lowercase()) {
+        return Err(format!(
+            "`{of}` has no name in ROS 2: begin it with a letter"
+        ));
+    }
+    if KEYWORDS.contains(&format!(" {name} ")) {
+        let becomes = becomes(of, &name);
+        return Err(format!("{becomes} a keyword of C++ or Python: rename it"));
+    }
+    Ok(name)
+}
+
+/// The package of a path of modules: `or_t3d`.
+///
+/// # Errors
+/// In words: the name is a keyword or a package of ROS 2, or does not begin with a letter.
+pub fn package<'n>(modules: impl IntoIterator<Item = &'n str>) -> Result<String, String> {
+    let modules: Vec<&str> = modules.into_iter().collect();
+    if modules.is_empty() {
+        return Ok(GLOBAL.to_owned());
+    }
+    let path = modules.join("::");
+    let name = checked(snake(&modules.join("_")), &path)?;
+    match STANDARD.contains(&name.as_str()) {
+        false => Ok(name),
+        true => {
+            let becomes = becomes(&path, &name);
+            Err(format!("{becomes} a package of ROS 2: rename it"))
+        }
+    }
+}
+
+/// The name of a field: `max_speed`.
+///
+/// # Errors
+/// In words: the name is a keyword, or does not begin with a letter.
+pub fn field(name: &str) -> Result<String, String> {
+    checked(snake(name), name)
+}
+
+/// The name of a constant: `MAX_SPEED`.
+///
+/// # Errors
+/// In words: the name does not begin with a letter.
+pub fn constant(name: &str) -> Result<String, String> {
+    let out = snake(name).to_ascii_uppercase();
+    match out.starts_with(|c: char| c.is_ascii_uppercase()) {
+        true => Ok(out),
+        false => Err(format!(
+            "`{name}` has no name in ROS 2: begin it with a letter"
+        )),
+    }
+}
+
+/// The local name of a message, service or action: `MaxSpeed`.
+///
+/// # Errors
+/// In words: the name does not begin with a letter.
+pub fn camel(name: &str) -> Result<String, String> {
+    let mut out = String::new();
+    for word in name.split('_') {
+        let mut letters = word.chars();
+        out.extend(letters.next().map(|it| it.to_ascii_uppercase()));
+        out.extend(letters);
+    }
+    match out.starts_with(|c: char| c.is_ascii_uppercase()) {
+        true => Ok(out),
+        false => Err(format!(
+            "`{name}` has no name in ROS 2: begin it with a letter"
+        )),
+    }
+}
+
+/// Package and local name of a type that has a name: `or_t3d` and `Pos`.
+///
+/// # Errors
+/// In words: ROS 2 has no such name.
+pub fn of_type(spec: &Spec, ty: TypeId) -> Result<(String, String), String> {
+    let it = spec.ty(ty);
+    let is_module = |kind| kind == ScopeKind::Module;
+    let modules = it.scope.iter().filter(|scope| is_module(scope.kind));
+    let package = package(modules.map(|scope| scope.name.as_str()))?;
+    let around = it.scope.iter().filter(|scope| !is_module(scope.kind));
+    let mut local = String::new();
+    for name in around.map(|scope| &scope.name).chain(&it.name) {
+        local += &camel(name)?;
+    }
+    Ok((package, local))
+}
+
+/// The name of a topic, service or action: `/demo/pose`, or `/demo/pose/left` for an instance.
+///
+/// # Errors
+/// In words: a part is not a name in ROS 2.
+pub fn topic<'n>(parts: impl IntoIterator<Item = &'n str>) -> Result<String, String> {
+    let mut out = String::new();
+    for part in parts {
+        let allowed = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        if part.is_empty()
+            || part.starts_with(|c: char| c.is_ascii_digit())
+            || !part.chars().all(allowed)
+        {
+            return Err(format!(
+                "`{part}` is not a name in ROS 2: use letters, digits and `_`, and begin with a letter"
+            ));
+        }
+        out.push('/');
+        out += part;
+    }
+    Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_follow_the_rules_of_ros() {
+        assert_eq!(package(["or", "t3d"]).as_deref(), Ok("or_t3d"));
+        assert_eq!(package(["Big__Arm_"]).as_deref(), Ok("big_arm"));
+        assert_eq!(package([]).as_deref(), Ok("genom_global"));
+        assert_eq!(field("posXY").as_deref(), Ok("pos_xy"));
+        assert_eq!(field("_d").as_deref(), Ok("d"));
+        assert_eq!(camel("rigid_body").as_deref(), Ok("RigidBody"));
+        assert_eq!(camel("t3D").as_deref(), Ok("T3D"));
+        assert_eq!(constant("notReady").as_deref(), Ok("NOT_READY"));
+        assert_eq!(topic(["demo", "pose"]).as_deref(), Ok("/demo/pose"));
+    }
+
+    #[test]
+    fn names_that_cannot_be_used_are_refused() {
+        for name in ["or", "class", "from", "_1"] {
+            assert!(field(name).is_err(), "{name}");
+            assert!(package([name]).is_err(), "{name}");
+        }
+        assert!(constant("_1").is_err() && camel("_1").is_err());
+        for part in ["", "1", "a-b", "a/b", "*"] {
+            assert!(topic(["demo", part]).is_err(), "{part}");
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! Files of packages.
+
+use std::collections::BTreeMap;
+
+use dotgen_ros2::description::Types;
+use dotgen_ros2::interfaces::interfaces;
+use dotgen_ros2::node::endpoints;
+
+use super::{PUMP, unit};
+
+#[test]
+fn each_module_is_a_package() {
+    let unit = unit(PUMP);
+    let found = interfaces(&unit.spec, &[&unit.spec.components[0]]);
+    assert_eq!(found.refused, []);
+    let mut all = String::new();
+    for (path, text) in &found.files {
+        all += &format!("== {path}\n{text}");
+    }
+    insta::assert_snapshot!(all);
+}
+
+/// The files say what the node offers: read back, they have the same hashes.
+#[test]
+fn files_and_descriptions_agree() {
+    let unit = unit(PUMP);
+    let component = &unit.spec.components[0];
+    let node = endpoints(&unit.spec, component, 0).expect("it has a name");
+    let mut read = Types::standard();
+    for (path, text) in interfaces(&unit.spec, &[component]).files {
+        let Some((name, "msg" | "srv" | "action")) = path.rsplit_once('.') else {
+            continue;
+        };
+        let lines = text
+            .lines()
+            .filter(|it| !it.starts_with('#') && !it.contains('='));
+        let bounded = text.lines().filter(|it| it.contains("<="));
+        let lines: BTreeMap<usize, &str> =
+            lines.chain(bounded).map(|it| (at(&text, it), it)).collect();
+        let lines: Vec<&str> = lines
+            .values()
+            .map(|it| it.split("  #").next().unwrap_or(it))
+            .collect();
+        super::hashes::add(&format!("= {name}\n{}\n", lines.join("\n")), &mut read);
+    }
+    let mut checked = 0;
+    for endpoint in &node.endpoints {
+        if !endpoint.type_name.starts_with("std_msgs") {
+            assert_eq!(
+                endpoint.hash,
+                read.hash(&endpoint.type_name),
+                "{}",
+                endpoint.type_name
+            );
+            checked += 1;
+        }
+    }
+    assert_eq!(checked, 12);
+}
+
+fn at(text: &str, line: &str) -> usize {
+    line.as_ptr() as usize - text.as_ptr() as usize
+}
+
+#[test]
+fn packages_that_need_each_other_are_refused() {
+    let unit = unit(
+        "module a { struct one { long x; }; };
+         module b { struct two { a::one x; }; };
+         module a { struct three { b::two x; }; };
+         component demo { version \"1.0\"; lang \"c\"; port out a::three p; };",
+    );
+    let found = interfaces(&unit.spec, &[&unit.spec.components[0]]);
+    let found: Vec<String> = found.refused.iter().map(ToString::to_string).collect();
+    assert_eq!(found.len(), 2, "{found:?}");
+    assert!(found[0].contains("`a` is not") && found[0].contains("`b` need each other"));
+}

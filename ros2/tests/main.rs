@@ -1,0 +1,24 @@
+//! Tests of the crate as others use it.
+
+mod corpus;
+mod hashes;
+mod interfaces;
+mod node;
+mod payloads;
+
+use dotgen_analysis::host::UnitResult;
+use dotgen_analysis::model::{Spec, TypeId};
+
+/// Types and services with everything that has a form in ROS 2. The messages `Level`, `Point` and `State` are
+/// those of the hashes of `rosidl`.
+const PUMP: &str = include_str!("fixtures/pump.gen");
+
+fn unit(text: &str) -> UnitResult {
+    dotgen_loaders::unit(text).unwrap_or_else(|it| panic!("{it}"))
+}
+
+fn type_of(spec: &Spec, name: &str) -> TypeId {
+    let mut all = (0..spec.types.len() as u32).map(TypeId);
+    let found = all.find(|&it| spec.full_name(it).as_deref() == Some(name));
+    found.unwrap_or_else(|| panic!("no `{name}`"))
+}
