@@ -28,15 +28,18 @@ mod order;
 mod others;
 mod refusal;
 mod search;
+mod span;
 mod starting;
 mod state;
 mod steps;
+mod thread;
 
 use self::batch::Batches;
-use self::model::{Model, Thread, models};
+use self::model::{Model, models};
 pub use self::refusal::Refusal;
 use self::search::Search;
 use self::state::MISSED;
+use self::thread::Thread;
 use crate::cancel::Cancel;
 use crate::system::{Ticks, TimedSystem};
 

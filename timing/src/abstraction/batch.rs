@@ -14,7 +14,8 @@
 
 use super::cycle_automaton::Successor;
 use super::model::Model;
-use super::state::{Cycle, Out, Span, Stage, State};
+use super::span::Span;
+use super::state::{Cycle, Out, Stage, State};
 use crate::system::Policy;
 
 /// Upper limit on the jobs of a window.

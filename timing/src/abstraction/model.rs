@@ -2,9 +2,10 @@
 
 use super::activities::activities;
 use super::cycle_automaton::{Activity, CycleAutomaton, cycle_automaton};
-use super::order::{Start, chain, first_tick};
+use super::order::{chain, first_tick};
 use super::others::{Interference, OtherThread, interference, others, waits};
 use super::refusal::Refusal;
+use super::thread::{Start, Thread};
 use crate::scn::semantics::Semantics;
 use crate::system::{
     CodelSet, FOREVER, LockOrder, Machine, Policy, Ticks, TimedSystem, Yield, pauseless_cycles,
@@ -39,43 +40,6 @@ pub(super) struct Model<'s> {
     pub(super) groups: usize,
     /// Time after which all ticks repeat, in base units.
     pub(super) hyperperiod: i64,
-}
-
-/// A task.
-#[derive(Debug)]
-pub(super) struct Thread {
-    /// Number of the task in the system.
-    pub(super) task: usize,
-    pub(super) period: i64,
-    /// First tick, in base units.
-    pub(super) first: i64,
-    /// Sequences of codels; `None` if there are none.
-    pub(super) cycle_automaton: Option<CycleAutomaton>,
-    /// Group.
-    pub(super) group: usize,
-    /// The task shares locks with others of its group.
-    pub(super) contends: bool,
-    /// Possible rests before the first tick. Servers: none, as the task begins with the first rest.
-    pub(super) paused: Vec<usize>,
-    /// Servers: thread that is started after the first pass of this one.
-    pub(super) successor: Option<usize>,
-    /// Servers: another thread starts this one.
-    pub(super) started: bool,
-    pub(super) start: Start,
-    /// Servers: interference with the first pass.
-    pub(super) early: Option<Interference>,
-}
-
-impl Thread {
-    /// Returns the time of one of the thread's ticks, in base units.
-    pub(super) fn tick(&self, number: i64) -> i64 {
-        self.first + number * self.period
-    }
-
-    /// Returns the number of the last tick before time 0.
-    pub(super) fn last_before_zero(&self) -> i64 {
-        (-1 - self.first).div_euclid(self.period)
-    }
 }
 
 impl Model<'_> {
@@ -266,7 +230,7 @@ fn thread(
         paused,
         successor: None,
         started: false,
-        start: Start::MAX_COMMITTED_STEPS,
+        start: Start::AT_ONCE,
         early: None,
     })
 }

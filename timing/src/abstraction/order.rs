@@ -3,37 +3,10 @@
 //! The first pass of a task that is not followed takes a bounded time if the task waits for no core, and its
 //! codel is bounded. Otherwise the next task is started at any time, or never.
 
-use super::model::Thread;
 use super::others::{OtherThread, interference};
-use super::state::Span;
+use super::span::Span;
+use super::thread::{Start, Thread};
 use crate::system::{CodelSet, FOREVER, TimedSystem};
-
-/// The start of a followed task.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Start {
-    /// Time of the start, from the end of the first pass of the followed task before it, or from 0 if there
-    /// is none; `None`: at any time, or never.
-    pub(super) after: Option<Span>,
-    /// A task before it may fail in its first pass, after which no further task is started.
-    pub(super) fails: bool,
-}
-
-impl Start {
-    pub(super) const MAX_COMMITTED_STEPS: Start = Start {
-        after: Some(Span { from: 0, to: 0 }),
-        fails: false,
-    };
-
-    /// Returns the start after this one and another first pass.
-    fn then(self, pass: Start) -> Self {
-        Start {
-            after: self
-                .after
-                .and_then(|it| pass.after.map(|pass| it.plus(pass))),
-            fails: self.fails || pass.fails,
-        }
-    }
-}
 
 /// Sets the starts and successors of all tasks, and the interference with their first passes. For now
 /// successors are numbers of tasks. `enough`: no task waits for a core.
@@ -42,7 +15,7 @@ pub(super) fn chain(system: &TimedSystem, threads: &mut [Thread], enough: bool) 
     let first_tick = periodic.map(|it| first_tick(system, it)).min();
     for component in &system.components {
         let mut before: Option<usize> = None;
-        let mut start = Start::MAX_COMMITTED_STEPS;
+        let mut start = Start::AT_ONCE;
         let mut earlier: Vec<(OtherThread, bool)> = Vec::new();
         for &task in &component.tasks {
             let number = threads.iter().position(|it| it.task == task);
@@ -55,7 +28,7 @@ pub(super) fn chain(system: &TimedSystem, threads: &mut [Thread], enough: bool) 
                 if let Some(before) = before.filter(|_| start.after.is_some()) {
                     threads[before].successor = Some(task);
                 }
-                (before, start) = (Some(number), Start::MAX_COMMITTED_STEPS);
+                (before, start) = (Some(number), Start::AT_ONCE);
             } else {
                 // Until the first tick, tasks without a period have the cores to themselves.
                 let alone = before.is_none()
@@ -101,7 +74,7 @@ fn first_pass(system: &TimedSystem, task: usize, others: &[OtherThread], has_cor
     }
     let machine = it.permanent.map(|it| system.machine_of(it));
     let Some(state) = machine.and_then(|it| it.states.get(it.start)) else {
-        return Start::MAX_COMMITTED_STEPS;
+        return Start::AT_ONCE;
     };
     let codel = &system.codels[state.codel];
     let waits = interference(system, others).map_or(Some(0), |it| it.longest[state.codel]);

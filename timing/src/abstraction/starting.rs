@@ -4,8 +4,8 @@
 use super::cycle_automaton::Successor;
 use super::model::Model;
 use super::refusal::Refusal;
-use super::state::{Cycle, MISSED, Out, Span, Stage, State, TaskProgress, TaskTimes};
-use super::steps::not_before;
+use super::span::Span;
+use super::state::{Cycle, MISSED, Out, Stage, State, TaskProgress, TaskTimes, not_before};
 
 /// Number of periods by which a job may be late before its task is no longer followed.
 const LATE: i64 = 64;

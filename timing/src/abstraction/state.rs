@@ -1,51 +1,7 @@
 //! Abstract states: the work done, and intervals of times.
 
 use super::model::Model;
-
-/// A time, in base units, that lies between two limits, both included.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) struct Span {
-    pub(super) from: i64,
-    pub(super) to: i64,
-}
-
-impl Span {
-    pub(super) fn at(time: i64) -> Self {
-        Span {
-            from: time,
-            to: time,
-        }
-    }
-
-    /// Returns the later of two times.
-    pub(super) fn max(self, other: Span) -> Self {
-        Span {
-            from: self.from.max(other.from),
-            to: self.to.max(other.to),
-        }
-    }
-
-    /// Returns the sum of a time and a duration.
-    pub(super) fn plus(self, other: Span) -> Self {
-        Span {
-            from: self.from + other.from,
-            to: self.to + other.to,
-        }
-    }
-
-    /// Widens the interval to contain another one. Returns true if it already did.
-    fn widen(&mut self, other: Span) -> bool {
-        let before = *self;
-        self.from = self.from.min(other.from);
-        self.to = self.to.max(other.to);
-        *self != before
-    }
-
-    fn shift(&mut self, by: i64) {
-        self.from -= by;
-        self.to -= by;
-    }
-}
+use super::span::Span;
 
 /// The stage of a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -248,4 +204,16 @@ fn lower(one: &mut i64, other: i64) -> bool {
     let lower = other < *one;
     *one = other.min(*one);
     lower
+}
+
+/// Returns a state in which no further step begins before a time.
+pub(super) fn not_before(s: &State, time: i64) -> State {
+    let mut s = s.clone();
+    let active: Vec<usize> = s.all(Stage::Active).collect();
+    for it in active {
+        let ready = &mut s.when[it].ready;
+        // The codel may have been ready before, and waited for its locks until now.
+        *ready = ready.max(Span::at(time));
+    }
+    s
 }

@@ -5,8 +5,9 @@
 
 use super::model::Model;
 use super::refusal::Refusal;
+use super::span::Span;
 use super::starting::End;
-use super::state::{Cycle, Out, Span, Stage, State};
+use super::state::{Cycle, Out, Stage, State, not_before};
 use crate::system::{CodelSet, Policy};
 
 impl Model<'_> {
@@ -272,16 +273,4 @@ impl Model<'_> {
         }
         Ok(())
     }
-}
-
-/// Returns a state in which no further step begins before a time.
-pub(super) fn not_before(s: &State, time: i64) -> State {
-    let mut s = s.clone();
-    let active: Vec<usize> = s.all(Stage::Active).collect();
-    for it in active {
-        let ready = &mut s.when[it].ready;
-        // The codel may have been ready before, and waited for its locks until now.
-        *ready = ready.max(Span::at(time));
-    }
-    s
 }
