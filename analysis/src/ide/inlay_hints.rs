@@ -511,9 +511,9 @@ component c {
     }
 
     #[test]
-    fn going_round_for_ever() {
+    fn an_endless_turn_has_no_hint() {
         let text = "component c { task t { codel<start> f() wcet 1 ms yield start, ether; }; };\n";
         let found = shown(text, InlayConfig { wcet: true, ..NONE });
-        assert!(found.contains("<start[ ‹≤ ∞›]>"), "{found}");
+        assert_eq!(found, text);
     }
 }
