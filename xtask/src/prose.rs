@@ -127,8 +127,8 @@ fn occurs(words: &[&str], pattern: &str) -> bool {
                 "X" => !["longer", "more"].contains(word),
                 _ => wanted == word,
             });
-            // "There is no X" is English.
-            matches && !(pattern.len() == 3 && at > 0 && words[at - 1] == "there")
+            // "There is no X" is English; "there" may be on the line before.
+            matches && (pattern.len() < 3 || at > 0 && words[at - 1] != "there")
         })
 }
 
