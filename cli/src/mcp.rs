@@ -259,7 +259,11 @@ fn shortened(text: &str) -> String {
     if text.len() <= MAX_ANSWER_BYTES {
         return text.to_owned();
     }
-    let end = text.floor_char_boundary(MAX_ANSWER_BYTES);
+    let starts = text.char_indices().map(|(at, _)| at);
+    let end = starts
+        .take_while(|at| *at <= MAX_ANSWER_BYTES)
+        .last()
+        .unwrap_or_default();
     let end = text[..end].rfind('\n').map_or(end, |at| at + 1);
     let left = text[end..].lines().count();
     format!(
