@@ -2,14 +2,19 @@
 //!
 //! A tool runs this program with the arguments of a command, so that an assistant reads what people read.
 
-use std::ffi::OsString;
+use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use clap::Args;
+use dotgen_codegen::process::{Channels, Processes, Program, Resources};
 use rmcp::handler::server::wrapper::Parameters;
 use rmcp::model::{CallToolResult, ContentBlock, ServerCapabilities, ServerConfig};
-use rmcp::{ServerHandler, ServiceExt, schemars, tool, tool_handler, tool_router};
+use rmcp::service::RequestContext;
+use rmcp::{RoleServer, ServerHandler, ServiceExt, schemars, tool, tool_handler, tool_router};
 use serde::Deserialize;
+use std::ffi::OsString;
+use tokio::sync::Mutex;
 
 use super::{Outcome, logging};
 use dotgen_platform::process;
@@ -18,6 +23,11 @@ use dotgen_platform::process;
 const MAX_ANSWER_BYTES: usize = 7_000;
 /// Time after which a command is ended.
 const TIMEOUT: Duration = Duration::from_secs(120);
+/// Time limit of a verification, in seconds: what is answered by then is printed.
+const VERIFY_SECONDS: &str = "100";
+
+/// A request, which can be cancelled.
+type Context = RequestContext<RoleServer>;
 
 /// Serve dotgen's commands as tools of the Model Context Protocol, on standard input and output
 ///
@@ -32,7 +42,7 @@ pub(super) fn run() -> anyhow::Result<Outcome> {
         .enable_all()
         .build()?;
     runtime.block_on(async {
-        let service = Tools.serve(rmcp::transport::stdio()).await?;
+        let service = Tools::default().serve(rmcp::transport::stdio()).await?;
         service.waiting().await?;
         anyhow::Ok(())
     })?;
@@ -40,8 +50,11 @@ pub(super) fn run() -> anyhow::Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-#[derive(Debug, Clone, Copy)]
-struct Tools;
+/// The tools. One command runs at a time, so that commands do not edit the same files.
+#[derive(Debug, Clone, Default)]
+struct Tools {
+    turn: Arc<Mutex<()>>,
+}
 
 /// A name to look up.
 #[derive(Debug, Deserialize, schemars::JsonSchema)]
@@ -134,74 +147,114 @@ fn ten_seconds() -> String {
 #[tool_router]
 impl Tools {
     #[tool(
-        description = "Find a declaration of GenoM3 specifications by name: place, documentation, uses, findings"
+        description = "Find a declaration of GenoM3 specifications by name: place, documentation, uses, findings",
+        annotations(read_only_hint = true)
     )]
-    async fn look_up(&self, Parameters(it): Parameters<Name>) -> CallToolResult {
-        command(["query", "--", &it.name, &it.path]).await
+    async fn look_up(&self, Parameters(it): Parameters<Name>, context: Context) -> CallToolResult {
+        self.command(["query", "--", &it.name, &it.path], &context)
+            .await
     }
 
     #[tool(
-        description = "Check GenoM3 specifications and scenarios: errors, warnings, and what would fix them"
+        description = "Check GenoM3 specifications and scenarios: errors, warnings, and what would fix them",
+        annotations(read_only_hint = true)
     )]
-    async fn check(&self, Parameters(it): Parameters<Specifications>) -> CallToolResult {
-        command(["check", "--", &it.path]).await
+    async fn check(
+        &self,
+        Parameters(it): Parameters<Specifications>,
+        context: Context,
+    ) -> CallToolResult {
+        self.command(["check", "--", &it.path], &context).await
     }
 
     #[tool(
         description = "Apply every unambiguous fix to specifications and report the rest; changes files"
     )]
-    async fn fix(&self, Parameters(it): Parameters<Specifications>) -> CallToolResult {
-        command(["check", "--fix", "--", &it.path]).await
+    async fn fix(
+        &self,
+        Parameters(it): Parameters<Specifications>,
+        context: Context,
+    ) -> CallToolResult {
+        self.command(["check", "--fix", "--", &it.path], &context)
+            .await
     }
 
     #[tool(
         description = "Compare, repair or write the C and C++ functions (codels) of a specification"
     )]
-    async fn codels(&self, Parameters(it): Parameters<Codels>) -> CallToolResult {
+    async fn codels(&self, Parameters(it): Parameters<Codels>, context: Context) -> CallToolResult {
         let action = match it.action {
             CodelAction::Check => "check",
             CodelAction::Sync => "sync",
             CodelAction::Stub => "stub",
         };
-        command(["codels", action, "--", &it.path]).await
+        self.command(["codels", action, "--", &it.path], &context)
+            .await
     }
 
     #[tool(
-        description = "Verify deadlines, response times and properties; a failure comes with its cause and remedy"
+        description = "Verify deadlines, response times and properties; a failure comes with its cause and remedy",
+        annotations(read_only_hint = true)
     )]
-    async fn verify(&self, Parameters(it): Parameters<Specifications>) -> CallToolResult {
-        command(["verify", "--", &it.path]).await
-    }
-
-    #[tool(
-        description = "Run components on the virtual clock with simulated codels, and report times and violations"
-    )]
-    async fn simulate(&self, Parameters(it): Parameters<Simulation>) -> CallToolResult {
-        command([
-            "run",
-            "--simulate",
-            "all",
-            "--until",
-            &it.duration,
-            "--",
-            &it.path,
-        ])
+    async fn verify(
+        &self,
+        Parameters(it): Parameters<Specifications>,
+        context: Context,
+    ) -> CallToolResult {
+        self.command(
+            ["verify", "--timeout", VERIFY_SECONDS, "--", &it.path],
+            &context,
+        )
         .await
     }
 
-    #[tool(description = "Draw state machines, a system or locks, as Mermaid")]
-    async fn draw(&self, Parameters(it): Parameters<Picture>) -> CallToolResult {
+    #[tool(
+        description = "Run components on the virtual clock with simulated codels, and report times and violations",
+        annotations(read_only_hint = true)
+    )]
+    async fn simulate(
+        &self,
+        Parameters(it): Parameters<Simulation>,
+        context: Context,
+    ) -> CallToolResult {
+        self.command(
+            [
+                "run",
+                "--simulate",
+                "all",
+                "--until",
+                &it.duration,
+                "--",
+                &it.path,
+            ],
+            &context,
+        )
+        .await
+    }
+
+    #[tool(
+        description = "Draw state machines, a system or locks, as Mermaid",
+        annotations(read_only_hint = true)
+    )]
+    async fn draw(&self, Parameters(it): Parameters<Picture>, context: Context) -> CallToolResult {
         let of = match it.of {
             PictureKind::Fsm => "fsm",
             PictureKind::System => "system",
             PictureKind::Locks => "locks",
         };
-        command(["diagram", of, "--format", "mermaid", "--", &it.path]).await
+        self.command(
+            ["diagram", of, "--format", "mermaid", "--", &it.path],
+            &context,
+        )
+        .await
     }
 
-    #[tool(description = "Explain a diagnostic by its code: meaning, reason, and how to mend it")]
-    async fn explain(&self, Parameters(it): Parameters<Code>) -> CallToolResult {
-        command(["explain", "--", &it.code]).await
+    #[tool(
+        description = "Explain a diagnostic by its code: meaning, reason, and how to mend it",
+        annotations(read_only_hint = true)
+    )]
+    async fn explain(&self, Parameters(it): Parameters<Code>, context: Context) -> CallToolResult {
+        self.command(["explain", "--", &it.code], &context).await
     }
 }
 
@@ -218,40 +271,73 @@ impl ServerHandler for Tools {
     }
 }
 
-/// Runs a command of this program. Its exit status 0 or 1 (something was found) is an answer; others are
-/// errors.
-async fn command<const N: usize>(arguments: [&str; N]) -> CallToolResult {
-    let arguments = arguments.map(OsString::from).to_vec();
-    let answer = tokio::task::spawn_blocking(move || run_self(arguments)).await;
-    match answer {
-        Ok(Ok((code, text))) => {
-            let content = vec![ContentBlock::text(shortened(&text))];
-            match code {
-                Some(0 | 1) => CallToolResult::success(content),
-                _ => CallToolResult::error(content),
-            }
+impl Tools {
+    /// Runs a command of this program, unless the request is cancelled. The exit statuses 0, 1 (something was
+    /// found) and 3 (not finished within the limits) are answers; others are errors.
+    async fn command<const N: usize>(
+        &self,
+        arguments: [&str; N],
+        context: &Context,
+    ) -> CallToolResult {
+        let is_drawing = arguments[0] == "diagram";
+        let arguments = arguments.map(Into::into).to_vec();
+        let cancelled = context.ct.clone();
+        let _turn = self.turn.lock().await;
+        let answer =
+            tokio::task::spawn_blocking(move || run_self(arguments, &|| cancelled.is_cancelled()))
+                .await;
+        let (code, output, errors) = match answer {
+            Ok(Ok(answer)) => answer,
+            Ok(Err(error)) => return failure(&format!("dotgen does not start: {error}")),
+            Err(error) => return failure(&format!("the command was lost: {error}")),
+        };
+        if is_drawing && output.len() > MAX_ANSWER_BYTES {
+            return failure(&format!(
+                "the drawing has {} bytes, {MAX_ANSWER_BYTES} are allowed: name one file",
+                output.len()
+            ));
         }
-        Ok(Err(error)) => CallToolResult::error(vec![ContentBlock::text(format!(
-            "dotgen does not start: {error}"
-        ))]),
-        Err(error) => CallToolResult::error(vec![ContentBlock::text(format!(
-            "the command was lost: {error}"
-        ))]),
+        let texts = [output, errors].into_iter().filter(|it| !it.is_empty());
+        let content = texts.map(|it| ContentBlock::text(shortened(&it))).collect();
+        match code {
+            Some(0 | 1 | 3) => CallToolResult::success(content),
+            _ => CallToolResult::error(content),
+        }
     }
 }
 
-fn run_self(arguments: Vec<OsString>) -> std::io::Result<(Option<i32>, String)> {
-    let own = std::env::current_exe()?;
-    let environment = [("NO_COLOR", "1".to_owned()), ("COLUMNS", "100".to_owned())];
-    let mut child = process::ask(&own.to_string_lossy(), arguments, &environment)?;
+fn failure(message: &str) -> CallToolResult {
+    CallToolResult::error(vec![ContentBlock::text(message)])
+}
+
+/// Runs this program in a group of its own, which ends with this process. Returns its exit status and both
+/// outputs.
+fn run_self(
+    arguments: Vec<OsString>,
+    is_cancelled: &dyn Fn() -> bool,
+) -> std::io::Result<(Option<i32>, String, String)> {
+    let program = Program {
+        path: std::env::current_exe()?,
+        arguments,
+        directory: PathBuf::new(),
+        channels: Channels::Pipes,
+        resources: Resources::default(),
+        access: None,
+    };
+    let mut child = process::System.start(&program)?;
     let started = Instant::now();
-    let late = || started.elapsed() > TIMEOUT;
-    let (status, printed) = child.wait_with_output_unless(&late)?;
-    let mut text = String::from_utf8_lossy(&printed).into_owned();
-    if status.code().is_none() && late() {
-        text += &format!("\nended after {} s: name a smaller part", TIMEOUT.as_secs());
+    let is_late = || started.elapsed() > TIMEOUT;
+    let (status, output, errors) =
+        child.wait_with_outputs_unless(&|| is_late() || is_cancelled())?;
+    let mut errors = String::from_utf8_lossy(&errors).into_owned();
+    if status.code().is_none() && is_late() {
+        errors += &format!("ended after {} s: name a smaller part\n", TIMEOUT.as_secs());
     }
-    Ok((status.code(), text))
+    Ok((
+        status.code(),
+        String::from_utf8_lossy(&output).into_owned(),
+        errors,
+    ))
 }
 
 /// The beginning of a long text, up to the end of a line, with the number of lines that are left out.

@@ -2,20 +2,26 @@
 
 use std::io::Write;
 
+use anyhow::bail;
 use camino::{Utf8Path, Utf8PathBuf};
 use clap::{Args, ValueEnum};
-use dotgen_analysis::diagnostic::Severity;
+use dotgen_analysis::diagnostic::{Diagnostic, Severity};
 use dotgen_analysis::ide::{FilePosition, FileRange, NamedDeclaration, SymbolKind};
 use dotgen_syntax::suggestion::nearest;
+use rustc_hash::FxHashMap;
 use serde::Serialize;
 use serde_json::json;
 
-use super::{Outcome, SpecificationOptions, session};
+use super::{Outcome, SpecificationOptions, report, session};
 use dotgen_lsp_server::protocol::convert::{Encoding, Lines};
 use session::{Session, Texts};
 
 /// The version of the JSON output.
 const VERSION: u32 = 1;
+/// Maximum number of declarations that are described, of each configuration.
+const MAX_DECLARATIONS: usize = 100;
+/// Maximum number of lines of documentation in the text form.
+const MAX_DOCUMENTATION_LINES: usize = 60;
 
 /// Print the documentation, uses and findings of a declaration
 ///
@@ -61,7 +67,7 @@ struct Declaration {
 }
 
 /// A place in a file; lines and columns (in characters) count from 1.
-#[derive(Debug, Serialize)]
+#[derive(Debug, PartialEq, Eq, Serialize)]
 struct Place {
     file: String,
     line: u32,
@@ -86,22 +92,38 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         .split(['.', ':'])
         .filter(|it| !it.is_empty())
         .collect();
-    let mut found = Vec::new();
+    if names.is_empty() {
+        bail!("`{}` is not a name", arguments.name);
+    }
+    let mut found: Vec<Declaration> = Vec::new();
     let mut known = Vec::new();
+    let mut left_out = 0;
     for session in session::open(files, &arguments.reading)? {
         let Some(first) = session.files.first() else {
             continue;
         };
         let all = session.ask(&first.path, |it| it.named(&names))?;
-        for declaration in &all {
-            found.push(session.described(declaration, None)?);
-        }
+        let mut all: Vec<_> = all.into_iter().map(|it| (it, None)).collect();
         if all.is_empty() {
-            for (state, machine) in session.states(&first.path, &names)? {
-                found.push(session.described(&state, Some(&machine))?);
-            }
+            all = session.states(&first.path, &names)?;
             known.extend(session.ask(&first.path, |it| it.named(&[]))?);
         }
+        left_out += all.len().saturating_sub(MAX_DECLARATIONS);
+        all.truncate(MAX_DECLARATIONS);
+        let mut describer = Describer::new(&session);
+        for (declaration, machine) in &all {
+            let described = describer.describe(declaration, machine.as_ref())?;
+            // A shared file may be read under several configurations.
+            match found.iter_mut().find(|it| it.place == described.place) {
+                Some(same) => same.add_uses(described.uses),
+                None => found.push(described),
+            }
+        }
+    }
+    if left_out > 0 {
+        report::note(&format!(
+            "{left_out} more declarations: write more of the name"
+        ));
     }
     match arguments.format {
         Format::Json => {
@@ -145,7 +167,7 @@ impl Session {
         &self,
         about: &Utf8Path,
         names: &[&str],
-    ) -> anyhow::Result<Vec<(NamedDeclaration, NamedDeclaration)>> {
+    ) -> anyhow::Result<Vec<(NamedDeclaration, Option<NamedDeclaration>)>> {
         let Some((state, machine)) = names.split_last().filter(|it| !it.1.is_empty()) else {
             return Ok(Vec::new());
         };
@@ -154,82 +176,122 @@ impl Session {
             let component = machine.name.split('.').next().unwrap_or_default();
             let states = self.ask(about, |it| it.named(&[component, state]))?;
             let states = states.into_iter().filter(|it| it.kind == SymbolKind::State);
-            found.extend(states.map(|it| (it, machine.clone())));
+            found.extend(states.map(|it| (it, Some(machine.clone()))));
         }
         Ok(found)
     }
+}
+
+/// Describes declarations of a session. Texts and diagnostics of a file are computed once.
+struct Describer<'s> {
+    session: &'s Session,
+    texts: Texts,
+    diagnostics: FxHashMap<Utf8PathBuf, Vec<Diagnostic>>,
+}
+
+impl Describer<'_> {
+    fn new(session: &Session) -> Describer<'_> {
+        Describer {
+            session,
+            texts: Texts::default(),
+            diagnostics: FxHashMap::default(),
+        }
+    }
 
     /// Everything known about a declaration; its uses only those inside `machine`.
-    fn described(
-        &self,
+    fn describe(
+        &mut self,
         declaration: &NamedDeclaration,
         machine: Option<&NamedDeclaration>,
     ) -> anyhow::Result<Declaration> {
+        let about = &declaration.path;
         let at = FilePosition {
-            path: declaration.path.clone(),
+            path: about.clone(),
             offset: declaration.range.start,
         };
-        let about = &declaration.path;
-        let documentation = self.ask(about, |it| it.hover(&at))?;
-        let uses = self.ask(about, |it| it.references(&at, false))?;
-        let findings = self.ask(about, |it| it.diagnostics(about))?;
-        let mut texts = Texts::default();
-        let mut place = |path: &Utf8PathBuf, offset: usize| -> anyhow::Result<Place> {
-            if !texts.contains_key(path) {
-                let text = self.ask(path, |it| it.text(path))?.unwrap_or_default();
-                texts.insert(path.clone(), Lines::new(text, Encoding::Utf32));
-            }
-            let lines = &texts[path];
-            let position = lines.position(offset);
-            let text = lines
-                .text()
-                .lines()
-                .nth(position.line as usize)
-                .unwrap_or_default();
-            Ok(Place {
-                file: session::display(path),
-                line: position.line + 1,
-                column: position.character + 1,
-                text: text.trim().to_owned(),
+        let documentation = self.session.ask(about, |it| it.hover(&at))?;
+        let uses = self.session.ask(about, |it| it.references(&at, false))?;
+        let is_used = |it: &FileRange| {
+            machine.is_none_or(|machine| {
+                it.path == machine.path && machine.full_range.contains(&it.range.start)
             })
         };
-        let inside = |at: usize| declaration.full_range.contains(&at);
-        let findings = findings
+        let uses = uses
             .into_iter()
-            .filter(|it| &it.path == about && inside(it.range.start));
-        let findings: anyhow::Result<Vec<Finding>> = findings
-            .map(|it| {
-                Ok(Finding {
-                    code: it.code,
-                    severity: it.severity,
-                    line: place(&it.path, it.range.start)?.line,
-                    message: it.message,
-                })
-            })
-            .collect();
-        let mut uses = uses.unwrap_or_default();
-        if let Some(machine) = machine {
-            let inside = |it: &FileRange| {
-                it.path == machine.path && machine.full_range.contains(&it.range.start)
-            };
-            uses.retain(|it| inside(&it.place));
-        }
+            .flatten()
+            .map(|it| it.place)
+            .filter(is_used);
         let uses: anyhow::Result<Vec<Place>> = uses
-            .iter()
-            .map(|it| place(&it.place.path, it.place.range.start))
+            .map(|it| self.place(&it.path, it.range.start))
             .collect();
         Ok(Declaration {
             name: declaration.name.clone(),
             kind: declaration.kind,
-            place: place(&declaration.path, declaration.range.start)?,
+            place: self.place(about, declaration.range.start)?,
             documentation: documentation.map(|it| it.info.markdown),
             uses: uses?,
-            findings: findings?,
+            findings: self.findings(declaration)?,
+        })
+    }
+
+    /// The diagnostics inside a declaration.
+    fn findings(&mut self, declaration: &NamedDeclaration) -> anyhow::Result<Vec<Finding>> {
+        let path = &declaration.path;
+        if !self.diagnostics.contains_key(path) {
+            let all = self.session.ask(path, |it| it.diagnostics(path))?;
+            self.diagnostics.insert(path.clone(), all);
+        }
+        let mut found = Vec::new();
+        for it in &self.diagnostics[path] {
+            if it.path == *path && declaration.full_range.contains(&it.range.start) {
+                found.push((it.code, it.severity, it.message.clone(), it.range.start));
+            }
+        }
+        let finding = |(code, severity, message, at)| {
+            let line = self.place(path, at)?.line;
+            Ok(Finding {
+                code,
+                severity,
+                message,
+                line,
+            })
+        };
+        found.into_iter().map(finding).collect()
+    }
+
+    fn place(&mut self, path: &Utf8PathBuf, offset: usize) -> anyhow::Result<Place> {
+        if !self.texts.contains_key(path) {
+            let text = self
+                .session
+                .ask(path, |it| it.text(path))?
+                .unwrap_or_default();
+            self.texts
+                .insert(path.clone(), Lines::new(text, Encoding::Utf32));
+        }
+        let lines = &self.texts[path];
+        let position = lines.position(offset);
+        let text = lines
+            .line(position.line)
+            .and_then(|it| lines.text().get(it));
+        Ok(Place {
+            file: session::display(path),
+            line: position.line + 1,
+            column: position.character + 1,
+            text: text.unwrap_or_default().trim().to_owned(),
         })
     }
 }
 
 impl Declaration {
+    /// Adds uses that were found under another configuration.
+    fn add_uses(&mut self, uses: Vec<Place>) {
+        for it in uses {
+            if !self.uses.contains(&it) {
+                self.uses.push(it);
+            }
+        }
+    }
+
     /// The declaration as Markdown, with its uses and findings.
     fn text(&self) -> String {
         let Place {
@@ -237,10 +299,16 @@ impl Declaration {
         } = &self.place;
         let mut out = format!("{file}:{line}:{column}: {}\n", self.name);
         if let Some(documentation) = &self.documentation {
-            out += &format!("\n{}\n", documentation.trim());
+            let lines: Vec<&str> = documentation.trim().lines().collect();
+            let (shown, left) = lines.split_at(lines.len().min(MAX_DOCUMENTATION_LINES));
+            out += &format!("\n{}\n", shown.join("\n"));
+            if !left.is_empty() {
+                out += &format!("… {} more lines\n", left.len());
+            }
         }
         if !self.uses.is_empty() {
-            out += &format!("\n{} uses:\n", self.uses.len());
+            let plural = if self.uses.len() == 1 { "" } else { "s" };
+            out += &format!("\n{} use{plural}:\n", self.uses.len());
         }
         for it in &self.uses {
             out += &format!("{}:{}:{}: {}\n", it.file, it.line, it.column, it.text);

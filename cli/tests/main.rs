@@ -20,6 +20,7 @@ mod measure;
 mod monitor;
 mod network;
 mod new;
+mod packaging;
 mod pictures;
 mod processes;
 mod protocol;

@@ -59,3 +59,33 @@ fn an_unknown_name_is_an_error_with_a_suggestion() {
         "error: nothing is named `pump.contrl`; did you mean `control`?\n"
     );
 }
+
+#[test]
+fn a_name_without_letters_is_refused() {
+    for name in ["", ".", "::"] {
+        let (out, error, code) = query(&[name]);
+        assert_eq!((out.as_str(), code), ("", Some(2)), "{name}");
+        assert_eq!(error, format!("error: `{name}` is not a name\n"));
+    }
+}
+
+#[test]
+fn a_file_that_folders_share_is_described_once() {
+    let user = |name: &str| {
+        format!("#include \"../types.idl\"\ncomponent {name} {{ ids {{ pos at; }}; }};\n")
+    };
+    let directory = Directory::new(&[
+        ("types.idl", "struct pos { double x; };\n"),
+        ("a/a.gen", &user("a")),
+        ("a/dotgen.toml", ""),
+        ("b/b.gen", &user("b")),
+        ("b/dotgen.toml", ""),
+    ]);
+    let output = directory.run(&["query", "pos", "--format", "json"]);
+    let answer: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let declarations = answer["declarations"].as_array().expect("a list");
+    assert_eq!(declarations.len(), 1, "{answer}");
+    let uses = declarations[0]["uses"].as_array().expect("uses");
+    let files: Vec<&str> = uses.iter().filter_map(|it| it["file"].as_str()).collect();
+    assert_eq!(files, ["a/a.gen", "b/b.gen"]);
+}

@@ -166,6 +166,19 @@ impl Process {
         &mut self,
         stop: &dyn Fn() -> bool,
     ) -> io::Result<(ExitStatus, Vec<u8>)> {
+        let (status, mut printed, errors) = self.wait_with_outputs_unless(stop)?;
+        printed.extend(errors);
+        Ok((status, printed))
+    }
+
+    /// Waits as [`Process::wait_with_output_unless`] does. Returns the output and the error output.
+    ///
+    /// # Errors
+    /// The errors of the system.
+    pub fn wait_with_outputs_unless(
+        &mut self,
+        stop: &dyn Fn() -> bool,
+    ) -> io::Result<(ExitStatus, Vec<u8>, Vec<u8>)> {
         drop(self.child.stdin.take());
         let (ended, both) = channel();
         let output = self.child.stdout.take();
@@ -179,11 +192,13 @@ impl Process {
                 break;
             }
         }
-        let mut printed = Vec::new();
-        for it in [output, errors].into_iter().flatten() {
-            printed.extend(it.join().unwrap_or_default());
-        }
-        Ok((self.child.wait()?, printed))
+        let text = |it: Option<JoinHandle<Vec<u8>>>| it.and_then(|it| it.join().ok());
+        let (output, errors) = (text(output), text(errors));
+        Ok((
+            self.child.wait()?,
+            output.unwrap_or_default(),
+            errors.unwrap_or_default(),
+        ))
     }
 
     /// Waits for the end of the program, with empty input. Returns the standard output, if there are pipes.

@@ -170,7 +170,11 @@ impl Tools {
     /// The package for Debian. Its contents are listed in cli/Cargo.toml.
     fn debian(&self, program: &Path, out: &Path) -> Result<()> {
         step("Packaging for Debian");
-        let stage = crate::target().join("deb");
+        // cli/Cargo.toml names this folder.
+        let stage = crate::root().join("target/deb");
+        if stage.exists() {
+            std::fs::remove_dir_all(&stage)?;
+        }
         std::fs::create_dir_all(stage.join("man"))?;
         std::fs::copy(program, stage.join("dotgen"))?;
         let pages = stage.join("man").to_string_lossy().into_owned();

@@ -46,5 +46,18 @@ fn of_folder(folder: &Path) -> Result<usize> {
 
 /// The lines before the tests, which are the last module of a file.
 fn without_tests(text: &str) -> usize {
-    text.lines().take_while(|it| *it != "#[cfg(test)]").count()
+    let tests = text.find("\n#[cfg(test)]\nmod tests {");
+    text[..tests.unwrap_or(text.len())].lines().count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::without_tests;
+
+    #[test]
+    fn only_the_module_of_tests_is_left_out() {
+        let text = "mod a;\n#[cfg(test)]\nmod b;\nfn f() {}\n#[cfg(test)]\nmod tests {\n}\n";
+        assert_eq!(without_tests(text), 4);
+        assert_eq!(without_tests("mod a;\n"), 1);
+    }
 }

@@ -50,7 +50,7 @@ pub(crate) fn notices(options: &Options) -> Result<bool> {
     let refused: Vec<String> = refused.collect();
     if !refused.is_empty() {
         bail!(
-            "licences that nobody has accepted (the list is in xtask/src/notices.rs):\n{}",
+            "licences that are not accepted (the list is in deny.toml):\n{}",
             refused.join("\n")
         );
     }

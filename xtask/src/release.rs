@@ -61,21 +61,29 @@ pub(crate) fn release(options: &Options) -> Result<()> {
     if !git(&["status", "--porcelain"])?.is_empty() {
         bail!("commit your changes first");
     }
+    let tag = format!("v{version}");
+    if !git(&["tag", "--list", &tag])?.is_empty() {
+        bail!("the tag {tag} exists");
+    }
     let today = run::capture(run::command(crate::root(), "date", &["-u", "+%Y-%m-%d"]))?;
-    let path = crate::root().join("CHANGELOG.md");
-    let changes = dated(&std::fs::read_to_string(&path)?, version, today.trim())?;
+    let mut changelogs = Vec::new();
+    for file in ["CHANGELOG.md", "vscode-extension/CHANGELOG.md"] {
+        let path = crate::root().join(file);
+        let changes =
+            dated(&std::fs::read_to_string(&path)?, version, today.trim()).context(file)?;
+        changelogs.push((path, changes));
+    }
     if options.dry_run {
-        println!(
-            "{current} -> {version} in {} places; CHANGELOG.md:",
-            PLACES.len()
-        );
-        println!(
-            "{}",
-            changes.lines().take(12).collect::<Vec<_>>().join("\n")
-        );
+        println!("{current} -> {version} in {} places", PLACES.len());
+        for (path, changes) in changelogs {
+            let head: Vec<&str> = changes.lines().take(12).collect();
+            println!("{}:\n{}", path.display(), head.join("\n"));
+        }
         return Ok(());
     }
-    std::fs::write(path, changes)?;
+    for (path, changes) in changelogs {
+        std::fs::write(path, changes)?;
+    }
     for (file, before, after) in PLACES {
         let path = crate::root().join(file);
         let text = std::fs::read_to_string(&path).context(file)?;
@@ -99,13 +107,7 @@ pub(crate) fn release(options: &Options) -> Result<()> {
         "--message",
         &format!("release: {version}"),
     ])?;
-    git(&[
-        "tag",
-        "--annotate",
-        &format!("v{version}"),
-        "--message",
-        version,
-    ])?;
+    git(&["tag", "--annotate", &tag, "--message", version])?;
     println!("Check `git show`, then: git push --follow-tags");
     Ok(())
 }
@@ -121,6 +123,9 @@ fn current(root: &Path) -> Result<String> {
 }
 
 fn parsed(version: &str) -> Option<[u32; 3]> {
+    if !version.bytes().all(|it| it == b'.' || it.is_ascii_digit()) {
+        return None;
+    }
     let numbers: Option<Vec<u32>> = version.split('.').map(|it| it.parse().ok()).collect();
     numbers?.try_into().ok()
 }

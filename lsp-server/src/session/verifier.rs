@@ -39,6 +39,8 @@ pub(crate) struct Verifier {
     results: Arc<Results>,
     remembered: VecDeque<Arc<Answer>>,
     jobs: u64,
+    /// All verifications have ended, each within [`QUICK_SECONDS`].
+    is_quick: bool,
     told: SentStatuses,
 }
 
@@ -68,12 +70,7 @@ impl Verifier {
 
     /// The pause in typing before the next verification: short if the last ones were quick.
     pub(crate) fn debounce(&self) -> Duration {
-        let quick = |it: &Entry| {
-            it.answer
-                .as_ref()
-                .is_some_and(|it| it.report.seconds <= QUICK_SECONDS)
-        };
-        match !self.results.is_empty() && self.results.values().all(quick) {
+        match self.is_quick {
             true => QUICK_DEBOUNCE,
             false => DEBOUNCE,
         }
@@ -176,6 +173,7 @@ impl Verifier {
                     limit: settings.time_limit(),
                 };
                 job.spawn(entry.cancel.clone(), events.clone(), outbox.runtime());
+                self.is_quick = false;
             }
             results.insert(path, entry);
         }
@@ -219,6 +217,11 @@ impl Verifier {
             }
         }
         notify(&mut self.told, &it.path, entry, outbox);
+        let quick = |it: &Entry| {
+            let answer = it.settled();
+            answer.is_some_and(|it| it.report.seconds <= QUICK_SECONDS)
+        };
+        self.is_quick = self.results.values().all(quick);
         true
     }
 }

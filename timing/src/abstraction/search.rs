@@ -77,9 +77,11 @@ impl<'m> Search<'m> {
             }
             looked_at += 1;
             let over = looked_at > self.budget || self.states.len() > self.room;
-            if over || looked_at > AFTER_MISS {
+            // A search with a small budget is tried again with batches.
+            let is_last = self.budget >= AFTER_MISS;
+            if looked_at > AFTER_MISS || over {
                 let missed = self.worst.iter().position(|it| *it == MISSED);
-                if let Some(thread) = missed {
+                if let Some(thread) = missed.filter(|_| is_last) {
                     let task = self.model.threads[thread].task;
                     return Err(Refusal::MayMiss { task });
                 }
