@@ -81,8 +81,20 @@ pub fn interfaces(spec: &Spec, components: &[&Component]) -> Interfaces {
     Interfaces { files, refused }
 }
 
-/// Adds all types of the packages in use, except for those of components.
+/// Adds all types of the packages in use, except for those of components. Types may need further packages.
 fn types_of_modules(mapping: &mut Mapping<'_>, spec: &Spec, refused: &mut Vec<Refusal>) {
+    loop {
+        let known = mapping.packages().count();
+        let mut found = Vec::new();
+        add_types(mapping, spec, &mut found);
+        if mapping.packages().count() == known {
+            refused.extend(found);
+            return;
+        }
+    }
+}
+
+fn add_types(mapping: &mut Mapping<'_>, spec: &Spec, refused: &mut Vec<Refusal>) {
     let packages: BTreeSet<String> = mapping.packages().map(str::to_owned).collect();
     for (ty, it) in (0u32..).map(TypeId).zip(&spec.types) {
         let is_wanted = match &it.kind {

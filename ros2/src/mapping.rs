@@ -201,7 +201,15 @@ impl<'s> Mapping<'s> {
             }
         };
         self.claim(&name, origin, place.src)?;
-        self.types.add(&name, vec![Field::new("data", data)]);
+        let fields = vec![Field::new("data", data)];
+        // Parameters of different services may give types without a name the same one.
+        if self.types.fields(&name).is_some_and(|it| *it != *fields) {
+            return Err(Obstacle {
+                why: format!("two types would be `{name}`: name one by a typedef"),
+                src: place.src,
+            });
+        }
+        self.types.add(&name, fields);
         Ok(name)
     }
 

@@ -122,3 +122,17 @@ fn a_component_that_is_a_keyword_is_refused() {
     let found = endpoints(&unit.spec, &unit.spec.components[0], 0).expect_err("a keyword");
     assert!(found[0].to_string().contains("keyword"), "{}", found[0]);
 }
+
+#[test]
+fn two_types_that_would_be_one_message_are_refused() {
+    let text = "typedef sequence<sequence<double> > rows;
+    typedef sequence<sequence<long> > counts;
+    component c {
+      ids { double x; };
+      function set(in rows goal_pos) { codel f(in goal_pos); };
+      function set_goal(in counts pos) { codel g(in pos); };
+    };\n";
+    let refused = refused(text);
+    assert_eq!(refused.len(), 1, "{refused:?}");
+    assert!(refused[0].contains("two types would be"), "{refused:?}");
+}
