@@ -52,7 +52,8 @@ pub fn join(
     inbox: &RunInbox,
     tell: &Notifier,
 ) -> Result<(Network, Box<dyn RunListener>), String> {
-    let config = config("peer", wanted.listen, wanted.connect).map_err(|it| format!("an endpoint of Zenoh is wrong: {it}"))?;
+    let config = config("peer", wanted.listen, wanted.connect)
+        .map_err(|it| format!("an endpoint of Zenoh is wrong: {it}"))?;
     let session = zenoh::open(config).wait();
     let session = session.map_err(|it| format!("cannot join by Zenoh: {it}"))?;
     let mut subscribers = Vec::new();
@@ -105,11 +106,7 @@ pub fn join(
 }
 
 /// Returns a configuration without discovery: only the given endpoints are used.
-pub(super) fn config(
-    mode: &str,
-    listen: &[String],
-    connect: &[String],
-) -> zenoh::Result<Config> {
+pub(super) fn config(mode: &str, listen: &[String], connect: &[String]) -> zenoh::Result<Config> {
     let list = |all: &[String]| serde_json::json!(all).to_string();
     let mut config = Config::default();
     config.insert_json5("mode", &format!("\"{mode}\""))?;

@@ -213,7 +213,9 @@ impl Nodes {
         topic
             .inspect_err(|why| {
                 let topic = &endpoint.topic;
-                (self.tell)(&format!("not in ROS 2: instance `{name}` of `{topic}`: {why}"));
+                (self.tell)(&format!(
+                    "not in ROS 2: instance `{name}` of `{topic}`: {why}"
+                ));
             })
             .ok()
     }
@@ -243,7 +245,10 @@ impl RunListener for Nodes {
                 it.topics.insert(place.clone(), topic);
             }
         }
-        let topic = self.joined.get(&component).and_then(|it| it.topics.get(&place));
+        let topic = self
+            .joined
+            .get(&component)
+            .and_then(|it| it.topics.get(&place));
         let Some(Some(topic)) = topic else {
             return;
         };

@@ -132,12 +132,7 @@ impl Requests {
     }
 
     /// The service in the system, and the number of a further request to the component.
-    fn admit(
-        &self,
-        state: &State,
-        component: usize,
-        service: u32,
-    ) -> Result<(usize, u64), String> {
+    fn admit(&self, state: &State, component: usize, service: u32) -> Result<(usize, u64), String> {
         let known = &self.known[&component];
         let wanted = known.services.get(service as usize).copied().flatten();
         let wanted = wanted.ok_or("this service cannot be requested in this run")?;
@@ -277,13 +272,7 @@ impl Requests {
 
     /// The result of a goal. One that has no form, which only a codel with wrong data can cause, is that of
     /// a failure without detail.
-    fn result(
-        &self,
-        component: usize,
-        service: u32,
-        status: i8,
-        outcome: Outcome<'_>,
-    ) -> Vec<u8> {
+    fn result(&self, component: usize, service: u32, status: i8, outcome: Outcome<'_>) -> Vec<u8> {
         let payloads = self.payloads(component);
         let result = payloads.result(service, status, outcome);
         let result = result.or_else(|_| payloads.result(service, cdr::ABORTED, UNREADABLE));
