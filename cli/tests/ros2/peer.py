@@ -45,9 +45,9 @@ def attachment():
     return struct.pack("<qqB", sent, time.time_ns(), 16) + gid
 
 
-def ask(topic, payload, **more):
+def ask(topic, body, **more):
     """The payload after its header, or the text of the error."""
-    given = {"attachment": attachment(), "payload": b"\0\1\0\0" + payload, "timeout": 20} | more
+    given = {"attachment": attachment(), "payload": b"\0\1\0\0" + body, "timeout": 20} | more
     (reply,) = session.get(key(topic), target=zenoh.QueryTarget.ALL_COMPLETE, **given)
     if reply.err is not None:
         return bytes(reply.err.payload).decode()
