@@ -76,6 +76,14 @@ def check(what, found, expected):
     assert found == expected, f"{what}: {found}, not {expected}"
 
 
+def fail(kind, error, trace):
+    sys.__excepthook__(kind, error, trace)
+    sys.stderr.flush()
+    # Threads of Zenoh would keep the process.
+    os._exit(1)
+
+
+sys.excepthook = fail
 watch = session.liveliness().declare_subscriber("@ros2_lv/7/**", token, history=True)
 # A topic that is `multiple`: its instance has a topic of its own, with the type of ROS 2.
 got, heard = [], threading.Event()
@@ -121,8 +129,10 @@ def status(sample):
     payload = bytes(sample.payload)[4:]
     at, (count,) = 4, struct.unpack_from("<I", payload)
     for _ in range(count):
-        statuses.setdefault(payload[at:at + 16], []).append(payload[at + 24])
-        at = (at + 25 + 3) // 4 * 4
+        # The time after the identifier is aligned, the identifier is not.
+        end = (at + 16 + 3) // 4 * 4 + 8
+        statuses.setdefault(payload[at:at + 16], []).append(payload[end])
+        at = end + 1
 
 
 topics = session.declare_subscriber(key("/echo/count/_action/status"), status)
