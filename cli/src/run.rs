@@ -95,6 +95,17 @@ pub(super) struct Arguments {
     #[arg(long = "zenoh-read", value_name = "PORT=KEY", action = clap::ArgAction::Append)]
     zenoh_reads: Vec<String>,
 
+    /// Make each component a ROS 2 node (rmw_zenoh), with --clock real, at the router at
+    /// tcp/localhost:7447 or at --zenoh-connect; with --zenoh-listen, the run is a router itself
+    #[cfg(feature = "ros2")]
+    #[arg(long, conflicts_with = "zenoh_reads")]
+    ros2: bool,
+
+    /// ROS domain [default: ROS_DOMAIN_ID, or 0]
+    #[cfg(feature = "ros2")]
+    #[arg(long, value_name = "N", requires = "ros2", value_parser = clap::value_parser!(u32).range(0..=232))]
+    ros_domain: Option<u32>,
+
     /// Number of runs, each with the next seed
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
     runs: u64,
@@ -307,6 +318,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
              virtual clock"
         );
     }
+    if arguments.is_ros_node() && arguments.clock == Clock::Virtual {
+        anyhow::bail!("`--ros2` needs `--clock real`: ROS 2 nodes do not know the virtual clock");
+    }
     if !arguments.zenoh_reads.is_empty() && !arguments.has_network() {
         anyhow::bail!(
             "`--zenoh-read` needs other machines: add `--zenoh-listen` or `--zenoh-connect`"
@@ -481,6 +495,28 @@ impl Arguments {
     /// Returns true if port data is exchanged with other machines.
     fn has_network(&self) -> bool {
         !self.zenoh_listen.is_empty() || !self.zenoh_connect.is_empty()
+    }
+
+    /// Returns true if components are ROS 2 nodes.
+    fn is_ros_node(&self) -> bool {
+        #[cfg(feature = "ros2")]
+        return self.ros2;
+        #[cfg(not(feature = "ros2"))]
+        false
+    }
+
+    /// The ROS domain, from the option or from the environment as in ROS 2.
+    #[cfg(all(unix, feature = "ros2"))]
+    fn ros_domain(&self) -> anyhow::Result<u32> {
+        let given = std::env::var("ROS_DOMAIN_ID").unwrap_or_default();
+        match (self.ros_domain, given.as_str()) {
+            (Some(it), _) => Ok(it),
+            (None, "") => Ok(0),
+            (None, it) => match it.parse() {
+                Ok(it @ 0..=232) => Ok(it),
+                _ => anyhow::bail!("ROS_DOMAIN_ID is `{it}`: write a number from 0 to 232"),
+            },
+        }
     }
 
     fn plan(&self, prepared: &Prepared) -> Plan {

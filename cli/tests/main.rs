@@ -30,6 +30,7 @@ mod recordings;
 mod releases;
 mod remote;
 mod replay;
+mod ros2;
 mod run;
 #[path = "support/running.rs"]
 mod running;

@@ -9,7 +9,7 @@ use crate::running::{Listening, compilers, soon};
 const TYPES: &str = include_str!("hosted/types.idl");
 
 /// Somewhere nobody listens.
-fn endpoint() -> String {
+pub(crate) fn endpoint() -> String {
     let free = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port is free");
     let address = free.local_addr().expect("it has an address");
     format!("tcp/{address}")
@@ -26,7 +26,7 @@ fn component(name: &str, specification: &str, source: &str) -> Directory {
     ])
 }
 
-fn echo() -> Directory {
+pub(crate) fn echo() -> Directory {
     let specification = include_str!("hosted/echo.gen");
     component("echo", specification, include_str!("hosted/echo.c"))
 }
@@ -36,7 +36,7 @@ fn reader() -> Directory {
     component("reader", specification, include_str!("hosted/reader.c"))
 }
 
-fn run(directory: &Directory, file: &str, more: &[&str]) -> Listening {
+pub(crate) fn run(directory: &Directory, file: &str, more: &[&str]) -> Listening {
     let mut arguments = vec!["run", file, "--clock", "real", "--bounds", "none"];
     arguments.extend(["--until", "60s", "--socket", "s"]);
     arguments.extend(more);

@@ -7,7 +7,7 @@ use std::process::Command;
 use crate::directory::{Directory, status, stderr, stdout};
 
 /// Python with packages; they are installed where they are not there and can be.
-fn python(packages: &[&str], import: &str) -> Option<Command> {
+pub(crate) fn python(packages: &[&str], import: &str) -> Option<Command> {
     let own = Path::new(env!("CARGO_TARGET_TMPDIR")).join(packages.join("-"));
     let python = || {
         let mut command = Command::new("python3");

@@ -4,6 +4,7 @@ use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::io::{self, BufReader, Write as _};
 use std::path::PathBuf;
 use std::process::{ChildStdin, ExitStatus};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -84,18 +85,26 @@ pub trait RunListener {
 
 /// A sender of messages from outside to the engine.
 #[derive(Clone)]
-pub struct RunInbox(Sender<EngineEvent>);
+pub struct RunInbox {
+    sender: Sender<EngineEvent>,
+    requests: Arc<AtomicU64>,
+}
 
 impl RunInbox {
+    /// The number of a further request. No other request from outside has it.
+    pub(crate) fn number(&self) -> u64 {
+        self.requests.fetch_add(1, Ordering::Relaxed) + 1
+    }
+
     /// Sends a message. Returns false after the end of the run.
     pub(crate) fn bring(&self, message: Message) -> bool {
-        self.0.send(EngineEvent::RunListener(message)).is_ok()
+        self.sender.send(EngineEvent::RunListener(message)).is_ok()
     }
 
     /// Sends data for an input port. Returns false after the end of the run.
     pub(crate) fn feed(&self, newest: &Arc<InputSlot>, data: Vec<u8>) -> bool {
         let waits = newest.swap(Some(data)).is_some();
-        waits || self.0.send(EngineEvent::Fed(newest.clone())).is_ok()
+        waits || self.sender.send(EngineEvent::Fed(newest.clone())).is_ok()
     }
 }
 
@@ -128,6 +137,8 @@ pub struct Children {
     /// Messages that arrived while the engine waited for something else.
     early: VecDeque<Message>,
     outside: Vec<Box<dyn RunListener>>,
+    /// The number of requests from outside.
+    requests: Arc<AtomicU64>,
     boards: SharedDataPool,
     denied: BTreeSet<String>,
     /// Time of the last check for hosts that have ended.
@@ -183,6 +194,7 @@ impl Children {
             begin: Instant::now(),
             early: VecDeque::new(),
             outside: Vec::new(),
+            requests: Arc::default(),
             boards: SharedDataPool::default(),
             denied: BTreeSet::new(),
             looked: Instant::now(),
@@ -212,7 +224,10 @@ impl Children {
 
     /// A sender of messages from outside.
     pub fn inbox(&self) -> RunInbox {
-        RunInbox(self.sender.clone())
+        RunInbox {
+            sender: self.sender.clone(),
+            requests: self.requests.clone(),
+        }
     }
 
     /// Adds a subscriber.

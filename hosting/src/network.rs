@@ -20,7 +20,7 @@ use super::components::KnownComponent;
 
 /// Maximum number of sources of a `multiple` port, and of keys that are reported. Others are ignored, so that
 /// no peer can fill the memory of this machine.
-const SOURCES: usize = 256;
+pub(super) const SOURCES: usize = 256;
 
 /// The endpoints of this run, and the keys that its ports read.
 #[derive(Debug, Clone, Copy)]
@@ -52,7 +52,8 @@ pub fn join(
     inbox: &RunInbox,
     tell: &Notifier,
 ) -> Result<(Network, Box<dyn RunListener>), String> {
-    let config = config(wanted).map_err(|it| format!("an endpoint of Zenoh is wrong: {it}"))?;
+    let config = config("peer", wanted.listen, wanted.connect)
+        .map_err(|it| format!("an endpoint of Zenoh is wrong: {it}"))?;
     let session = zenoh::open(config).wait();
     let session = session.map_err(|it| format!("cannot join by Zenoh: {it}"))?;
     let mut subscribers = Vec::new();
@@ -105,17 +106,17 @@ pub fn join(
 }
 
 /// Returns a configuration without discovery: only the given endpoints are used.
-fn config(wanted: NetworkOptions<'_>) -> zenoh::Result<Config> {
+pub(super) fn config(mode: &str, listen: &[String], connect: &[String]) -> zenoh::Result<Config> {
     let list = |all: &[String]| serde_json::json!(all).to_string();
     let mut config = Config::default();
-    config.insert_json5("mode", "\"peer\"")?;
+    config.insert_json5("mode", &format!("\"{mode}\""))?;
     config.insert_json5("scouting/multicast/enabled", "false")?;
     // Data that does not fit into the queue is dropped, so that the engine does not wait.
     let drop = "transport/link/tx/queue/congestion_control/drop";
     config.insert_json5(&format!("{drop}/wait_before_drop"), "0")?;
     config.insert_json5(&format!("{drop}/max_wait_before_drop_fragments"), "0")?;
-    config.insert_json5("listen/endpoints", &list(wanted.listen))?;
-    config.insert_json5("connect/endpoints", &list(wanted.connect))?;
+    config.insert_json5("listen/endpoints", &list(listen))?;
+    config.insert_json5("connect/endpoints", &list(connect))?;
     Ok(config)
 }
 

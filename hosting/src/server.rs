@@ -115,7 +115,6 @@ type Place = (usize, u32, String);
 
 #[derive(Default)]
 struct State {
-    next: u64,
     /// Number of connections so far.
     clients: u64,
     /// Number of open connections: by TCP, and to the Unix socket.
@@ -467,8 +466,7 @@ fn call(
     let inputs = inputs.map_err(|it| format!("`{path}`: {it}"))?;
     let mut state = shared.state();
     admit(&state, client, id)?;
-    state.next += 1;
-    let number = state.next;
+    let number = shared.inbox.number();
     state.requests.insert(
         number,
         PendingRequest {

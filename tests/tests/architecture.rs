@@ -46,6 +46,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "dotgen-codegen",
             "dotgen-timing",
             "dotgen-runtime",
+            "dotgen-ros2",
         ],
     ),
     (

@@ -74,7 +74,7 @@ pub(super) fn start(
     #[cfg(feature = "zenoh")]
     let _network = join(arguments, &known, parts, children)?;
     #[cfg(not(feature = "zenoh"))]
-    if arguments.has_network() {
+    if arguments.has_network() || arguments.is_ros_node() {
         anyhow::bail!(
             "this build of dotgen has no Zenoh: install it with `cargo install --path cli --features \
              zenoh`"
@@ -107,7 +107,7 @@ pub(super) fn start(
     })
 }
 
-/// Connects to other machines, if endpoints are given.
+/// Connects to ROS 2, or to other machines if endpoints are given.
 #[cfg(feature = "zenoh")]
 fn join(
     arguments: &Arguments,
@@ -117,6 +117,23 @@ fn join(
 ) -> anyhow::Result<Option<Network>> {
     use dotgen_hosting::network::{self, NetworkOptions};
 
+    let is_fed = |component, port| {
+        let mut feeds = parts.feeds.iter();
+        feeds.any(|it| it.to == (component, port))
+    };
+    let tell: network::Notifier = std::sync::Arc::new(|what: &str| report::note(what));
+    #[cfg(feature = "ros2")]
+    if arguments.ros2 {
+        use dotgen_hosting::ros2::{self, Ros2Options};
+        let wanted = Ros2Options {
+            listen: &arguments.zenoh_listen,
+            connect: &arguments.zenoh_connect,
+            domain: arguments.ros_domain()?,
+        };
+        let outside = ros2::join(wanted, known, &is_fed, &children.inbox(), &tell);
+        children.tell(outside.map_err(anyhow::Error::msg)?);
+        return Ok(None);
+    }
     if !arguments.has_network() {
         return Ok(None);
     }
@@ -129,11 +146,6 @@ fn join(
         connect: &arguments.zenoh_connect,
         reads: &reads,
     };
-    let is_fed = |component, port| {
-        let mut feeds = parts.feeds.iter();
-        feeds.any(|it| it.to == (component, port))
-    };
-    let tell: network::Notifier = std::sync::Arc::new(|what: &str| report::note(what));
     let joined = network::join(wanted, known, &is_fed, &children.inbox(), &tell);
     let (network, outside) = joined.map_err(anyhow::Error::msg)?;
     children.tell(outside);

@@ -1,0 +1,299 @@
+//! Components as ROS 2 nodes, by Zenoh: see `docs/ros2.md`. Names, types and payloads are those of
+//! [`dotgen_ros2`].
+
+mod replies;
+mod requests;
+mod topics;
+
+use std::collections::{BTreeMap, HashMap};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, Mutex};
+
+use dotgen_ros2::cdr::Payloads;
+use dotgen_ros2::node::{Endpoint, Node, Part, endpoints};
+use dotgen_ros2::wire::{Kind, NodeId};
+use dotgen_runtime::hosts::RequestReply;
+use zenoh::liveliness::LivelinessToken;
+use zenoh::pubsub::Subscriber;
+use zenoh::query::Queryable;
+use zenoh::sample::Sample;
+use zenoh::{Session, Wait as _};
+
+use super::children::{InputSlot, RunInbox, RunListener};
+use super::clients::MAX_REQUEST_BYTES;
+use super::components::KnownComponent;
+use super::network::{Notifier, SOURCES, config};
+use requests::Requests;
+use topics::Topic;
+
+/// The endpoint of a router if none is given.
+const ROUTER: &str = "tcp/localhost:7447";
+
+/// The endpoints of this run, and its domain.
+#[derive(Debug, Clone, Copy)]
+pub struct Ros2Options<'a> {
+    /// Zenoh endpoints at which this run listens, as a router.
+    pub listen: &'a [String],
+    /// Zenoh endpoints of routers.
+    pub connect: &'a [String],
+    /// The ROS domain.
+    pub domain: u32,
+}
+
+/// Adds the components of a run to the graph of ROS 2. `is_fed` returns true for input ports that get their
+/// data from this run. What has no form in ROS 2 is told.
+///
+/// # Errors
+/// A message: an endpoint is invalid, or another program listens there.
+pub fn join(
+    wanted: Ros2Options<'_>,
+    known: &BTreeMap<usize, KnownComponent>,
+    is_fed: &dyn Fn(usize, u32) -> bool,
+    inbox: &RunInbox,
+    tell: &Notifier,
+) -> Result<Box<dyn RunListener>, String> {
+    let failed = |it: zenoh::Error| format!("cannot join ROS 2 by Zenoh: {it}");
+    let session = open(wanted).map_err(failed)?;
+    let mut nodes = Nodes {
+        id: session.zid().to_string(),
+        session,
+        next: AtomicU32::new(0),
+        requests: Requests::new(known.clone(), inbox.clone()),
+        joined: BTreeMap::new(),
+        tell: tell.clone(),
+    };
+    for (&component, it) in known {
+        match endpoints(&it.spec, it.component(), wanted.domain) {
+            Ok(node) => {
+                let refused = node.refused.iter();
+                refused.for_each(|it| tell(&format!("not in ROS 2: {it}")));
+                let joined = nodes.add(component, node, is_fed).map_err(failed)?;
+                nodes.joined.insert(component, joined);
+            }
+            Err(all) => all
+                .iter()
+                .for_each(|it| tell(&format!("not in ROS 2: {it}"))),
+        }
+    }
+    Ok(Box::new(nodes))
+}
+
+fn open(wanted: Ros2Options<'_>) -> zenoh::Result<Session> {
+    // Nodes that connect to this run find each other only by a router.
+    let mode = match wanted.listen {
+        [] => "peer",
+        _ => "router",
+    };
+    let default = [ROUTER.to_owned()];
+    let connect = match (wanted.connect, wanted.listen) {
+        ([], []) => &default[..],
+        (it, _) => it,
+    };
+    let mut config = config(mode, wanted.listen, connect)?;
+    // The last message of a topic is kept with its time.
+    config.insert_json5("timestamping/enabled", "true")?;
+    zenoh::open(config).wait()
+}
+
+/// The nodes of a run.
+struct Nodes {
+    session: Session,
+    /// The id of the session.
+    id: String,
+    /// The number of the next node or endpoint.
+    next: AtomicU32,
+    requests: Arc<Requests>,
+    /// By component.
+    joined: BTreeMap<usize, Joined>,
+    tell: Notifier,
+}
+
+/// A node in the graph. It leaves when it is dropped.
+struct Joined {
+    node: Node,
+    number: u32,
+    /// By output port and instance; `None` for an instance without a name in ROS 2.
+    topics: HashMap<(u32, String), Option<Topic>>,
+    _tokens: Vec<LivelinessToken>,
+    _subscribers: Vec<Subscriber<()>>,
+    _queryables: Vec<Queryable<()>>,
+    /// Topics without messages.
+    _silent: Vec<Topic>,
+}
+
+impl Nodes {
+    fn number(&self) -> u32 {
+        self.next.fetch_add(1, Ordering::Relaxed)
+    }
+
+    fn id<'a>(&'a self, node: &'a Node, number: u32) -> NodeId<'a> {
+        NodeId {
+            domain: node.domain,
+            session: &self.id,
+            number,
+            name: &node.name,
+        }
+    }
+
+    /// Declares a node with its endpoints.
+    fn add(
+        &self,
+        component: usize,
+        node: Node,
+        is_fed: &dyn Fn(usize, u32) -> bool,
+    ) -> zenoh::Result<Joined> {
+        let number = self.number();
+        let id = self.id(&node, number);
+        let declare = |token| self.session.liveliness().declare_token(token).wait();
+        let mut tokens = vec![declare(id.token())?];
+        let (mut topics, mut silent) = (HashMap::new(), Vec::new());
+        let (mut subscribers, mut queryables) = (Vec::new(), Vec::new());
+        for endpoint in &node.endpoints {
+            let (part, key) = (endpoint.part, endpoint.key(node.domain));
+            let topic = || Topic::new(&self.session, id, endpoint, self.number());
+            match (endpoint.kind, part) {
+                (Kind::Publisher, Part::Status(service)) => {
+                    self.requests.add_status(component, service, topic()?);
+                }
+                (Kind::Publisher, Part::Port(port)) => {
+                    if !endpoint.multiple {
+                        topics.insert((port, String::new()), Some(topic()?));
+                    }
+                }
+                (Kind::Publisher, _) => silent.push(topic()?),
+                (Kind::Subscription, Part::Port(port)) if !is_fed(component, port) => {
+                    let input = self.input(component, port, endpoint.multiple);
+                    let subscriber = self.session.declare_subscriber(key);
+                    let subscriber = subscriber.callback(move |it| input.hear(&it));
+                    subscribers.push(subscriber.wait()?);
+                    if !endpoint.multiple {
+                        tokens.push(declare(endpoint.token(id, self.number()))?);
+                    }
+                }
+                (Kind::Server, _) => {
+                    let requests = self.requests.clone();
+                    let queryable = self.session.declare_queryable(key.clone()).complete(true);
+                    let hear = move |query| requests.hear(component, part, &key, query);
+                    queryables.push(queryable.callback(hear).wait()?);
+                    tokens.push(declare(endpoint.token(id, self.number()))?);
+                }
+                (Kind::Subscription | Kind::Client, _) => {}
+            }
+        }
+        Ok(Joined {
+            node,
+            number,
+            topics,
+            _tokens: tokens,
+            _subscribers: subscribers,
+            _queryables: queryables,
+            _silent: silent,
+        })
+    }
+
+    fn input(&self, component: usize, port: u32, multiple: bool) -> Input {
+        Input {
+            known: self.requests.known[&component].clone(),
+            component,
+            port,
+            multiple,
+            inbox: self.requests.inbox.clone(),
+            newest: Mutex::default(),
+        }
+    }
+
+    /// Declares the topic of an instance of a `multiple` output port.
+    fn instance(&self, node: &Node, number: u32, port: u32, name: &str) -> Option<Topic> {
+        let mut all = node.endpoints.iter();
+        let endpoint: &Endpoint = all.find(|it| it.part == Part::Port(port))?;
+        let topic = endpoint.instance(name).and_then(|it| {
+            let topic = Topic::new(&self.session, self.id(node, number), &it, self.number());
+            topic.map_err(|it| it.to_string())
+        });
+        topic
+            .inspect_err(|why| {
+                let topic = &endpoint.topic;
+                (self.tell)(&format!(
+                    "not in ROS 2: instance `{name}` of `{topic}`: {why}"
+                ));
+            })
+            .ok()
+    }
+}
+
+impl RunListener for Nodes {
+    fn answer(&mut self, id: u64, answer: &RequestReply) {
+        self.requests.answer(id, answer);
+    }
+
+    fn gone(&mut self, component: usize, _: &str) {
+        self.requests.leave(component);
+        self.joined.remove(&component);
+    }
+
+    fn published(&mut self, component: usize, port: u32, id: &str, data: &[u8]) {
+        let place = (port, id.to_owned());
+        let Some(it) = self.joined.get(&component) else {
+            return;
+        };
+        if !it.topics.contains_key(&place) {
+            if it.topics.len() >= SOURCES {
+                return;
+            }
+            let topic = self.instance(&it.node, it.number, port, id);
+            if let Some(it) = self.joined.get_mut(&component) {
+                it.topics.insert(place.clone(), topic);
+            }
+        }
+        let topic = self
+            .joined
+            .get(&component)
+            .and_then(|it| it.topics.get(&place));
+        let Some(Some(topic)) = topic else {
+            return;
+        };
+        let known = &self.requests.known[&component];
+        let ty = known.component().ports[port as usize].data;
+        let payloads = Payloads::new(&known.spec, known.component());
+        if let Ok(message) = payloads.message(ty, data) {
+            topic.put(message);
+        }
+    }
+}
+
+/// An input port that reads topics.
+struct Input {
+    known: KnownComponent,
+    component: usize,
+    port: u32,
+    multiple: bool,
+    inbox: RunInbox,
+    /// The data that the engine has not taken yet, by the name of the instance.
+    newest: Mutex<HashMap<String, Arc<InputSlot>>>,
+}
+
+impl Input {
+    /// Feeds the port. A message that has another form, or is too long, is ignored.
+    fn hear(&self, sample: &Sample) {
+        let payload = sample.payload();
+        if payload.len() > MAX_REQUEST_BYTES {
+            return;
+        }
+        // DOMAIN/COMPONENT/PORT/INSTANCE/TYPE/HASH
+        let instance = sample.key_expr().as_str().split('/').nth(3);
+        let name = instance.filter(|_| self.multiple).unwrap_or_default();
+        let component = self.known.component();
+        let ty = component.ports[self.port as usize].data;
+        let payloads = Payloads::new(&self.known.spec, component);
+        let Ok(data) = payloads.data(ty, &payload.to_bytes()) else {
+            return;
+        };
+        let mut newest = self.newest.lock().unwrap_or_else(|it| it.into_inner());
+        if newest.len() >= SOURCES && !newest.contains_key(name) {
+            return;
+        }
+        let slot = || Arc::new(InputSlot::new(self.component, self.port, name.to_owned()));
+        let slot = newest.entry(name.to_owned()).or_insert_with(slot);
+        self.inbox.feed(slot, data);
+    }
+}

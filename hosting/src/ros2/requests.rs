@@ -1,0 +1,361 @@
+//! Services and actions: requests to the engine, and its answers.
+
+use std::collections::{BTreeMap, HashMap};
+use std::sync::{Arc, Mutex, MutexGuard};
+
+use dotgen_codegen::codels::value::{Values, is_output};
+use dotgen_ros2::cdr::{self, GoalId, GoalInfo, Outcome, Payloads, Stamp};
+use dotgen_ros2::node::Part;
+use dotgen_runtime::hosts::{Message, OutsideRequest, RequestReply};
+use serde_json::Value;
+use zenoh::query::Query;
+
+use super::replies::{Asked, Replies};
+use super::topics::{Topic, now};
+use crate::children::RunInbox;
+use crate::clients::MAX_WAITING;
+use crate::components::KnownComponent;
+
+/// Maximum number of goals of an activity, with those that have ended: the oldest of these are forgotten.
+const GOALS: usize = 64;
+
+/// Maximum number of requests that wait for the result of a goal.
+const RESULT_REQUESTS: usize = 16;
+
+/// The status of a goal that the component has not accepted yet.
+const ACCEPTED: i8 = 1;
+/// The status of a goal that is executed.
+const EXECUTING: i8 = 2;
+/// The status of a goal that is interrupted on request.
+const CANCELING: i8 = 3;
+
+/// The requests of ROS 2 clients to all components of a run.
+pub(super) struct Requests {
+    pub(super) known: BTreeMap<usize, KnownComponent>,
+    pub(super) inbox: RunInbox,
+    pub(super) replies: Replies,
+    state: Mutex<State>,
+}
+
+#[derive(Default)]
+struct State {
+    /// The requests that have not ended, by their numbers.
+    pending: HashMap<u64, Pending>,
+    /// By component and service.
+    activities: HashMap<(usize, u32), Activity>,
+}
+
+struct Pending {
+    component: usize,
+    service: u32,
+    wants: Wants,
+}
+
+enum Wants {
+    Response(Asked),
+    Goal(GoalId),
+}
+
+#[derive(Default)]
+struct Activity {
+    status: Option<Topic>,
+    /// In order of acceptance.
+    goals: Vec<Goal>,
+}
+
+struct Goal {
+    info: GoalInfo,
+    number: u64,
+    status: i8,
+    /// The response to requests of the result, when the goal has ended.
+    result: Option<Vec<u8>>,
+    waiting: Vec<Asked>,
+}
+
+impl Activity {
+    fn publish(&self) {
+        let all: Vec<_> = self.goals.iter().map(|it| (it.info, it.status)).collect();
+        if let Some(topic) = &self.status {
+            topic.put(cdr::statuses(&all));
+        }
+    }
+}
+
+impl Requests {
+    pub(super) fn new(known: BTreeMap<usize, KnownComponent>, inbox: RunInbox) -> Arc<Requests> {
+        Arc::new(Requests {
+            known,
+            inbox,
+            replies: Replies::new(),
+            state: Mutex::default(),
+        })
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(|it| it.into_inner())
+    }
+
+    /// Adds the topic of the status of an activity.
+    pub(super) fn add_status(&self, component: usize, service: u32, topic: Topic) {
+        let mut state = self.state();
+        let activity = state.activities.entry((component, service)).or_default();
+        activity.status = Some(topic);
+        activity.publish();
+    }
+
+    /// Removes the topics of a component from the graph.
+    pub(super) fn leave(&self, component: usize) {
+        for (place, activity) in &mut self.state().activities {
+            if place.0 == component {
+                activity.status = None;
+            }
+        }
+    }
+
+    /// Handles a request to an endpoint with a key.
+    pub(super) fn hear(&self, component: usize, part: Part, key: &str, query: Query) {
+        let Some((asked, payload)) = Asked::read(query, key, &self.replies) else {
+            return;
+        };
+        match part {
+            Part::Service(service) => self.call(component, service, asked, &payload),
+            Part::SendGoal(service) => self.send_goal(component, service, asked, &payload),
+            Part::GetResult(service) => self.get_result(component, service, asked, &payload),
+            Part::CancelGoal(service) => self.cancel(component, service, asked, &payload),
+            Part::Port(_) | Part::Feedback(_) | Part::Status(_) => {}
+        }
+    }
+
+    fn payloads(&self, component: usize) -> Payloads<'_> {
+        let known = &self.known[&component];
+        Payloads::new(&known.spec, known.component())
+    }
+
+    /// The service in the system, and the number of a further request to the component.
+    fn admit(&self, state: &State, component: usize, service: u32) -> Result<(usize, u64), String> {
+        let known = &self.known[&component];
+        let wanted = known.services.get(service as usize).copied().flatten();
+        let wanted = wanted.ok_or("this service cannot be requested in this run")?;
+        let all = state.pending.values();
+        if all.filter(|it| it.component == component).count() >= MAX_WAITING {
+            return Err(format!(
+                "too many requests: {MAX_WAITING} of `{}` have not ended; wait for some of them",
+                known.component().name
+            ));
+        }
+        Ok((wanted, self.inbox.number()))
+    }
+
+    fn call(&self, component: usize, service: u32, asked: Asked, payload: &[u8]) {
+        let inputs = match self.payloads(component).inputs(service, payload) {
+            Ok(it) => it,
+            Err(why) => return self.replies.error(asked, why.to_string()),
+        };
+        let mut state = self.state();
+        let (wanted, id) = match self.admit(&state, component, service) {
+            Ok(it) => it,
+            Err(why) => return self.replies.error(asked, why),
+        };
+        let pending = Pending {
+            component,
+            service,
+            wants: Wants::Response(asked),
+        };
+        state.pending.insert(id, pending);
+        self.bring(id, wanted, inputs);
+    }
+
+    fn bring(&self, id: u64, service: usize, inputs: Vec<u8>) {
+        let request = OutsideRequest {
+            id,
+            service,
+            inputs,
+        };
+        // After the end of the run, the queries end with the session.
+        self.inbox.bring(Message::OutsideRequest(request));
+    }
+
+    /// A goal is accepted before the component decides, as a refusal has no reason in ROS 2.
+    fn send_goal(&self, component: usize, service: u32, asked: Asked, payload: &[u8]) {
+        let (goal, inputs) = match self.payloads(component).goal(service, payload) {
+            Ok(it) => it,
+            Err(why) => return self.replies.error(asked, why.to_string()),
+        };
+        let mut state = self.state();
+        let admitted = self.admit(&state, component, service);
+        let activity = state.activities.entry((component, service)).or_default();
+        let stamp = now();
+        let is_known = activity.goals.iter().any(|it| it.info.id == goal);
+        if activity.goals.len() >= GOALS
+            && let Some(oldest) = activity.goals.iter().position(|it| it.result.is_some())
+        {
+            activity.goals.remove(oldest);
+        }
+        let (Ok((wanted, number)), false, true) =
+            (admitted, is_known, activity.goals.len() < GOALS)
+        else {
+            return self.replies.send(asked, cdr::accepted(false, stamp));
+        };
+        activity.goals.push(Goal {
+            info: GoalInfo { id: goal, stamp },
+            number,
+            status: ACCEPTED,
+            result: None,
+            waiting: Vec::new(),
+        });
+        activity.publish();
+        self.replies.send(asked, cdr::accepted(true, stamp));
+        let pending = Pending {
+            component,
+            service,
+            wants: Wants::Goal(goal),
+        };
+        state.pending.insert(number, pending);
+        self.bring(number, wanted, inputs);
+    }
+
+    fn get_result(&self, component: usize, service: u32, asked: Asked, payload: &[u8]) {
+        let id = match cdr::result_of(payload) {
+            Ok(it) => it,
+            Err(why) => return self.replies.error(asked, why.to_string()),
+        };
+        let mut state = self.state();
+        let activity = state.activities.entry((component, service)).or_default();
+        let goal = activity.goals.iter_mut().find(|it| it.info.id == id);
+        let Some(goal) = goal else {
+            let unknown = self.result(component, service, 0, FORGOTTEN);
+            return self.replies.send(asked, unknown);
+        };
+        match &goal.result {
+            Some(it) => self.replies.send(asked, it.clone()),
+            None => {
+                // The oldest request has most likely been given up.
+                if goal.waiting.len() >= RESULT_REQUESTS {
+                    goal.waiting.remove(0);
+                }
+                goal.waiting.push(asked);
+            }
+        }
+    }
+
+    fn cancel(&self, component: usize, service: u32, asked: Asked, payload: &[u8]) {
+        let wanted = match cdr::cancel(payload) {
+            Ok(it) => it,
+            Err(why) => return self.replies.error(asked, why.to_string()),
+        };
+        let mut state = self.state();
+        let activity = state.activities.entry((component, service)).or_default();
+        let (is_one, is_timed) = (wanted.id != [0; 16], wanted.stamp != Stamp::default());
+        let time = |it: Stamp| (it.sec, it.nanosec);
+        let is_wanted = |it: GoalInfo| {
+            let earlier = is_timed && time(it.stamp) <= time(wanted.stamp);
+            (is_one && it.id == wanted.id) || earlier || (!is_one && !is_timed)
+        };
+        let mut canceling = Vec::new();
+        for goal in &mut activity.goals {
+            if is_wanted(goal.info) && goal.result.is_none() {
+                goal.status = CANCELING;
+                canceling.push(goal.info);
+                self.inbox.bring(Message::Abort(goal.number));
+            }
+        }
+        let is_known = activity.goals.iter().any(|it| it.info.id == wanted.id);
+        let code = match (canceling.is_empty(), is_one, is_known) {
+            (false, ..) => 0,
+            (true, false, _) => 1,
+            (true, true, false) => 2,
+            (true, true, true) => 3,
+        };
+        activity.publish();
+        self.replies.send(asked, cdr::canceling(code, &canceling));
+    }
+
+    /// The result of a goal. One that has no form, which only a codel with wrong data can cause, is that of
+    /// a failure without detail.
+    fn result(&self, component: usize, service: u32, status: i8, outcome: Outcome<'_>) -> Vec<u8> {
+        let payloads = self.payloads(component);
+        let result = payloads.result(service, status, outcome);
+        let result = result.or_else(|_| payloads.result(service, cdr::ABORTED, UNREADABLE));
+        result.unwrap_or_default()
+    }
+
+    /// Passes an answer of the engine on.
+    pub(super) fn answer(&self, id: u64, answer: &RequestReply) {
+        let mut state = self.state();
+        let Some(Pending {
+            component, service, ..
+        }) = state.pending.get(&id)
+        else {
+            return;
+        };
+        let (component, service) = (*component, *service);
+        let zeros;
+        let outcome = match answer {
+            RequestReply::Accepted => {
+                let activity = state.activities.entry((component, service)).or_default();
+                let goal = activity.goals.iter_mut().find(|it| it.number == id);
+                if let Some(goal) = goal.filter(|it| it.status == ACCEPTED) {
+                    goal.status = EXECUTING;
+                    activity.publish();
+                }
+                return;
+            }
+            RequestReply::Done(outputs) if outputs.is_empty() => {
+                zeros = self.zeros(component, service);
+                Outcome::Done(&zeros)
+            }
+            RequestReply::Done(outputs) => Outcome::Done(outputs),
+            RequestReply::Failed { exception, detail } => Outcome::Failed { exception, detail },
+        };
+        match state.pending.remove(&id).map(|it| it.wants) {
+            Some(Wants::Response(asked)) => {
+                let payloads = self.payloads(component);
+                let response = payloads.response(service, outcome);
+                let response = response.or_else(|_| payloads.response(service, UNREADABLE));
+                self.replies.send(asked, response.unwrap_or_default());
+            }
+            Some(Wants::Goal(goal)) => {
+                let activity = state.activities.entry((component, service)).or_default();
+                if let Some(goal) = activity.goals.iter_mut().find(|it| it.info.id == goal) {
+                    let was_canceled = goal.status == CANCELING;
+                    goal.status = match outcome {
+                        Outcome::Done(_) => cdr::SUCCEEDED,
+                        Outcome::Failed { exception, .. }
+                            if was_canceled && exception == "::genom::interrupted" =>
+                        {
+                            cdr::CANCELED
+                        }
+                        Outcome::Failed { .. } => cdr::ABORTED,
+                    };
+                    let result = self.result(component, service, goal.status, outcome);
+                    for asked in goal.waiting.drain(..) {
+                        self.replies.send(asked, result.clone());
+                    }
+                    goal.result = Some(result);
+                }
+                activity.publish();
+            }
+            None => {}
+        }
+    }
+
+    /// The outputs of a service of a simulated component.
+    fn zeros(&self, component: usize, service: u32) -> Vec<u8> {
+        let known = &self.known[&component];
+        let values = Values::new(&known.spec);
+        let service = &known.component().services[service as usize];
+        let outputs = service.params.iter().filter(|it| is_output(it));
+        let zeros = outputs.filter_map(|it| values.encode(it.ty, &Value::Null).ok());
+        zeros.collect::<Vec<_>>().concat()
+    }
+}
+
+const FORGOTTEN: Outcome<'_> = Outcome::Failed {
+    exception: "",
+    detail: &[],
+};
+
+const UNREADABLE: Outcome<'_> = Outcome::Failed {
+    exception: "::dotgen::unreadable",
+    detail: &[],
+};
