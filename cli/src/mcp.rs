@@ -19,8 +19,10 @@ use tokio::sync::Mutex;
 use super::{Outcome, logging};
 use dotgen_platform::process;
 
-/// Longest answer, in bytes: about 2,000 tokens.
-const MAX_ANSWER_BYTES: usize = 7_000;
+/// Maximum length of the output in an answer, and of the messages after it, in bytes. Together they are about
+/// 2,000 tokens.
+const MAX_OUTPUT_BYTES: usize = 5_500;
+const MAX_MESSAGE_BYTES: usize = 1_300;
 /// Time after which a command is ended.
 const TIMEOUT: Duration = Duration::from_secs(120);
 /// Time limit of a verification, in seconds: what is answered by then is printed.
@@ -291,14 +293,16 @@ impl Tools {
             Ok(Err(error)) => return failure(&format!("dotgen does not start: {error}")),
             Err(error) => return failure(&format!("the command was lost: {error}")),
         };
-        if is_drawing && output.len() > MAX_ANSWER_BYTES {
+        if is_drawing && output.len() > MAX_OUTPUT_BYTES {
             return failure(&format!(
-                "the drawing has {} bytes, {MAX_ANSWER_BYTES} are allowed: name one file",
+                "the drawing has {} bytes, {MAX_OUTPUT_BYTES} are allowed: name one file",
                 output.len()
             ));
         }
+        let output = shortened(&output, MAX_OUTPUT_BYTES);
+        let errors = shortened(&errors, MAX_MESSAGE_BYTES);
         let texts = [output, errors].into_iter().filter(|it| !it.is_empty());
-        let content = texts.map(|it| ContentBlock::text(shortened(&it))).collect();
+        let content = texts.map(ContentBlock::text).collect();
         match code {
             Some(0 | 1 | 3) => CallToolResult::success(content),
             _ => CallToolResult::error(content),
@@ -340,14 +344,15 @@ fn run_self(
     ))
 }
 
-/// The beginning of a long text, up to the end of a line, with the number of lines that are left out.
-fn shortened(text: &str) -> String {
-    if text.len() <= MAX_ANSWER_BYTES {
+/// The text, or its beginning of `limit` bytes up to the end of a line, with the number of lines that are left
+/// out.
+fn shortened(text: &str, limit: usize) -> String {
+    if text.len() <= limit {
         return text.to_owned();
     }
     let starts = text.char_indices().map(|(at, _)| at);
     let end = starts
-        .take_while(|at| *at <= MAX_ANSWER_BYTES)
+        .take_while(|at| *at <= limit)
         .last()
         .unwrap_or_default();
     let end = text[..end].rfind('\n').map_or(end, |at| at + 1);

@@ -43,7 +43,7 @@ enum EngineEvent {
     HostMessage(usize, u64, HostMessage),
     /// The output of a host has ended.
     Closed(usize, u64),
-    RunListener(Message),
+    Outside(Message),
     /// An input port has data from outside.
     Fed(Arc<InputSlot>),
 }
@@ -98,7 +98,7 @@ impl RunInbox {
 
     /// Sends a message. Returns false after the end of the run.
     pub(crate) fn bring(&self, message: Message) -> bool {
-        self.sender.send(EngineEvent::RunListener(message)).is_ok()
+        self.sender.send(EngineEvent::Outside(message)).is_ok()
     }
 
     /// Sends data for an input port. Returns false after the end of the run.
@@ -454,7 +454,7 @@ impl Children {
                 let why = self.ended(component);
                 Some(Message::Lost { component, why })
             }
-            EngineEvent::RunListener(message) => Some(message),
+            EngineEvent::Outside(message) => Some(message),
             EngineEvent::Fed(newest) => Some(Message::Fed {
                 component: newest.component,
                 port: newest.port,

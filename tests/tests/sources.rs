@@ -5,8 +5,15 @@ use std::path::Path;
 use dotgen_tests::workspace_root;
 
 /// Crates that do no input or output: they ask a trait.
-const PURE: [&str; 6] = [
-    "syntax", "analysis", "diagram", "codegen", "timing", "runtime",
+const PURE: [&str; 8] = [
+    "syntax",
+    "analysis",
+    "diagram",
+    "codegen",
+    "timing",
+    "recording",
+    "runtime",
+    "ros2",
 ];
 
 /// Words that reach the system.
