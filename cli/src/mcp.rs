@@ -344,8 +344,7 @@ fn run_self(
     ))
 }
 
-/// The text, or its beginning of `limit` bytes up to the end of a line, with the number of lines that are left
-/// out.
+/// The text, or its beginning of `limit` bytes up to the end of a line, with the number of further lines.
 fn shortened(text: &str, limit: usize) -> String {
     if text.len() <= limit {
         return text.to_owned();
