@@ -35,13 +35,32 @@ pub struct Code {
     pub reference: bool,
 }
 
+/// An error of which other findings can be mere consequences. These are left out while the cause is reported.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cause {
+    /// Text was not read, so that declarations may be missing.
+    UnreadText,
+    /// Some data, task or service has no name yet: codels may mention its future name.
+    NamelessDeclaration,
+    /// The text of a task or service cannot be parsed, so that codels may be missing.
+    BrokenMachine,
+}
+
+/// The causes of which a finding with a code can be a mere consequence.
+pub(crate) fn follows(code: &str) -> &'static [Cause] {
+    checks::find(code)
+        .map(|it| it.follows)
+        .or_else(|| lints::find(code).map(|it| it.follows))
+        .unwrap_or_default()
+}
+
 /// The prefix of the codes that come from a comparison with sources in C and C++.
 pub const CODEL: &str = "codel/";
 
 /// Returns true if a finding is about this machine and not about the text: a package that is not installed, a
 /// file that is not found. GenoM3 rejects such a specification; with the package installed, it is valid.
 pub fn is_environment(code: &str) -> bool {
-    matches!(code, "pp-requires-unresolved" | "pp-include-not-found")
+    syntax::find(code).is_some_and(|code| code.environment)
 }
 
 /// The severity of a finding if files or packages missing on this machine are not errors of the text.

@@ -131,7 +131,7 @@ impl<'db> Reporter<'db> {
     fn text(&mut self, visit: usize, key: FileKey<'db>) {
         for it in text_report(self.db, key).iter() {
             self.out.push(it.clone());
-            if it.code == "syntax-eof" {
+            if dotgen_syntax::codes::is_cut(it.code) {
                 self.included_from(visit);
             }
         }

@@ -16,6 +16,7 @@ use camino::Utf8PathBuf;
 use dotgen_syntax::{
     Fragment, Parse, TextSize,
     directive::{Define, DirectiveKind},
+    finding::preprocessing::Preprocessing,
     parse,
     preproc::{
         self, Element, Host, IncludeError, IncludeRequest, MacroEnv, MentionedWords, Preprocessed,
@@ -361,7 +362,12 @@ pub(crate) fn text_facts<'db>(db: &'db dyn Db, key: FileKey<'db>) -> TextFacts {
     let (parse, errors) = (parsed(db, key), &preprocessed(db, key).errors);
     TextFacts {
         misplaced_includes: !lowered(db, key).misplaced.is_empty(),
-        bad_include: errors.iter().any(|it| it.kind.code() == "pp-include-bad"),
+        bad_include: errors.iter().any(|it| {
+            matches!(
+                it.kind,
+                Preprocessing::IncludeWithoutFile | Preprocessing::IncludeWithMore
+            )
+        }),
         inside_out: parse.inside_out,
         has_expansions: !parse.expansion.is_empty(),
     }

@@ -12,6 +12,7 @@ use dotgen_analysis::host::{
 use dotgen_analysis::model::{Component, Spec, Src, TypeKind, Value};
 use dotgen_analysis::release::ReleaseChoice;
 use dotgen_analysis::source_map::{Locations, MacroCall};
+use dotgen_syntax::codes::{self as syntax, Stage};
 use dotgen_syntax::encoding;
 use rustc_hash::{FxHashMap, FxHashSet};
 use smol_str::SmolStr;
@@ -151,7 +152,7 @@ impl Compiler {
         };
         let is_error = it.severity == Severity::Error;
         // GenoM3's preprocessor prints the whole path and a word for the severity.
-        if it.code.starts_with("pp-") {
+        if syntax::stage(it.code) == Some(Stage::Preprocessor) {
             let word = if is_error { "error" } else { "warning" };
             return format!("{}:{line}: {word}: {text}", it.path);
         }
@@ -202,7 +203,8 @@ fn in_reference(it: &Diagnostic) -> bool {
     match it.severity {
         Severity::Error => true,
         Severity::Warning => {
-            it.code.starts_with("pp-") || codes::find(it.code).is_some_and(|it| it.reference)
+            syntax::stage(it.code) == Some(Stage::Preprocessor)
+                || codes::find(it.code).is_some_and(|it| it.reference)
         }
         _ => false,
     }
@@ -210,7 +212,10 @@ fn in_reference(it: &Diagnostic) -> bool {
 
 /// True for codes after which GenoM3 stops reading.
 fn stops(code: &str) -> bool {
-    code.starts_with("pp-") || code.starts_with("syntax")
+    matches!(
+        syntax::stage(code),
+        Some(Stage::Preprocessor | Stage::Parser)
+    )
 }
 
 fn deps(unit: &UnitResult, names: &FxHashMap<Utf8PathBuf, String>) -> Vec<String> {

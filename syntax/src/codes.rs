@@ -8,6 +8,19 @@ mod preprocessor;
 
 use crate::preproc::Severity;
 
+/// The stage of reading that reports a code.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// The bytes of a file, and the parts of it that are excluded. GenoM3 has no such messages.
+    File,
+    /// The preprocessor. GenoM3 prints its messages in a form of their own.
+    Preprocessor,
+    /// The lexer.
+    Lexer,
+    /// The parser.
+    Parser,
+}
+
 /// An entry of the table: one code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Code {
@@ -27,6 +40,12 @@ pub struct Code {
     pub corrected: &'static str,
     /// Set if the reference compiler reports it too.
     pub reference: bool,
+    /// The stage that reports it.
+    pub stage: Stage,
+    /// Set if the text ends too early, so that more text may follow.
+    pub cut: bool,
+    /// Set if it is about this machine and not about the text.
+    pub environment: bool,
 }
 
 /// The families, in the order of the reference.
@@ -49,6 +68,9 @@ const fn error(
         example,
         corrected,
         reference: true,
+        stage: Stage::Preprocessor,
+        cut: false,
+        environment: false,
     }
 }
 
@@ -88,9 +110,38 @@ const fn ours(code: Code) -> Code {
     }
 }
 
+impl Code {
+    const fn at(self, stage: Stage) -> Code {
+        Code { stage, ..self }
+    }
+
+    /// Marks a code that a text has if it ends too early.
+    const fn cut(self) -> Code {
+        Code { cut: true, ..self }
+    }
+
+    /// Marks a code about this machine: a package that is not installed, a file that is not found.
+    const fn environment(self) -> Code {
+        Code {
+            environment: true,
+            ..self
+        }
+    }
+}
+
 /// All codes of this layer.
 pub fn all() -> impl Iterator<Item = &'static Code> {
     FAMILIES.iter().copied().flatten()
+}
+
+/// Returns true for the code of a text that ends too early, so that more text may follow.
+pub fn is_cut(id: &str) -> bool {
+    find(id).is_some_and(|code| code.cut)
+}
+
+/// The stage of reading that reports a code; `None` for a code of a later layer.
+pub fn stage(id: &str) -> Option<Stage> {
+    find(id).map(|code| code.stage)
 }
 
 /// The entry of a code.

@@ -140,7 +140,7 @@ pub(crate) fn parse_wcet_pragma(
     let mut p = Parser::new(&input);
     grammar::wcet_pragma(&mut p);
     let (events, mut errors) = p.finish();
-    errors.retain(|it| it.kind.code() == "wcet-pragma");
+    errors.retain(|it| matches!(it.kind, Parsing::MoreInPragma { .. }));
     (events, locate(&input, errors))
 }
 

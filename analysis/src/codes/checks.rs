@@ -11,6 +11,7 @@ mod services;
 mod times;
 mod values;
 
+use super::Cause;
 use crate::diagnostic::Severity;
 
 /// An entry of the table: one code.
@@ -28,6 +29,14 @@ pub struct Code {
     pub fix: &'static str,
     /// Set if the reference compiler reports it too.
     pub reference: bool,
+    /// The causes of which the finding can be a mere consequence.
+    pub follows: &'static [Cause],
+}
+
+impl Code {
+    const fn follows(self, follows: &'static [Cause]) -> Code {
+        Code { follows, ..self }
+    }
 }
 
 /// The families, in the order of the reference.
@@ -54,6 +63,7 @@ const fn error(
         why,
         fix,
         reference: true,
+        follows: &[],
     }
 }
 

@@ -1,6 +1,6 @@
 //! The table of rules, from which manual pages and settings are generated.
 
-use crate::diagnostic::Severity;
+use crate::{codes::Cause, diagnostic::Severity};
 
 /// A rule as shown to users.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,6 +15,8 @@ pub struct LintCode {
     pub absence: bool,
     /// Set if the marked text can be removed; editors fade it.
     pub unnecessary: bool,
+    /// The causes of which the finding can be a mere consequence.
+    pub follows: &'static [Cause],
     /// The meaning, in one sentence.
     pub meaning: &'static str,
     /// The reason for the rule.
@@ -45,6 +47,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
+        follows: &[],
         meaning: "A cycle of states has no `pause::`.",
         why: "In one turn of the task, the machine can repeat such a cycle any number of times. The \
              execution time of a job then has no bound, and no deadline can be proved. Often the cycle is \
@@ -60,6 +63,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: false,
+        follows: &[Cause::BrokenMachine],
         meaning: "An activity can neither end nor pause.",
         why: "No path leads to `ether` and some cycle has no `pause::`: once started, the activity can keep its task \
               for ever, and no other activity of the task gets its turn.",
@@ -73,6 +77,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
+        follows: &[],
         meaning: "A task without a period yields `pause::`, and nothing can end the pause.",
         why: "In a task without a period, `pause::` waits for an internal event: a transition of another \
              activity, or a request for an activity, attribute or function. If the component has none of \
@@ -87,6 +92,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
+        follows: &[],
         meaning: "A state leads only to undefined states.",
         why: "After the codel of the state, the machine has nowhere to go.",
         example: "component c {\n  task t { period 1 s;\n    codel<start> f() yield a, b;\n  };\n};\n",
@@ -99,6 +105,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
+        follows: &[],
         meaning: "A codel has the name that the mapping gives to a state of the component.",
         why: "In C the mapping defines `COMPONENT_state` for every state, and `COMPONENT_pause_state` for every state \
               that follows a `pause::`. A function of the same name cannot be compiled.",
@@ -112,6 +119,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: false,
+        follows: &[Cause::BrokenMachine],
         meaning: "An activity that changes data can be interrupted and has no `stop` codel.",
         why: "An interrupted activity runs its `stop` codel and nothing else. Without a `stop` codel, ports \
              and ids keep their last values: a robot may keep moving at its last speed.",
@@ -125,6 +133,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
+        follows: &[],
         meaning: "Codels of different tasks write the same output port.",
         why: "The value that readers see depends on scheduling. Codels that only start or stop a task do not \
              count.",
@@ -138,6 +147,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: false,
+        follows: &[],
         meaning: "An output port has no codel that writes it.",
         why: "Components that read the port wait for data that never come.",
         example: "struct s { long x; };\ncomponent c {\n  port out s p;\n  task t { codel<start> f() yield ether; };\n};\n",
@@ -150,6 +160,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: true,
+        follows: &[],
         meaning: "An input port has no codel that reads it.",
         why: "The port must be connected, although nothing uses its data.",
         example: "struct s { long x; };\ncomponent c {\n  port in s p;\n  task t { codel<start> f() yield ether; };\n};\n",
@@ -162,6 +173,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: false,
+        follows: &[],
         meaning: "A member of the ids is read but never written.",
         why: "Codels that read the member get an undefined value.",
         example: "component c {\n  ids { long x; };\n  task t { codel<start> f(in x) yield ether; };\n};\n",
@@ -174,6 +186,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: true,
+        follows: &[],
         meaning: "A member of the ids is never read.",
         why: "The member takes memory, and the codels that write it exclude each other for nothing.",
         example: "component c {\n  ids { long x; };\n  task t { codel<start> f() yield ether; };\n};\n",
@@ -186,6 +199,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: false,
+        follows: &[],
         meaning: "A permanent activity reads a member of the ids that only requests write.",
         why: "Permanent activities run from the start of the component. Until the first request the value \
             is undefined.",
@@ -199,6 +213,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
+        follows: &[],
         meaning: "A codel locks data for longer than the period of another task that needs them.",
         why: "While a codel runs, GenoM3 locks the members of the ids and the ports that the codel names. A task with a \
               shorter period then waits and misses ticks, however many cores there are.",
@@ -213,6 +228,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
+        follows: &[],
         meaning: "An `async` codel shares data with another codel of its own task.",
         why: "While an `async` codel runs, its task goes on with other activities. If one of them needs the same data, \
               either the task waits for its own activity, or both access the data at once.",
@@ -226,6 +242,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: false,
+        follows: &[],
         meaning: "Some codels of a component have no execution time, although others have one.",
         why: "Verification counts a missing time as 0. The computed response times are then too short.",
         example: "component c {\n  task t { period 5 ms;\n    codel<start> f() yield main wcet 10 us;\n    codel<main> g() yield pause::main;\n  };\n};\n",
@@ -238,6 +255,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
+        follows: &[],
         meaning: "A codel, or a chain of codels up to the next pause, takes longer than the period of its task.",
         why: "The job of one period is then not finished when the next begins.",
         example: "component c {\n  task t { period 5 ms;\n    codel<start> f() yield main wcet 3 ms;\n    codel<main> g() yield pause::main wcet 4 ms;\n  };\n};\n",
@@ -250,6 +268,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
+        follows: &[],
         meaning: "Permanent activities need more processor time than the cores provide.",
         why: "The sum of execution times over periods exceeds the number of cores set in the configuration.",
         example: "component c {\n  task t { period 5 ms; codel<start> f() yield pause::start wcet 4 ms; };\n  task u { period 5 ms; codel<start> g() yield pause::start wcet 4 ms; };\n};\n",
@@ -262,6 +281,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: false,
+        follows: &[],
         meaning: "A permanent activity that pauses has execution times, but its task has no period.",
         why: "Without a period, the number of runs per second is unknown, so load and response times cannot \
              be computed.",
@@ -275,6 +295,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
+        follows: &[],
         meaning: "An execution time is above 10 s, or a period below 10 µs.",
         why: "A number without a unit is in seconds. A forgotten `ms` makes a time 1000 times too long.",
         example: "component c {\n  task t { period 5 s; codel<start> f() yield pause::start wcet 26; };\n};\n",
@@ -287,6 +308,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: false,
+        follows: &[],
         meaning: "An activity changes data and does not interrupt itself.",
         why: "Each request starts another instance. Two instances of a motion, for example, write \
             the reference in turns.",
@@ -300,6 +322,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: false,
+        follows: &[],
         meaning: "The `validate` codel of a setter does not get the new value.",
         why: "`ids in x` is the value before the request. The new value is `local in x`.",
         example: "component c {\n  ids { long x; };\n  attribute set(in x) { validate check(ids in x); };\n};\n",
@@ -312,6 +335,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
+        follows: &[],
         meaning: "A function or attribute keeps the control task busy.",
         why: "The control task executes functions and attributes itself. Meanwhile it serves no other \
              request, not even a request to stop.",
@@ -325,6 +349,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
+        follows: &[],
         meaning: "The `before` and `after` relations of services form a cycle.",
         why: "No order of requests satisfies all of these relations.",
         example: "component c {\n  function f() { before g; };\n  function g() { before f; };\n};\n",
@@ -337,6 +362,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: true,
+        follows: &[],
         meaning: "An exception is not in any `throws` list.",
         why: "Clients contain code for an error that never occurs.",
         example: "component c {\n  exception e_never;\n  task t { codel<start> f() yield ether; };\n};\n",
@@ -349,6 +375,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: true,
+        follows: &[],
         meaning: "A type of a component is never used.",
         why: "Code is generated for a type that nothing uses.",
         example: "component c {\n  struct s { long x; };\n  task t { codel<start> f() yield ether; };\n};\n",
@@ -361,6 +388,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: true,
+        follows: &[],
         meaning: "A local variable is never used.",
         why: "Each instance of the service reserves memory for the variable.",
         example: "component c {\n  task t { period 1 s; };\n  activity a() { task t; local long x;\n    codel<start> f() yield ether;\n  };\n};\n",
@@ -373,6 +401,7 @@ pub const CODES: &[LintCode] = &[
         on: false,
         absence: true,
         unnecessary: false,
+        follows: &[],
         meaning: "A component or service has no `doc`.",
         why: "Clients and generated manuals show the text of `doc` to users.",
         example: "component c {\n  function f();\n};\n",
@@ -385,6 +414,7 @@ pub const CODES: &[LintCode] = &[
         on: false,
         absence: false,
         unnecessary: false,
+        follows: &[],
         meaning: "The name of a service differs in style from the other services of the component.",
         why: "Names in one style are easier to remember and to guess.",
         example: "component c {\n  function set_speed();\n  function get_speed();\n  function StopNow();\n};\n",
@@ -397,6 +427,7 @@ pub const CODES: &[LintCode] = &[
         on: false,
         absence: false,
         unnecessary: false,
+        follows: &[],
         meaning: "Services are not in the order attributes, functions, activities.",
         why: "Readers expect services where other components have them.",
         example: "component c {\n  ids { long x; };\n  function f();\n  attribute a(in x);\n};\n",
@@ -409,6 +440,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: true,
         unnecessary: false,
+        follows: &[],
         meaning: "A comment allows something that is not reported.",
         why: "The comment would hide the next real finding at that place.",
         example: "component c {\n  // dotgen: allow(port/write-race) only one of them runs\n  task t { codel<start> f() yield ether; };\n};\n",
@@ -421,6 +453,7 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
+        follows: &[],
         meaning: "A comment allows a finding without a reason.",
         why: "Without the reason, the next reader has to find out again why the finding is harmless.",
         example: "component c {\n  // dotgen: allow(service/order-cycle)\n  function f() { before g; };\n  function g() { before f; };\n};\n",

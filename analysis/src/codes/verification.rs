@@ -18,6 +18,7 @@ const fn code(
         on: true,
         absence: false,
         unnecessary: false,
+        follows: &[],
         meaning,
         why,
         example,

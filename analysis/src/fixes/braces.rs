@@ -10,9 +10,10 @@ use super::{TextFix, indent_of};
 pub(crate) fn missing_brace(root: &SyntaxNode, error: &SyntaxError) -> Option<TextFix> {
     let brace = error.missing?;
     // At the end of the file the last token is reported.
-    let here = match error.code() {
-        "syntax-eof" => root.text_range().end(),
-        _ => error.range.start(),
+    let here = if error.at_end {
+        root.text_range().end()
+    } else {
+        error.range.start()
     };
     let before = token_before(root, here)?;
     let (at, text) = match brace {

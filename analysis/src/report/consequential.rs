@@ -6,7 +6,8 @@ use smol_str::SmolStr;
 
 use crate::{
     base::Db,
-    finding::Finding,
+    codes::{self, Cause},
+    finding::{Finding, values::ValueProblem},
     source_map::bytes,
     unit::{DirectiveEffect, FileKey, include_fragments, parsed, text_facts},
 };
@@ -42,16 +43,18 @@ impl UnreadParts {
         finding: &Finding,
         range: TextRange,
     ) -> bool {
-        let code = finding.code();
         let inside_out = text_facts(db, key).inside_out;
         let around = |it: &TextRange| it.contains_range(range);
         inside_out.is_some_and(|from| range.start() >= from)
             || self.files && finding.kind.may_be_in_a_package(finding.near.is_some())
-            || code == "delay-range" && has_error_on_line(db, key, range)
-            || self.nameless && is_about_names_in_components(code)
-            || is_about_machines(code) && broken_machines(db, key).iter().any(around)
-            || follows_from_missing_text(code)
-                && (self.incomplete || self.names_lost_word(db, key, range))
+            || finding.kind == ValueProblem::DelayRange.into() && has_error_on_line(db, key, range)
+            || codes::follows(finding.code())
+                .iter()
+                .any(|cause| match cause {
+                    Cause::NamelessDeclaration => self.nameless,
+                    Cause::BrokenMachine => broken_machines(db, key).iter().any(around),
+                    Cause::UnreadText => self.incomplete || self.names_lost_word(db, key, range),
+                })
     }
 
     /// Returns true if a range mentions a word whose declaration may not have been parsed.
@@ -107,52 +110,6 @@ fn lacks_name<'db>(db: &'db dyn Db, key: FileKey<'db>) -> bool {
         !it.children().any(|it| it.kind() == name)
     };
     !parse.errors.is_empty() && parse.syntax().descendants().any(is_nameless)
-}
-
-/// Returns true if a report is about the name of some data, task or service.
-fn is_about_names_in_components(code: &str) -> bool {
-    code.starts_with("param-unknown")
-        || matches!(
-            code,
-            "param-member" | "param-no-ids" | "service-unknown" | "task-unknown"
-        )
-}
-
-/// Returns true if a report can be a mere consequence of a declaration that was not read.
-fn follows_from_missing_text(code: &str) -> bool {
-    code.contains("unknown")
-        || matches!(
-            code,
-            "activity-start"
-                | "activity-task"
-                | "const-operand"
-                | "forward-undefined"
-                | "fsm/stop-without-ether"
-                | "fsm/undefined-state"
-                | "fsm/unreachable-state"
-                | "init-member"
-                | "param-member"
-                | "param-no-ids"
-                | "pragma-masquerade-type"
-                | "throw-not-exception"
-                | "throw/undeclared-use"
-                | "unused-task"
-                | "wcet-pragma"
-        )
-}
-
-/// Returns true if a report is about the states of a task or activity as a whole.
-fn is_about_machines(code: &str) -> bool {
-    matches!(
-        code,
-        "activity-start"
-            | "activity-task"
-            | "fsm/missing-stop"
-            | "fsm/no-termination"
-            | "fsm/stop-without-ether"
-            | "fsm/undefined-state"
-            | "fsm/unreachable-state"
-    )
 }
 
 /// Tasks and services that contain text without a parse, or that end early: a codel may be lost in the text.

@@ -33,15 +33,6 @@ pub struct Reliability {
     words: Arc<FxHashSet<Name>>,
 }
 
-/// Codes of errors in incomplete text.
-const INCOMPLETE_TEXT_CODES: [&str; 5] = [
-    "syntax-eof",
-    "missing-yield",
-    "lex-comment-open",
-    "pp-cond-unterminated",
-    "pp-macro-eof",
-];
-
 /// An error and its place.
 struct Fault<'a> {
     path: &'a Utf8PathBuf,
@@ -78,11 +69,7 @@ impl Reliability {
             return trust;
         }
         trust.words = unit.words.clone();
-        trust.is_cut = unit.is_cut
-            || unit
-                .diagnostics
-                .iter()
-                .any(|it| INCOMPLETE_TEXT_CODES.contains(&it.code));
+        trust.is_cut = unit.is_cut || unit.diagnostics.iter().any(|it| syntax::is_cut(it.code));
         trust.all_broken = trust.is_cut;
         let codels: Vec<(u32, CodelRef, Location)> = (0u32..)
             .zip(&unit.spec.components)

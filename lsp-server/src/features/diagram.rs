@@ -7,11 +7,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use base64::Engine;
 use camino::Utf8PathBuf;
-use dotgen_analysis::diagnostic::Severity;
 use dotgen_analysis::host::{Cancellable, UnitResult};
 use dotgen_analysis::ide::{DocumentSymbol, FilePosition, SymbolKind};
 use dotgen_diagram::system::Chain;
 use dotgen_diagram::theme::Theme;
+use dotgen_syntax::codes;
 use dotgen_timing::scn::ast::{CheckKind, Item};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -290,15 +290,12 @@ fn declared<'s>(
     })
 }
 
-/// Codes of the parser's findings in incomplete texts.
-const BROKEN: [&str; 4] = ["syntax", "syntax-eof", "missing-semicolon", "missing-yield"];
-
 /// The first syntax error, if there is one.
 fn syntax_error(snapshot: &Snapshot, subject: &Subject) -> Cancellable<Option<String>> {
     let diagnostics = snapshot.analysis.diagnostics(&subject.path)?;
     let first = diagnostics
         .iter()
-        .find(|it| it.severity == Severity::Error && BROKEN.contains(&it.code));
+        .find(|it| codes::stage(it.code) == Some(codes::Stage::Parser));
     let Some(first) = first else {
         return Ok(None);
     };

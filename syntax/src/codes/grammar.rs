@@ -1,6 +1,6 @@
 //! Codes of the lexer and the parser.
 
-use super::{Code, error};
+use super::{Code, Stage, error};
 
 pub(super) const CODES: &[Code] = &[
     error(
@@ -10,7 +10,7 @@ pub(super) const CODES: &[Code] = &[
         "Remove the character. It may come from another language or from a copied document.",
         "const long a@ = 1;\n",
         "const long a = 1;\n",
-    ),
+    ).at(Stage::Lexer),
     error(
         "lex-comment-open",
         "A block comment has no end.",
@@ -19,7 +19,7 @@ pub(super) const CODES: &[Code] = &[
         "Close the comment with `*/`.",
         "/* this never ends\n",
         "/* this ends */\n",
-    ),
+    ).at(Stage::Lexer).cut(),
     error(
         "syntax",
         "A token does not fit the grammar.",
@@ -28,7 +28,7 @@ pub(super) const CODES: &[Code] = &[
          the marked place.",
         "struct s { };\n",
         "struct s { long x; };\n",
-    ),
+    ).at(Stage::Parser),
     error(
         "syntax-eof",
         "The text ends in the middle of a declaration.",
@@ -36,7 +36,7 @@ pub(super) const CODES: &[Code] = &[
         "Close the declaration with `};`. The message marks the `{` that is not closed.",
         "struct s {\n",
         "struct s {\n  long x;\n};\n",
-    ),
+    ).at(Stage::Parser).cut(),
     error(
         "missing-semicolon",
         "A declaration has no semicolon.",
@@ -45,7 +45,7 @@ pub(super) const CODES: &[Code] = &[
         "Add `;` at the end of the declaration.",
         "const long a = 1\nconst long b = 2;\n",
         "const long a = 1;\nconst long b = 2;\n",
-    ),
+    ).at(Stage::Parser),
     error(
         "missing-yield",
         "A codel with states has no `yields` list.",
@@ -54,5 +54,5 @@ pub(super) const CODES: &[Code] = &[
         "Add `yields` with all states that the codel can return. Use `ether` to end the machine.",
         "component c { task t { codel<start> f(); }; };\n",
         "component c { task t { codel<start> f() yields ether; }; };\n",
-    ),
+    ).at(Stage::Parser).cut(),
 ];

@@ -1,6 +1,6 @@
 //! Codes of the preprocessor and of reading files.
 
-use super::{Code, error, hint, ours, warning};
+use super::{Code, Stage, error, hint, ours, warning};
 
 pub(super) const CODES: &[Code] = &[
     error(
@@ -13,7 +13,7 @@ pub(super) const CODES: &[Code] = &[
          to the including file.",
         "#include \"nowhere.idl\"\n",
         "",
-    ),
+    ).environment(),
     error(
         "pp-include-bad",
         "`#include` has no file name, or something follows the name.",
@@ -106,7 +106,7 @@ pub(super) const CODES: &[Code] = &[
         "Close the call with `)`.",
         "#define F(x) x\nconst long a = F(1\n",
         "#define F(x) x\nconst long a = F(1);\n",
-    ),
+    ).cut(),
     error(
         "pp-macro-limit",
         "The expansion of a macro is too large or too deep.",
@@ -165,7 +165,7 @@ pub(super) const CODES: &[Code] = &[
          `dotgen.toml`. `dotgen deps` lists what is missing and how to install it.",
         "#pragma requires \"missing\"\n",
         "",
-    ),
+    ).environment(),
     hint(
         "pp-requires-own",
         "A package is not installed, so dotgen uses its own definitions of the interfaces.",
@@ -183,7 +183,7 @@ pub(super) const CODES: &[Code] = &[
         "Add the missing `#endif`.",
         "#if 1\n",
         "#if 1\n#endif\n",
-    ),
+    ).cut(),
     error(
         "pp-else-without-if",
         "`#else` has no `#if` before it.",
@@ -342,7 +342,7 @@ pub(super) const CODES: &[Code] = &[
          (`-D NAME`, or `defines` in `dotgen.toml`).",
         "#if 0\nconst long a = 1;\n#endif\n",
         "#if 1\nconst long a = 1;\n#endif\n",
-    )),
+    )).at(Stage::File),
     ours(warning(
         "not-utf8",
         "A file is not encoded in UTF-8.",
@@ -350,5 +350,5 @@ pub(super) const CODES: &[Code] = &[
         "Save the file as UTF-8.",
         "// a Latin-1 accent\n",
         "",
-    )),
+    )).at(Stage::File),
 ];

@@ -1,5 +1,7 @@
 //! Codes about text that the reference compiler accepts although it causes errors later.
 
+use crate::codes::Cause::UnreadText;
+
 use super::{Code, hint, ours, warning};
 
 pub(super) const CODES: &[Code] = &[
@@ -100,5 +102,6 @@ pub(super) const CODES: &[Code] = &[
         "A task runs nothing: it has no codels, and no activity names it.",
         "The component creates a thread that never does anything.",
         "Remove the task, give it codels, or name it in an activity.",
-    )),
+    ))
+    .follows(&[UnreadText]),
 ];

@@ -1,5 +1,7 @@
 //! Codes about codels, their parameters and their state machines.
 
+use crate::codes::Cause::{BrokenMachine, NamelessDeclaration, UnreadText};
+
 use super::{Code, error};
 
 pub(super) const CODES: &[Code] = &[
@@ -22,20 +24,20 @@ pub(super) const CODES: &[Code] = &[
         "A parameter refers to the ids of a component that has none.",
         "Parameters of attributes are members of the ids. So are codel parameters that match nothing else.",
         "Add the member to an `ids { … };` above, or name a parameter of the service with `local`.",
-    ),
+    ).follows(&[UnreadText, NamelessDeclaration]),
     error(
         "param-unknown-local",
         "`local` does not name a parameter or local variable of the service.",
         "With `local`, the codel gets the argument from the request. The request has nothing of that name.",
         "Correct the spelling, or declare the parameter or variable before the codel.",
-    ),
+    ).follows(&[UnreadText, NamelessDeclaration]),
     error(
         "param-unknown-port",
         "`port` does not name a port of the component.",
         "The codel would have nothing to read or write.",
         "Correct the spelling, or declare the port in the component or in an interface that it \
          provides.",
-    ),
+    ).follows(&[UnreadText, NamelessDeclaration]),
     error(
         "param-read-only-port",
         "A codel writes an input port.",
@@ -54,7 +56,7 @@ pub(super) const CODES: &[Code] = &[
         "`remote` does not name a remote service.",
         "A component can call only the services of the interfaces that it `uses`.",
         "Correct the spelling, or add `uses` with the interface that has the service.",
-    ),
+    ).follows(&[UnreadText, NamelessDeclaration]),
     error(
         "param-remote-member",
         "A parameter selects a member of a remote service.",
@@ -83,7 +85,7 @@ pub(super) const CODES: &[Code] = &[
          service, ports and remote services.",
         "Correct the spelling, or declare what the codel needs. Parameters of another service are not \
          visible.",
-    ),
+    ).follows(&[UnreadText, NamelessDeclaration]),
     error(
         "param-unnamed",
         "`::name` is used with a source other than the ids.",
@@ -97,7 +99,7 @@ pub(super) const CODES: &[Code] = &[
         "Each part of the path must be a member of the type before it. The path starts at the ids or at the \
          parameter.",
         "Correct the spelling, or add the member to the type.",
-    ),
+    ).follows(&[UnreadText, NamelessDeclaration]),
     error(
         "param-scalar",
         "An index is applied to something without elements.",
@@ -161,27 +163,27 @@ pub(super) const CODES: &[Code] = &[
         "The machine would have nowhere to go when the codel returns that state. States of other tasks \
          and services do not count.",
         "Correct the spelling, add a codel for the state, or remove it from the `yields` list.",
-    ),
+    ).follows(&[UnreadText, BrokenMachine]),
     error(
         "throw/undeclared-use",
         "A codel yields an exception that its task or service does not throw.",
         "A `yields` list names states. An exception in it would be taken as a state that no codel \
          implements, and clients would not expect it.",
         "Remove the exception from the `yields` list, and add it to the `throws` of the task or service.",
-    ),
+    ).follows(&[UnreadText]),
     error(
         "fsm/unreachable-state",
         "A state can be reached neither from `start` nor from `stop`.",
         "Its codel never runs. Usually a `yields` list lacks the state.",
         "Add the state to the `yields` list of the codel that should lead to it, or remove the codel.",
-    ),
+    ).follows(&[UnreadText, BrokenMachine]),
     error(
         "fsm/stop-without-ether",
         "No path leads from `stop` to `ether`.",
         "An interrupted activity runs its `stop` codel and has to end. Otherwise the interruption \
          never completes.",
         "Let the `stop` codel, or a state that it leads to, yield `ether`.",
-    ),
+    ).follows(&[UnreadText, BrokenMachine]),
     error(
         "async/shared-resource",
         "An `async` codel shares data with a codel that may run at the same time.",

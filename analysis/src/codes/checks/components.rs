@@ -1,5 +1,7 @@
 //! Codes about properties, tasks, ports, interfaces and pragmas.
 
+use crate::codes::Cause::UnreadText;
+
 use super::{Code, error, warning};
 
 pub(super) const CODES: &[Code] = &[
@@ -70,7 +72,7 @@ pub(super) const CODES: &[Code] = &[
         "Clients decode a failure by its exception. An alias of an exception is a data type and does \
          not count.",
         "Name an exception, or declare the name with `exception`.",
-    ),
+    ).follows(&[UnreadText]),
     error(
         "throw-duplicate",
         "A `throws` list contains the same exception twice.",
@@ -112,7 +114,7 @@ pub(super) const CODES: &[Code] = &[
          first.",
         "Correct the spelling, include the file that declares the interface, or move the declaration \
          up.",
-    ),
+    ).follows(&[UnreadText]),
     error(
         "iface-is-component",
         "`provides`, `uses` or `extends` names a component where an interface is needed.",
@@ -131,7 +133,7 @@ pub(super) const CODES: &[Code] = &[
         "`#pragma provides` names an interface that is not declared before it.",
         "The pragma takes effect where it stands, for the components that follow.",
         "Move the pragma below the interface, or correct the name.",
-    ),
+    ).follows(&[UnreadText]),
     error(
         "pragma-provides-component",
         "`#pragma provides` names a component.",
@@ -151,7 +153,7 @@ pub(super) const CODES: &[Code] = &[
         "`#pragma masquerade` names a type that is not declared before it.",
         "The type is looked up like any other name, in the scope and at the place of the pragma.",
         "Move the pragma below the type, correct the name, or qualify it (`module::type`).",
-    ),
+    ).follows(&[UnreadText]),
     error(
         "pragma-masquerade-duplicate",
         "A type is masqueraded twice for the same template.",

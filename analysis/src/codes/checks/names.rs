@@ -1,5 +1,7 @@
 //! Codes about names, types and unions.
 
+use crate::codes::Cause::UnreadText;
+
 use super::{Code, error, warning};
 
 pub(super) const CODES: &[Code] = &[
@@ -29,7 +31,7 @@ pub(super) const CODES: &[Code] = &[
          A later declaration does not count.",
         "Correct the spelling, qualify the name (`module::name`), include the file that declares the \
          type, or move the declaration up.",
-    ),
+    ).follows(&[UnreadText]),
     error(
         "comp-kind-conflict",
         "A component is reopened as an interface, or an interface as a component.",
@@ -41,7 +43,7 @@ pub(super) const CODES: &[Code] = &[
         "A type is declared in advance (`struct s;`) but never defined.",
         "Without the members the mappings cannot generate the type.",
         "Add the definition in the same scope and the same file, or remove the forward declaration.",
-    ),
+    ).follows(&[UnreadText]),
     error(
         "forward-by-value",
         "A type that is only declared in advance is used where its members must be known.",

@@ -1,5 +1,7 @@
 //! Codes about services and their requirements on tasks.
 
+use crate::codes::Cause::{BrokenMachine, NamelessDeclaration, UnreadText};
+
 use super::{Code, error};
 
 pub(super) const CODES: &[Code] = &[
@@ -80,28 +82,28 @@ pub(super) const CODES: &[Code] = &[
         "The task of an activity is not declared before it.",
         "The task that runs the activity has to exist at that point of the text.",
         "Correct the spelling, or move the `task` above the activity.",
-    ),
+    ).follows(&[UnreadText, NamelessDeclaration]),
     error(
         "activity-task",
         "An activity of a component has no task.",
         "A task executes the activity's codels and gives them their period and priority. Only an activity of \
          an interface may leave the task open.",
         "Add `task NAME;` to the activity.",
-    ),
+    ).follows(&[UnreadText, BrokenMachine]),
     error(
         "activity-start",
         "An activity of a component has no codel for the state `start`.",
         "Every request for the activity begins in `start`.",
         "Add `codel<start> … yields …`. An activity of an imported interface is completed by declaring \
          it again.",
-    ),
+    ).follows(&[UnreadText, BrokenMachine]),
     error(
         "service-unknown",
         "`interrupts`, `before` or `after` names a service that the component does not have.",
         "The relation would never apply. With `interrupts`, for example, the intended service would keep \
          running.",
         "Correct the spelling, declare the service, or write `all`.",
-    ),
+    ).follows(&[UnreadText, NamelessDeclaration]),
     error(
         "identifier-duplicate",
         "A list contains the same service twice.",

@@ -1,5 +1,7 @@
 //! Codes about execution times.
 
+use crate::codes::Cause::UnreadText;
+
 use super::{Code, error, ours, warning};
 
 pub(super) const CODES: &[Code] = &[
@@ -29,5 +31,5 @@ pub(super) const CODES: &[Code] = &[
         "The pragma names no codel of the specification, repeats or contradicts another execution time, or \
          has no unit. Verification would use a time other than the one written.",
         "Write `#pragma wcet CODEL TIME` once for each codel, with a unit: `#pragma wcet run 3 ms`.",
-    )),
+    )).follows(&[UnreadText]),
 ];

@@ -1,5 +1,7 @@
 //! Codes about constants and default values.
 
+use crate::codes::Cause::UnreadText;
+
 use super::{Code, error, ours};
 
 pub(super) const CODES: &[Code] = &[
@@ -27,7 +29,8 @@ pub(super) const CODES: &[Code] = &[
         "A name in an expression has no value: it is neither a constant nor an enumerator.",
         "The value of an expression must be known when the specification is read.",
         "Use a `const` or an enumerator, or write the value itself.",
-    ),
+    )
+    .follows(&[UnreadText]),
     error(
         "const-convert",
         "A value cannot be converted to the declared type.",
@@ -81,7 +84,8 @@ pub(super) const CODES: &[Code] = &[
         "A default value names a member that the type does not have.",
         "No member can receive the value.",
         "Correct the name after the dot, or remove the entry.",
-    ),
+    )
+    .follows(&[UnreadText]),
     error(
         "init-array-member",
         "A default value names a member of an array or sequence.",

@@ -1,6 +1,7 @@
 //! The assumptions on which the result depends, in words.
 
 use super::Builder;
+use crate::diagnostic::remark::Remark;
 use crate::scn::ast::{self, Durations};
 use crate::scn::semantics::LockRule;
 
@@ -105,7 +106,7 @@ impl Builder<'_> {
             .out
             .diagnostics
             .iter()
-            .any(|it| it.code == "timing-no-wcet")
+            .any(|it| matches!(it.remark.as_deref(), Some(Remark::NoWcet { .. })))
         {
             self.out
                 .assumptions
