@@ -31,6 +31,8 @@ pub struct Diagnostic {
     pub range: Range<usize>,
     /// Places in the specifications, the most important one first.
     pub places: Vec<Place>,
+    /// The name that the author probably meant at [`Diagnostic::range`].
+    pub suggestion: Option<String>,
     /// The remark, if several problems of its kind can be reported as one, see [`remark::together`].
     pub remark: Option<Box<Remark>>,
 }
@@ -61,8 +63,16 @@ impl Diagnostic {
             message,
             range,
             places: Vec::new(),
+            suggestion: None,
             remark: None,
         }
+    }
+
+    /// Adds the name that the author probably meant, also to the message.
+    pub(crate) fn suggest(mut self, name: &str) -> Self {
+        self.message.push_str(&format!("; did you mean `{name}`?"));
+        self.suggestion = Some(name.to_owned());
+        self
     }
 
     /// Adds a place in a specification.
@@ -80,6 +90,7 @@ impl Diagnostic {
             message,
             range,
             places: Vec::new(),
+            suggestion: None,
             remark: None,
         }
     }

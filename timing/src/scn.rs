@@ -15,9 +15,10 @@ pub mod lexer;
 pub mod names;
 pub mod outline;
 mod parser;
+pub mod selection;
 pub mod semantics;
-mod words;
+pub mod words;
 
 pub use default::{Platform, default_text, default_text_on};
-pub use format::format;
+pub use format::{format, format_edits};
 pub use parser::{Parse, parse, parse_check};

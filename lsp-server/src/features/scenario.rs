@@ -1,6 +1,9 @@
 //! Scenarios (`.scn`). The language itself is in `dotgen_timing::scn`. This module applies it to documents
 //! and positions.
 
+mod text;
+mod tokens;
+
 use std::ops::Range;
 
 use camino::Utf8Path;
@@ -8,18 +11,17 @@ use dotgen_analysis::diagnostic::Diagnostic;
 use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::ide::FilePosition;
 use dotgen_analysis::markdown;
+use dotgen_codegen::codels::edit::Edit;
 use dotgen_timing::scn::complete::{self, CompletionKind as Kind, Completions};
-use dotgen_timing::scn::lexer::{self, lex};
 use dotgen_timing::scn::names::{Names, Reference};
 use dotgen_timing::scn::outline::{self, EntryKind};
 use dotgen_timing::scn::{self, describe};
 
+use super::codels::judged_actions;
+use super::convert::edit::is_wanted;
 use super::language::{Language, answered_by};
 use super::mentions::{declaration, is_scenario};
-use super::specification::{
-    code_action, completion, document_link, formatting, references, rename, selection_range,
-    semantic_tokens,
-};
+use super::specification::{code_action, completion, references, rename};
 use super::verification::problems;
 use crate::protocol::convert::Lines;
 use crate::protocol::convert::symbol::{Symbol, response};
@@ -43,7 +45,6 @@ impl Language for Scenario {
 
     answered_by! {
         symbols: DocumentSymbolParams => Option<DocumentSymbolResponse> = symbols;
-        folds: FoldingRangeParams => Option<Vec<FoldingRange>> = folds;
         definition: GotoDefinitionParams => Option<GotoDefinitionResponse> = definition;
         references: ReferenceParams => Option<Vec<Location>> = references;
         highlights: DocumentHighlightParams => Option<Vec<DocumentHighlight>> = highlights;
@@ -51,16 +52,15 @@ impl Language for Scenario {
         completion: CompletionParams => Option<CompletionResponse> = completion;
         prepare_rename: TextDocumentPositionParams => UserResult<PrepareRenameResponse> = prepare_rename;
         rename: RenameParams => UserResult<WorkspaceEdit> = rename;
-        format: DocumentFormattingParams => Option<Vec<TextEdit>> = format;
         lenses: CodeLensParams => Option<Vec<CodeLens>> = super::runs::scenario_lenses;
-        // Features that need only the text.
-        selections: SelectionRangeParams => Option<Vec<SelectionRange>> = selection_range::handle;
-        links: DocumentLinkParams => Option<Vec<DocumentLink>> = document_link::handle;
-        tokens: SemanticTokensParams => Option<Vec<SemanticToken>> = semantic_tokens::full;
-        tokens_in: SemanticTokensRangeParams => Option<SemanticTokensRangeResult> = semantic_tokens::range;
-        format_range: DocumentRangeFormattingParams => Option<Vec<TextEdit>> = formatting::range;
-        format_typed: DocumentOnTypeFormattingParams => Option<Vec<TextEdit>> = formatting::on_type;
-        actions: CodeActionParams => Option<CodeActionResponse> = code_action::handle;
+        links: DocumentLinkParams => Option<Vec<DocumentLink>> = links;
+        actions: CodeActionParams => Option<CodeActionResponse> = actions;
+        folds: FoldingRangeParams => Option<Vec<FoldingRange>> = text::folds;
+        selections: SelectionRangeParams => Option<Vec<SelectionRange>> = text::selections;
+        format: DocumentFormattingParams => Option<Vec<TextEdit>> = text::format;
+        format_range: DocumentRangeFormattingParams => Option<Vec<TextEdit>> = text::format_range;
+        tokens: SemanticTokensParams => Option<Vec<SemanticToken>> = tokens::full;
+        tokens_in: SemanticTokensRangeParams => Option<SemanticTokensRangeResult> = tokens::range;
     }
 }
 
@@ -145,20 +145,57 @@ fn diagnostics(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnost
     Ok(out)
 }
 
-/// The formatted text, as one edit.
-fn format(
+/// Links to the specifications that a scenario uses.
+fn links(
     snapshot: &Snapshot,
     subject: &Subject,
-    _: &DocumentFormattingParams,
-) -> Cancellable<Option<Vec<TextEdit>>> {
-    let (Some(text), Some(lines)) = (
-        snapshot.analysis.text(&subject.path)?,
-        snapshot.lines(&subject.path)?,
-    ) else {
+    _: &DocumentLinkParams,
+) -> Cancellable<Option<Vec<DocumentLink>>> {
+    let Some(lines) = snapshot.lines(&subject.path)? else {
         return Ok(None);
     };
-    let formatted = scn::format(&text).filter(|it| **it != *text);
-    Ok(formatted.map(|it| vec![TextEdit::new(lines.range(&(0..text.len())), it)]))
+    let problem = read(snapshot, &subject.path)?;
+    let files = problem::used(&problem.scenario, &subject.path);
+    let links = files.into_iter().map(|file| DocumentLink {
+        // Inside the quotes.
+        range: lines.range(&(file.range.start + 1..file.range.end - 1)),
+        target: snapshot.uri(&file.path),
+        tooltip: Some(file.path.to_string()),
+        data: None,
+    });
+    Ok(Some(links.collect()))
+}
+
+/// The fixes of the findings at a place, and the actions of the verifier.
+fn actions(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &CodeActionParams,
+) -> Cancellable<Option<CodeActionResponse>> {
+    let Some(range) = (snapshot.lines(&subject.path)?).and_then(|it| it.clamped(params.range))
+    else {
+        return Ok(None);
+    };
+    judged_actions::offers(snapshot, &subject.path, |offers| {
+        let mut actions = super::verification::actions(snapshot, subject, &range, offers)?;
+        for finding in diagnostics(snapshot, &subject.path)? {
+            if code_action::touches(&finding.range, &range) {
+                for fix in &finding.fixes {
+                    let action = code_action::without_edit(snapshot, &finding, fix, true)?;
+                    // The judge knows only findings about specifications and codels.
+                    actions.extend(offers.action(action, &Edit::of(&fix.edits), None)?);
+                }
+            }
+        }
+        actions.retain(|action| match action {
+            CodeActionOrCommand::CodeAction(action) => {
+                let kind = action.kind.as_ref();
+                kind.is_none_or(|kind| is_wanted(params, kind))
+            }
+            CodeActionOrCommand::Command(_) => true,
+        });
+        Ok(Some(actions))
+    })
 }
 
 /// The declaration of a name in a path, or the file of a `use`.
@@ -343,56 +380,6 @@ fn symbol(it: outline::Entry) -> Symbol {
         selection: it.selection,
         children: it.children.into_iter().map(symbol).collect(),
     }
-}
-
-/// Ranges of braces with more than one line, and of comments.
-fn folds(
-    snapshot: &Snapshot,
-    subject: &Subject,
-    _: &FoldingRangeParams,
-) -> Cancellable<Option<Vec<FoldingRange>>> {
-    let (Some(text), Some(lines)) = (
-        snapshot.analysis.text(&subject.path)?,
-        snapshot.lines(&subject.path)?,
-    ) else {
-        return Ok(None);
-    };
-    let mut open = Vec::new();
-    let mut out = Vec::new();
-    let mut fold = |from: usize, to: usize, kind: Option<FoldingRangeKind>| {
-        let range = lines.range(&(from..to));
-        let whole = snapshot.client.line_folding_only;
-        let last = range.end.line - u32::from(whole && kind.is_none() && range.end.line > 0);
-        if last > range.start.line {
-            out.push(FoldingRange {
-                start_line: range.start.line,
-                start_character: (!whole).then_some(range.start.character),
-                end_line: last,
-                end_character: (!whole).then_some(range.end.character),
-                kind,
-                collapsed_text: None,
-            });
-        }
-    };
-    for token in lex(&text) {
-        match token.kind {
-            lexer::Kind::OpenBrace => open.push(token.range.end),
-            lexer::Kind::CloseBrace => {
-                if let Some(from) = open.pop() {
-                    fold(from, token.range.start, None);
-                }
-            }
-            lexer::Kind::BlockComment => {
-                fold(
-                    token.range.start,
-                    token.range.end,
-                    Some(FoldingRangeKind::Comment),
-                );
-            }
-            _ => {}
-        }
-    }
-    Ok(Some(out))
 }
 
 /// The other mentions in this scenario of the name under the cursor.

@@ -293,8 +293,106 @@ async fn the_outline_folds_and_formats() {
     );
     let untidy = SCENARIO.replace("  cores 2;", "cores   2 ;");
     client.change(&uri, 2, json!([{ "text": untidy }])).await;
-    let edits = client.ok("textDocument/formatting", params).await;
-    assert_eq!(edits[0]["newText"], SCENARIO);
+    let edits = client.ok("textDocument/formatting", params.clone()).await;
+    // Only the blanks change, so that the cursor and the marks of the editor stay.
+    let texts = edits
+        .as_array()
+        .map(|it| it.iter().map(|it| &it["newText"]).collect());
+    assert_eq!(texts, Some(vec![&json!("\n  "), &json!(" "), &json!("")]));
+    params["range"] =
+        json!({ "start": { "line": 4, "character": 0 }, "end": { "line": 5, "character": 0 } });
+    let part = client.ok("textDocument/rangeFormatting", params).await;
+    assert_eq!(part, Value::Null);
+    client.finish().await;
+}
+
+/// The titles and new texts of the quick fixes at a place.
+async fn fixes(scenario: &str) -> Vec<(String, String)> {
+    let (mut client, _folder, uri, mut params) = start(scenario).await;
+    let at = params["position"].clone();
+    params["range"] = json!({ "start": at, "end": at });
+    params["context"] = json!({ "diagnostics": [], "only": ["quickfix"] });
+    let actions = client.ok("textDocument/codeAction", params).await;
+    client.finish().await;
+    let actions = actions.as_array().expect("a list").iter();
+    let fixes = actions.map(|it| {
+        let edit = &it["edit"]["documentChanges"][0];
+        assert_eq!(edit["textDocument"]["uri"], uri, "{it}");
+        let text = |it: &Value| it.as_str().expect("a text").to_owned();
+        (text(&it["title"]), text(&edit["edits"][0]["newText"]))
+    });
+    fixes.collect()
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn misspelt_words_and_names_have_a_fix() {
+    for (right, wrong, fixed) in [
+        ("response", "respons$0e_", "response"),
+        ("cores", "cpres$0", "cores"),
+        ("await", "awiat$0", "await"),
+        ("8 ms", "8 m$0sc", "ms"),
+        ("pump.drain.start", "pump.dra$0n.start", "drain"),
+    ] {
+        assert_eq!(
+            fixes(&SCENARIO.replacen(right, wrong, 1)).await,
+            [(format!("Change to `{fixed}`"), fixed.to_owned())],
+            "{wrong}"
+        );
+    }
+    assert_eq!(fixes(&SCENARIO.replacen("cores", "zz$0", 1)).await, []);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn selections_grow_links_lead_to_files_and_names_have_colours() {
+    let (mut client, folder, uri, mut params) = start(&at("await ended pump.dra")).await;
+    params["positions"] = json!([params["position"]]);
+    let selections = client.ok("textDocument/selectionRange", params).await;
+    let mut lines = Vec::new();
+    let mut range = &selections[0];
+    while let Some(start) = range["range"]["start"]["line"].as_u64() {
+        lines.push((
+            start,
+            range["range"]["end"]["line"].as_u64().expect("a line"),
+        ));
+        range = &range["parent"];
+    }
+    // The word, the path, the step; the contents of the client, its braces, the client; the scenario.
+    assert_eq!(
+        lines,
+        [
+            (5, 5),
+            (5, 5),
+            (5, 5),
+            (3, 6),
+            (3, 6),
+            (3, 6),
+            (0, 9),
+            (0, 9),
+            (0, 9),
+            (0, 10)
+        ]
+    );
+
+    let links = client.ok("textDocument/documentLink", document(&uri)).await;
+    assert_eq!(links[0]["target"], folder.uri("pump.gen"));
+    assert_eq!(
+        links[0]["range"]["start"],
+        json!({ "line": 1, "character": 7 })
+    );
+
+    let tokens = client
+        .ok("textDocument/semanticTokens/full", document(&uri))
+        .await;
+    let count = tokens["data"].as_array().map_or(0, Vec::len) / 5;
+    let mut in_line = document(&uri);
+    in_line["range"] =
+        json!({ "start": { "line": 4, "character": 0 }, "end": { "line": 4, "character": 99 } });
+    let part = client
+        .ok("textDocument/semanticTokens/range", in_line)
+        .await;
+    // `first` and `send`, `pump`, `drain`.
+    assert_eq!(part["data"].as_array().map_or(0, Vec::len) / 5, 3, "{part}");
+    assert!(count > 20, "{count}");
     client.finish().await;
 }
 

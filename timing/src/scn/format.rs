@@ -1,10 +1,44 @@
 //! Formatting: one item per line, two blanks per level. Comments, blank lines and lines of a long check are
 //! kept.
 
+use std::ops::Range;
+
 use super::lexer::{Kind, lex};
 
 /// Words before which a line break of the author is kept.
 const CONTINUES: &[&str] = &["=>", "->", "then", "and", "or", "via"];
+
+/// Returns the edits of blanks that format a text, in text order, or `None` if the text has errors.
+pub fn format_edits(text: &str) -> Option<Vec<(Range<usize>, String)>> {
+    let formatted = format(text)?;
+    let (old, new) = (gaps(text), gaps(&formatted));
+    // The formatter keeps every token. If it did not, the whole text would be one edit.
+    if old.len() != new.len() {
+        return Some(vec![(0..text.len(), formatted)]);
+    }
+    let changed = old.into_iter().zip(new);
+    let changed = changed.filter(|(old, new)| text[old.clone()] != formatted[new.clone()]);
+    Some(
+        changed
+            .map(|(old, new)| (old, formatted[new].to_owned()))
+            .collect(),
+    )
+}
+
+/// The ranges between the tokens of a text, which contain only blanks. Blanks after a comment do not belong to
+/// the comment.
+fn gaps(text: &str) -> Vec<Range<usize>> {
+    let mut out = Vec::new();
+    let mut end = 0;
+    for token in lex(text) {
+        if token.kind != Kind::Space {
+            out.push(end..token.range.start);
+            end = token.range.start + text[token.range].trim_end().len();
+        }
+    }
+    out.push(end..text.len());
+    out
+}
 
 /// Returns the formatted text, or `None` if the text has errors.
 pub fn format(text: &str) -> Option<String> {

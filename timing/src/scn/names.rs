@@ -191,12 +191,15 @@ impl<'a> Names<'a> {
             }
         };
         let mut message = format!("{place} `{}`", name.value);
-        if let Some(near) = nearest(&name.value, candidates.iter().map(String::as_str)) {
-            message.push_str(&format!("; did you mean `{near}`?"));
-        } else if !candidates.is_empty() && candidates.len() <= 12 {
+        let near = nearest(&name.value, candidates.iter().map(String::as_str));
+        if near.is_none() && !candidates.is_empty() && candidates.len() <= 12 {
             message.push_str(&format!("; there is {}", candidates.join(", ")));
         }
-        Diagnostic::error("scn-unknown-name", name.range.clone(), message)
+        let error = Diagnostic::error("scn-unknown-name", name.range.clone(), message);
+        match near {
+            Some(near) => error.suggest(near),
+            None => error,
+        }
     }
 
     /// Returns diagnostics for names in paths that lead nowhere, except clients and statuses.

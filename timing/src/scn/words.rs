@@ -17,6 +17,11 @@ const fn word(word: &'static str, form: &'static str, meaning: &'static str) -> 
     }
 }
 
+/// Returns true for a word of the language.
+pub fn is_word(name: &str) -> bool {
+    find(name).is_some()
+}
+
 /// Returns the meaning of a word as an item, a check or a step.
 pub(super) fn find(name: &str) -> Option<&'static Word> {
     WORDS.iter().find(|it| it.word == name)

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use camino::{Utf8Path, Utf8PathBuf};
-use dotgen_analysis::diagnostic::{Diagnostic, Related, Severity};
+use dotgen_analysis::diagnostic::{Diagnostic, FileEdit, Fix, FixKind, Related, Severity};
 use dotgen_analysis::host::{Analysis, BatchInput, Cancellable, FileContent, Input, UnitResult};
 use dotgen_analysis::model::{Component, ComponentKind, Spec, Src};
 use dotgen_analysis::source_map::Locations;
@@ -76,13 +76,25 @@ pub fn diagnostic(it: &dotgen_timing::diagnostic::Diagnostic, path: &Utf8Path) -
         dotgen_timing::diagnostic::Severity::Error => Severity::Error,
         dotgen_timing::diagnostic::Severity::Warning => Severity::Warning,
     };
-    Diagnostic::new(
-        it.code,
-        severity,
-        it.message.clone(),
-        path.to_owned(),
-        it.range.clone(),
-    )
+    let fixes = it.suggestion.iter().map(|name| Fix {
+        title: format!("Change to `{name}`"),
+        kind: FixKind::Plain,
+        edits: vec![FileEdit {
+            path: path.to_owned(),
+            range: it.range.clone(),
+            new_text: name.clone(),
+        }],
+    });
+    Diagnostic {
+        fixes: fixes.collect(),
+        ..Diagnostic::new(
+            it.code,
+            severity,
+            it.message.clone(),
+            path.to_owned(),
+            it.range.clone(),
+        )
+    }
 }
 
 /// The unit of a file for a scenario in `directory`, which is searched for includes after the

@@ -132,11 +132,11 @@ fn offered(
 }
 
 /// True if two ranges overlap or touch.
-fn touches(a: &std::ops::Range<usize>, b: &std::ops::Range<usize>) -> bool {
+pub(crate) fn touches(a: &std::ops::Range<usize>, b: &std::ops::Range<usize>) -> bool {
     a.start <= b.end && b.start <= a.end
 }
 
-/// The action of a fix.
+/// The action of a fix, if the judge accepts the edit.
 fn quick_fix(
     snapshot: &Snapshot,
     it: &Diagnostic,
@@ -144,15 +144,25 @@ fn quick_fix(
     first: bool,
     offers: &mut JudgedActions<'_, '_, '_>,
 ) -> Cancellable<Option<CodeActionOrCommand>> {
-    let action = CodeAction {
+    let action = without_edit(snapshot, it, fix, first)?;
+    offers.action(action, &Edit::of(&fix.edits), Some(it.code))
+}
+
+/// The action of a fix, without its edit.
+pub(crate) fn without_edit(
+    snapshot: &Snapshot,
+    it: &Diagnostic,
+    fix: &Fix,
+    first: bool,
+) -> Cancellable<CodeAction> {
+    Ok(CodeAction {
         title: fix.title.clone(),
         kind: Some(CodeActionKind::QUICKFIX),
         diagnostics: diagnostic::to_proto(snapshot, it)?.map(|it| vec![it]),
         // Editors may apply a preferred fix without showing it.
         is_preferred: Some(first && fix.kind == FixKind::Plain),
         ..CodeAction::default()
-    };
-    offers.action(action, &Edit::of(&fix.edits), Some(it.code))
+    })
 }
 
 /// Refactorings of the selection, and on request the refactorings of the whole file.

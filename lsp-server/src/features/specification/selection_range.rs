@@ -10,6 +10,18 @@ pub(crate) fn handle(
     subject: &Subject,
     params: &SelectionRangeParams,
 ) -> Cancellable<Option<Vec<SelectionRange>>> {
+    answer(snapshot, subject, params, |offsets| {
+        snapshot.analysis.selection_ranges(&subject.path, offsets)
+    })
+}
+
+/// The answer, from a function that returns the nested ranges around each of some offsets, the smallest first.
+pub(crate) fn answer(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &SelectionRangeParams,
+    ranges: impl FnOnce(&[usize]) -> Cancellable<Vec<Vec<std::ops::Range<usize>>>>,
+) -> Cancellable<Option<Vec<SelectionRange>>> {
     let Some(lines) = snapshot.lines(&subject.path)? else {
         return Ok(None);
     };
@@ -20,9 +32,7 @@ pub(crate) fn handle(
     else {
         return Ok(None);
     };
-    let chains = snapshot
-        .analysis
-        .selection_ranges(&subject.path, &offsets)?;
+    let chains = ranges(&offsets)?;
     // The protocol requires one answer per position.
     let answer = params.positions.iter().enumerate().map(|(at, position)| {
         let chain = chains.get(at).map_or(&[][..], Vec::as_slice);

@@ -1,6 +1,5 @@
 //! `textDocument/semanticTokens/full`, `full/delta` and `range`
 
-use camino::Utf8Path;
 use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::ide::SemanticToken as Token;
 
@@ -13,13 +12,8 @@ pub(crate) fn full<P>(
     subject: &Subject,
     _: &P,
 ) -> Cancellable<Option<Vec<SemanticToken>>> {
-    let Some(lines) = snapshot.lines(&subject.path)? else {
-        return Ok(None);
-    };
-    Ok(Some(encode(
-        &tokens(snapshot, &subject.path, None)?,
-        &lines,
-    )))
+    let tokens = snapshot.analysis.semantic_tokens(&subject.path, None)?;
+    encoded(snapshot, subject, tokens)
 }
 
 pub(crate) fn range(
@@ -33,21 +27,25 @@ pub(crate) fn range(
     let Some(range) = lines.clamped(params.range) else {
         return Ok(None);
     };
-    let data = encode(&tokens(snapshot, &subject.path, Some(range))?, &lines);
-    Ok(Some(SemanticTokensRangeResult::Tokens(SemanticTokens {
-        result_id: None,
-        data,
-    })))
+    let tokens = (snapshot.analysis).semantic_tokens(&subject.path, Some(range))?;
+    let data = encoded(snapshot, subject, tokens)?;
+    Ok(data.map(|data| {
+        SemanticTokensRangeResult::Tokens(SemanticTokens {
+            result_id: None,
+            data,
+        })
+    }))
 }
 
-fn tokens(
+/// The tokens of a document as the client wants them, in the form of the protocol.
+pub(crate) fn encoded(
     snapshot: &Snapshot,
-    path: &Utf8Path,
-    range: Option<std::ops::Range<usize>>,
-) -> Cancellable<Vec<Token>> {
-    let mut tokens = snapshot.analysis.semantic_tokens(path, range)?;
+    subject: &Subject,
+    mut tokens: Vec<Token>,
+) -> Cancellable<Option<Vec<SemanticToken>>> {
     if snapshot.client.augments_syntax_tokens {
         tokens.retain(|token| !token.ty.is_lexical());
     }
-    Ok(tokens)
+    let lines = snapshot.lines(&subject.path)?;
+    Ok(lines.map(|lines| encode(&tokens, &lines)))
 }

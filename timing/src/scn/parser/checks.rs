@@ -32,7 +32,7 @@ impl Parser<'_> {
         }
         let word = self.word();
         if !CHECKS.contains(&word) {
-            self.expected(&format!("one of {}", CHECKS.join(", ")));
+            self.expected_word(CHECKS);
             return None;
         }
         self.at += 1;

@@ -83,7 +83,7 @@ impl Parser<'_> {
         let start = self.range().start;
         let word = self.word();
         if !ITEMS.contains(&word) {
-            self.expected(&format!("one of {}", ITEMS.join(", ")));
+            self.expected_word(ITEMS);
             return None;
         }
         self.at += 1;
@@ -179,7 +179,7 @@ impl Parser<'_> {
             "connect" => {
                 let from = self.path()?;
                 if !self.eat_word("to") {
-                    self.expected("`to`");
+                    self.expected_word(&["to"]);
                     return None;
                 }
                 let to = if self.eat_word("none") {

@@ -69,7 +69,7 @@ impl Parser<'_> {
         }
         let word = self.word();
         if !STEPS.contains(&word) {
-            self.expected(&format!("one of {}", STEPS.join(", ")));
+            self.expected_word(STEPS);
             return None;
         }
         self.at += 1;

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use dotgen_syntax::suggestion::nearest;
+
 use super::{ITEMS, Parser};
 use crate::diagnostic::Diagnostic;
 use crate::scn::lexer::Kind;
@@ -55,6 +57,22 @@ impl<'t> Parser<'t> {
             range,
             format!("expected {what}, {found}"),
         ));
+    }
+
+    /// Reports that one of some words is expected: the one that is nearest to the present word, or all.
+    pub(super) fn expected_word(&mut self, words: &[&str]) {
+        let word = self.word();
+        match nearest(word, words.iter().copied()) {
+            Some(near) => {
+                let message = format!("`{word}` has no meaning here");
+                let error = Diagnostic::error("scn-syntax", self.range(), message);
+                self.errors.push(error.suggest(near));
+            }
+            None => self.expected(&match words {
+                [one] => (*one).to_owned(),
+                _ => format!("one of {}", words.join(", ")),
+            }),
+        }
     }
 
     pub(super) fn expect(&mut self, kind: Kind, what: &str) -> Option<()> {

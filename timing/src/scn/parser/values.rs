@@ -108,7 +108,7 @@ impl Parser<'_> {
             return Some(value);
         }
         let words: Vec<&str> = of.iter().map(|(word, _)| *word).collect();
-        self.expected(&words.join(" or "));
+        self.expected_word(&words);
         None
     }
 }

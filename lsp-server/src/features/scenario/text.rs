@@ -1,0 +1,133 @@
+//! Features of scenarios that need only their text.
+
+use std::ops::Range;
+
+use dotgen_analysis::diagnostic::FileEdit;
+use dotgen_analysis::host::Cancellable;
+use dotgen_timing::scn;
+use dotgen_timing::scn::lexer::{Kind, lex};
+use dotgen_timing::scn::selection;
+
+use crate::features::convert::edit::text_edits;
+use crate::features::specification::selection_range;
+use crate::protocol::types::*;
+use crate::workspace::snapshot::{Snapshot, Subject};
+
+/// The edits that format a scenario.
+pub(super) fn format(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    _: &DocumentFormattingParams,
+) -> Cancellable<Option<Vec<TextEdit>>> {
+    formatted(snapshot, subject, None)
+}
+
+/// The edits that format the lines of a range.
+pub(super) fn format_range(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &DocumentRangeFormattingParams,
+) -> Cancellable<Option<Vec<TextEdit>>> {
+    let lines = snapshot.lines(&subject.path)?;
+    match lines.and_then(|lines| lines.clamped(params.range)) {
+        Some(range) => formatted(snapshot, subject, Some(&range)),
+        None => Ok(None),
+    }
+}
+
+/// The edits that format a scenario, or a part of it.
+fn formatted(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    part: Option<&Range<usize>>,
+) -> Cancellable<Option<Vec<TextEdit>>> {
+    let Some(text) = snapshot.analysis.text(&subject.path)? else {
+        return Ok(None);
+    };
+    // The formatter writes `\n`. In a text with other line ends, blanks that differ only there stay.
+    let Some(edits) = scn::format_edits(&text) else {
+        return Ok(None);
+    };
+    let edits = edits.into_iter().filter(|(range, new)| {
+        let touched = part.is_none_or(|part| part.start <= range.end && range.start <= part.end);
+        touched && text[range.clone()].replace("\r\n", "\n") != *new
+    });
+    let edits: Vec<FileEdit> = edits
+        .map(|(range, new_text)| FileEdit {
+            path: subject.path.clone(),
+            range,
+            new_text,
+        })
+        .collect();
+    match edits.is_empty() {
+        true => Ok(None),
+        false => text_edits(snapshot, &subject.path, &edits),
+    }
+}
+
+/// The nested ranges around places.
+pub(super) fn selections(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &SelectionRangeParams,
+) -> Cancellable<Option<Vec<SelectionRange>>> {
+    let Some(text) = snapshot.analysis.text(&subject.path)? else {
+        return Ok(None);
+    };
+    selection_range::answer(snapshot, subject, params, |offsets| {
+        Ok(offsets
+            .iter()
+            .map(|&offset| selection::selections(&text, offset))
+            .collect())
+    })
+}
+
+/// Ranges of braces with more than one line, and of comments.
+pub(super) fn folds(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    _: &FoldingRangeParams,
+) -> Cancellable<Option<Vec<FoldingRange>>> {
+    let (Some(text), Some(lines)) = (
+        snapshot.analysis.text(&subject.path)?,
+        snapshot.lines(&subject.path)?,
+    ) else {
+        return Ok(None);
+    };
+    let mut open = Vec::new();
+    let mut out = Vec::new();
+    let mut fold = |from: usize, to: usize, kind: Option<FoldingRangeKind>| {
+        let range = lines.range(&(from..to));
+        let whole = snapshot.client.line_folding_only;
+        let last = range.end.line - u32::from(whole && kind.is_none() && range.end.line > 0);
+        if last > range.start.line {
+            out.push(FoldingRange {
+                start_line: range.start.line,
+                start_character: (!whole).then_some(range.start.character),
+                end_line: last,
+                end_character: (!whole).then_some(range.end.character),
+                kind,
+                collapsed_text: None,
+            });
+        }
+    };
+    for token in lex(&text) {
+        match token.kind {
+            Kind::OpenBrace => open.push(token.range.end),
+            Kind::CloseBrace => {
+                if let Some(from) = open.pop() {
+                    fold(from, token.range.start, None);
+                }
+            }
+            Kind::BlockComment => {
+                fold(
+                    token.range.start,
+                    token.range.end,
+                    Some(FoldingRangeKind::Comment),
+                );
+            }
+            _ => {}
+        }
+    }
+    Ok(Some(out))
+}
