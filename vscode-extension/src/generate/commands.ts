@@ -121,15 +121,13 @@ export class GenerateCommands implements vscode.Disposable {
 
 async function pick({ templates, remembered }: Templates): Promise<TemplateInfo | undefined> {
   const used = (it: TemplateInfo): boolean => remembered.some((choice) => choice.template === it.name);
-  const items = templates.map((template): TemplateItem => {
-    const before = remembered.find((choice) => choice.template === template.name);
-    return {
-      label: template.name,
-      description: KINDS[template.kind] + (before === undefined ? '' : `, last with ${before.arguments.join(' ') || 'no options'}`),
-      detail: template.about || (template.dir ?? ''),
-      template,
-    };
-  });
+  // The options of the last time are in words, and checked, in the question that follows.
+  const items = templates.map((template): TemplateItem => ({
+    label: template.name,
+    description: KINDS[template.kind] + (used(template) ? ', used before' : ''),
+    detail: template.about || (template.dir ?? ''),
+    template,
+  }));
   items.sort((a, b) => Number(used(b.template)) - Number(used(a.template)));
   const picked = await vscode.window.showQuickPick(items, { title: 'Generate: template', placeHolder: 'What to generate', matchOnDetail: true });
   return picked?.template;

@@ -22,6 +22,7 @@ main { flex: 1; display: flex; min-height: 0; }
 #names { flex: none; max-width: 34%; margin: 0; padding: 24px 0 0; list-style: none; border-right: 1px solid var(--vscode-panel-border, var(--vscode-contrastBorder, transparent)); background: inherit; }
 #names li { box-sizing: border-box; display: flex; align-items: center; padding: 0 10px; white-space: nowrap; overflow: hidden; text-overflow: ellipsis; border-bottom: 1px solid var(--vscode-editorIndentGuide-background1, var(--vscode-panel-border, transparent)); }
 #names li.current { font-weight: 600; }
+#fold { font: inherit; padding: 0; min-width: 0; border: 0; background: none; color: var(--vscode-textLink-foreground); cursor: pointer; }
 #names .kind { color: var(--vscode-descriptionForeground); font-weight: normal; margin-left: 6px; }
 #plane { flex: 1; min-width: 0; position: relative; }
 canvas { position: sticky; top: 0; display: block; touch-action: none; cursor: default; }

@@ -2,7 +2,7 @@
 import type { Span, Trace } from '../trace/form';
 import type { FromPage, Machine, ToPage } from '../trace/messages';
 import { colours, Painter, RULER, words, type Scene, type Work } from './trace/draw';
-import { Model, opening, time, type Window } from './trace/model';
+import { Model, opening, time, type Box, type Window } from './trace/model';
 import { Overview } from './trace/overview';
 import { hits, nextHit, sums } from './trace/sums';
 
@@ -102,20 +102,62 @@ function show(trace: Trace): void {
   element('title').textContent = trace.title;
   element('title').title = [trace.title, ...trace.notes].join('\n');
   element('focus').textContent = trace.focus.lane === null ? 'End' : 'Failure';
-  const tops = model.tops;
-  names.replaceChildren(
-    ...trace.lanes.map((lane, i) => {
-      const it = node('li', [lane.name]);
-      it.style.height = `${(tops[i + 1] ?? 0) - (tops[i] ?? 0)}px`;
-      it.title = lane.name;
-      return it;
-    }),
-  );
+  // What has little to do with the failure gives way if there is no room for all.
+  if (model.height + RULER > view.clientHeight) model = new Model(trace, true);
+  showNames();
   for (const button of document.querySelectorAll<HTMLButtonElement>('header button')) button.disabled = false;
   resize();
   find();
   choose(trace.focus.step ?? Math.max(0, trace.steps.length - 1), false);
+  if (model.cause !== undefined) element('told').prepend(`${trace.lanes[model.cause.lane]?.name ?? ''} ${model.cause.text}. `);
   revealLane(trace.focus.lane);
+}
+
+/** The names of the lanes; the line between the first ones and the others folds these. */
+function showNames(): void {
+  if (model === undefined) return;
+  const { trace, fold, folded, kept, order } = model;
+  const item = (content: (Node | string)[], { top, bottom }: Box, title: string) => {
+    const it = node('li', content);
+    it.style.height = `${bottom - top}px`;
+    it.title = title;
+    return it;
+  };
+  const items = model.open.map((lane) => {
+    const { name = '' } = trace.lanes[lane] ?? {};
+    const it = item([name], model?.box(lane) as Box, name);
+    it.dataset['lane'] = String(lane);
+    return it;
+  });
+  if (fold !== undefined) {
+    const others = order.length - kept;
+    const button = node('button', [`${folded ? '▸' : '▾'} ${others} more ${others === 1 ? 'lane' : 'lanes'}`]);
+    button.id = 'fold';
+    button.setAttribute('aria-expanded', String(!folded));
+    button.addEventListener('click', () => {
+      setFolded(!folded);
+      element('fold').focus({ preventScroll: true });
+    });
+    items.splice(kept, 0, item([button], fold, order.slice(kept).map((lane) => trace.lanes[lane]?.name).join(', ')));
+  }
+  names.replaceChildren(...items);
+  markLane();
+}
+
+function setFolded(folded: boolean): void {
+  if (model === undefined || model.fold === undefined || model.folded === folded) return;
+  model = new Model(model.trace, folded);
+  leave();
+  showNames();
+  redraw();
+}
+
+/** Marks the name of the lane of the step, or the line of the folded ones. */
+function markLane(): void {
+  const lane = model?.trace.steps[step]?.lane;
+  if (model === undefined || lane === undefined) return;
+  const current = model.open.includes(lane) ? names.querySelector(`[data-lane="${lane}"]`) : document.getElementById('fold')?.parentElement;
+  for (const name of names.children) name.classList.toggle('current', name === current);
 }
 
 function nothing(text: string): void {
@@ -138,7 +180,7 @@ function choose(to: number, reveal = true): void {
   const lane = trace.lanes[it.lane]?.name ?? '';
   element('position').textContent = `step ${to + 1} of ${trace.steps.length}`;
   element('told').textContent = `${time(it.at, trace.unit)}, ${lane}: ${it.what}. Rule ${it.rule}.`;
-  for (const [i, name] of [...names.children].entries()) name.classList.toggle('current', i === it.lane);
+  markLane();
   const details = node('dl', []);
   const row = (name: string, values: string[]) => {
     if (values.length > 0) details.append(node('dt', [name]), node('dd', rich(values.join(', '))));
@@ -166,7 +208,7 @@ function choose(to: number, reveal = true): void {
 /** Scrolls no further than needed for a lane to be seen. */
 function revealLane(lane: number | null): void {
   if (lane === null || model === undefined) return;
-  const [top, bottom] = [model.tops[lane] ?? 0, model.tops[lane + 1] ?? 0];
+  const { top, bottom } = model.box(lane);
   if (top < view.scrollTop) view.scrollTop = top;
   else if (bottom + RULER > view.scrollTop + view.clientHeight) view.scrollTop = bottom + RULER - view.clientHeight;
 }
@@ -202,10 +244,17 @@ function find(): void {
   element('found').textContent = search.value.trim() === '' ? '' : found.length === 0 ? 'none' : at < 0 ? String(found.length) : `${at + 1} of ${found.length}`;
 }
 
+/** What is found is seen, in a folded lane too. */
+function chooseFound(to: number): void {
+  const lane = model?.trace.steps[to]?.lane;
+  if (lane !== undefined && model?.open.includes(lane) === false) setFolded(false);
+  choose(to);
+}
+
 /** To the next step that is found. */
 function go(by: 1 | -1): void {
   const next = nextHit(found, step, by);
-  if (next !== undefined) choose(next);
+  if (next !== undefined) chooseFound(next);
   find();
 }
 
@@ -443,7 +492,7 @@ for (const [id, action] of Object.entries(ACTIONS)) document.getElementById(id)?
 search.addEventListener('input', () => {
   find();
   const next = found.includes(step) ? undefined : nextHit(found, step - 1, 1);
-  if (next !== undefined) choose(next);
+  if (next !== undefined) chooseFound(next);
   find();
 });
 search.addEventListener('keydown', (event) => {

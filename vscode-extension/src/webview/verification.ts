@@ -103,7 +103,7 @@ function showHead(it: VerificationAnswer): void {
   const facts = [it.platform];
   if (it.howFar !== null) facts.push(it.howFar);
   if (it.minimumCores !== null) facts.push(`at least ${it.minimumCores} ${it.minimumCores === 1 ? 'core' : 'cores'} needed`);
-  if (it.states > 0) facts.push(`${it.states} states, ${it.seconds.toFixed(it.seconds < 1 ? 3 : 1)} s`);
+  if (it.states > 0) facts.push(`${it.states} states, ${it.seconds.toFixed(it.seconds < 1 ? 3 : 1)}\u00a0s`);
   element('facts').textContent = facts.join(' · ');
   element('writeOut').hidden = it.written || it.whatIf;
   const notices = [...it.errors];

@@ -99,7 +99,7 @@ test('a wait names who has the lock, and the rule that acted', async () => {
 });
 
 test('the mouse: a click chooses, the wheel zooms at the pointer, a drag moves time', async () => {
-  const it = await pages.open();
+  const it = await pages.open({ height: 900 });
   const run = trace(60);
   await it.send({ type: 'trace', trace: run });
   await key(it, '0');
@@ -107,8 +107,8 @@ test('the mouse: a click chooses, the wheel zooms at the pointer, a drag moves t
   const whole = await drawn(it);
   const x = (at) => box.x + ((at - whole.from) / (whole.to - whole.from)) * box.width;
   const span = run.spans.filter((one) => one.lane === 2 && one.kind === 'run')[1];
-  // The first task is the third lane; lanes of one row are 32 pixels high, below a scale of 24.
-  const y = box.y + 24 + 2 * 32 + 16;
+  // The name of a lane is as high as the lane; spans of one row are in the middle of 32 pixels.
+  const y = (await it.page.locator('#names [data-lane="2"]').boundingBox()).y + 16;
   await it.page.mouse.click(x((span.from + span.to) / 2), y);
   assert.deepEqual((await it.said()).at(-1), { type: 'step', step: span.step });
   const at = (span.from + span.to) / 2;
@@ -185,11 +185,76 @@ test('the lane that fails is in sight beside half a window', async () => {
   await it.send({ type: 'trace', trace: run });
   for (const again of [false, true]) {
     if (again) await it.page.locator('#focus').click();
-    const lane = await it.page.locator('#names li').nth(28).boundingBox();
+    const lane = await it.page.locator('#names [data-lane="28"]').boundingBox();
     const view = await it.page.locator('#trace').boundingBox();
     assert.ok(lane.y >= view.y && lane.y + lane.height <= view.y + view.height + 1, JSON.stringify([lane, view]));
     await it.page.locator('#trace').evaluate((one) => (one.scrollTop = 0));
   }
+  await it.page.close();
+});
+
+test('the cause stands in the picture at the guilty wait, beside half a window too', async () => {
+  for (const theme of Object.keys(THEMES)) {
+    for (const width of [700, 1400]) {
+      const it = await pages.open({ theme, width, height: 320 });
+      const run = trace(200, { tasks: 30 });
+      await it.send({ type: 'trace', trace: run });
+      const { lane } = run.focus;
+      const wait = run.spans.filter((span) => span.lane === lane && span.kind === 'wait-lock').at(-1);
+      const { cause, from, to } = await drawn(it);
+      assert.equal(cause.text, `waits 1 ms for x of the ids: ${wait.by[0].name}`);
+      const canvas = await it.page.locator('#canvas').boundingBox();
+      const x = (at) => ((at - from) / (to - from)) * canvas.width;
+      assert.ok(cause.left >= 0 && cause.right <= canvas.width && cause.left <= x(wait.to) && cause.right >= x(wait.from), JSON.stringify([cause, x(wait.from), canvas]));
+      assert.match(await it.page.locator('#told').textContent(), /waits 1 ms for `x` of the ids/);
+      assert.deepEqual(await violations(it.page), []);
+      if (process.env.SHOTS) await it.page.screenshot({ path: `${process.env.SHOTS}/trace-cause-${theme}-${width}.png` });
+      await it.page.close();
+    }
+  }
+});
+
+test('lanes that have to do with the failure come first; the others are folded, and unfold by click, key and search', async () => {
+  const it = await pages.open({ width: 700, height: 320 });
+  const run = trace(200, { tasks: 30 });
+  await it.send({ type: 'trace', trace: run });
+  const names = () => it.page.locator('#names li').allInnerTexts();
+  const { lane } = run.focus;
+  const locks = run.lanes.length - 1;
+  const first = [lane, lane - 1].map((at) => run.lanes[at].name);
+  const before = await names();
+  assert.deepEqual(before.slice(0, 2), first);
+  assert.ok(before.includes('c locks') && before.length < 12, before.join());
+  assert.match(before.at(-1), /^▸ \d+ more lanes$/);
+  assert.equal(before.length - 1 + Number(/\d+/.exec(before.at(-1))[0]), locks + 1);
+  const few = (await drawn(it)).spans;
+  await it.page.locator('#fold').press('Enter');
+  await it.frame();
+  assert.equal((await names()).length, locks + 2);
+  assert.equal(await it.page.locator('#fold').getAttribute('aria-expanded'), 'true');
+  assert.ok((await drawn(it)).spans > few || (await it.page.locator('#trace').evaluate((one) => one.scrollHeight > one.clientHeight)));
+  await it.page.locator('#fold').click();
+  assert.deepEqual(await names(), before);
+  // A step of a folded lane is marked at the line of the folded ones; a search shows its lane.
+  await it.page.locator('#trace').focus();
+  await key(it, 'Home');
+  assert.match(await it.page.locator('#names .current').innerText(), /more lanes/);
+  await it.page.locator('#search').fill('t9.main begins');
+  await it.frame();
+  assert.equal(await it.page.locator('#names .current').innerText(), 'c.t9');
+  await it.page.close();
+});
+
+test('where there is room for all lanes none is folded, and without a late lane none comes first', async () => {
+  const it = await pages.open({ height: 900 });
+  const run = trace(60);
+  await it.send({ type: 'trace', trace: run });
+  assert.match(await it.page.locator('#fold').innerText(), /^▾ \d more lanes$/);
+  assert.equal(await it.page.locator('#names [data-lane]').count(), run.lanes.length);
+  run.focus.lane = null;
+  await it.send({ type: 'trace', trace: run });
+  assert.deepEqual(await it.page.locator('#names li').allInnerTexts(), run.lanes.map(({ name }) => name));
+  assert.equal((await drawn(it)).cause, undefined);
   await it.page.close();
 });
 

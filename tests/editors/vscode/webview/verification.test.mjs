@@ -75,3 +75,17 @@ test('title, cause and expression are said once; what repairs everything is list
   assert.deepEqual(await it.page.locator('#repairs li').allInnerTexts(), ['holds with 3 cores Repair…'].map((line) => line.replace(' Repair', 'Repair')));
   await it.page.close();
 });
+
+test('letters of the timeline are at least 9 pixels high, and its names stay in sight', async () => {
+  const wide = '<svg xmlns="http://www.w3.org/2000/svg" width="880" height="60" viewBox="0 0 880 60"><style>text{font:11px sans-serif}</style><g class="lane"><text x="4" y="40">nav.exec</text></g></svg>';
+  for (const width of [380, 700, 1400]) {
+    const it = await pages.open({ width, height: 900 });
+    await it.send({ type: 'answer', subject: { uri: 'file:///a.gen' }, answer: { ...answer, timeline: { ...answer.timeline, svg: wide, width: 880 } }, pinned: false });
+    const scale = await it.page.locator('#view svg').evaluate((one) => one.getBoundingClientRect().width / 880);
+    assert.ok(scale * 11 >= 8.99, `${width}: ${scale * 11}`);
+    // The outline of its letters is 5 pixels wide.
+    const [name, view] = await Promise.all(['#view text', '#view'].map((one) => it.page.locator(one).boundingBox()));
+    assert.ok(name.x >= view.x - 8 && name.x + name.width <= view.x + view.width, JSON.stringify([name, view]));
+    await it.page.close();
+  }
+});

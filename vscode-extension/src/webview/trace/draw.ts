@@ -1,6 +1,7 @@
 // Draws what is in sight, and no more than the screen can show: of what would lie on one pixel, one thing.
 import type { MarkKind, Span, SpanKind } from '../../trace/form';
-import { first, ROW, stride, time, type Model, type Window } from './model';
+import type { Cause } from './cause';
+import { first, ROW, stride, time, type Box, type Model, type Window } from './model';
 
 export const RULER = 24;
 
@@ -58,6 +59,8 @@ export interface Work {
   spans: number;
   marks: number;
   arrows: number;
+  /** The text of the cause and its left and right edge, if its wait is in sight. */
+  cause?: { text: string; left: number; right: number } | undefined;
 }
 
 /** Spans of less than so many pixels have no border and no name. */
@@ -152,8 +155,9 @@ export class Painter {
       flush();
     }
     if (shown?.by !== undefined) this.holders(scene, shown, x);
-    for (const [lane, marks] of model.marks.entries()) {
-      const [top, bottom] = [model.tops[lane] ?? 0, model.tops[lane + 1] ?? 0];
+    for (const lane of model.open) {
+      const marks = model.marks[lane] ?? [];
+      const { top, end: bottom } = model.box(lane);
       if (bottom < visible.from || top > visible.to) continue;
       // One of a kind where there is room for one.
       const last: Partial<Record<MarkKind, number>> = {};
@@ -188,6 +192,7 @@ export class Painter {
       c.fillRect(from, 0, x(trace.end) - from, model.height);
       c.globalAlpha = 1;
     }
+    if (model.cause !== undefined) work.cause = this.cause(model.cause, model.box(model.cause.lane), x, width);
     c.restore();
     if (scene.range !== undefined) this.range(x(scene.range[0]), x(scene.range[1]), height);
     this.ruler(scene, x);
@@ -197,8 +202,8 @@ export class Painter {
   private lanes({ model, width, step }: Scene, x: (at: number) => number): void {
     const { context: c, theme } = this;
     const current = model.trace.steps[step]?.lane;
-    for (const lane of model.trace.lanes.keys()) {
-      const [top, bottom] = [model.tops[lane] ?? 0, model.tops[lane + 1] ?? 0];
+    for (const lane of model.open) {
+      const { top, bottom } = model.box(lane);
       if (lane === current) {
         c.globalAlpha = 0.1;
         c.fillStyle = theme.select;
@@ -209,6 +214,7 @@ export class Painter {
       c.fillRect(0, bottom - 1, width, 1);
       c.globalAlpha = 1;
     }
+    if (model.fold !== undefined) c.fillRect(0, model.fold.bottom - 1, width, 1);
     const { start, end } = model.trace;
     // Before the beginning and after the end nothing is known.
     c.globalAlpha = 0.06;
@@ -269,6 +275,27 @@ export class Painter {
     }
     c.fillStyle = theme.text;
     c.fillText(text, left + 4, y);
+  }
+
+  /** The cause in one sentence, below the wait that it is about. */
+  private cause({ from, to, text }: Cause, { end }: Box, x: (at: number) => number, width: number): Work['cause'] {
+    const { context: c, theme } = this;
+    const [first, last] = [Math.max(x(from), 0), Math.min(x(to), width)];
+    if (last <= 0 || first >= width) return undefined;
+    const shown = this.fitted(text.replaceAll('`', ''), width - 12);
+    const left = Math.max(0, Math.min(first, width - this.width(shown) - 12));
+    const right = left + this.width(shown) + 10;
+    const y = end - 4;
+    c.fillStyle = theme.ground;
+    c.fillRect(left, y, right - left, ROW);
+    c.strokeStyle = theme.miss;
+    c.strokeRect(left + 0.5, y + 0.5, right - left - 1, ROW - 1);
+    // From the box to the wait.
+    c.fillStyle = theme.miss;
+    c.fillRect(first, y - 2, Math.max(last - first, 2), 3);
+    c.fillStyle = theme.text;
+    c.fillText(shown, left + 6, y + ROW / 2 + 0.5);
+    return { text: shown, left, right };
   }
 
   private width(text: string): number {

@@ -1,6 +1,7 @@
 // A trace made ready to be drawn and walked, and the window of time that is shown. No drawing here.
-import type { Arrow, Mark, Span, Trace } from '../../trace/form';
+import type { Arrow, Lane, Mark, Span, Trace } from '../../trace/form';
 import { shownUnit } from '../unit';
+import { causeOf, type Cause } from './cause';
 
 /** The first of some in order of which `is` holds; their number if it holds of none. */
 export function first<T>(all: readonly T[], is: (it: T) => boolean): number {
@@ -23,30 +24,68 @@ export interface Row {
 
 export const ROW = 18;
 const PADDING = 7;
+/** Height of the line of folded lanes. */
+const FOLD = 24;
+
+/** Where a lane is drawn. A folded lane is where the line of the folded ones is. */
+export interface Box {
+  top: number;
+  /** Lower edge of its spans. */
+  end: number;
+  bottom: number;
+}
 
 export class Model {
   readonly rows: Row[] = [];
-  /** Upper edge of each lane, and of the end. */
-  readonly tops: number[] = [];
+  /** The cause of the failure has a row of its own below the spans of its lane. */
+  readonly cause: Cause | undefined;
+  /** All lanes from top to bottom. The first ones have to do with the failure. */
+  readonly order: number[];
+  /** Number of the first ones, which are never folded. */
+  readonly kept: number;
+  /** The line above the other ones, if there are any. */
+  readonly fold: Box | undefined;
+  readonly height: number;
   readonly marks: Mark[][];
   readonly arrows: Arrow[];
   /** Steps of each lane, ascending. */
   readonly ofLane: number[][];
+  private readonly boxes: Box[] = [];
   /** Span that begins with a step, preferably where the step happened. */
   private readonly spanOfStep = new Map<number, Span>();
 
-  constructor(readonly trace: Trace) {
+  constructor(
+    readonly trace: Trace,
+    readonly folded = false,
+  ) {
+    this.cause = causeOf(trace);
+    const all = [...trace.lanes.keys()];
+    const first = this.cause?.lanes ?? all;
+    this.kept = first.length;
+    this.order = [...first, ...all.filter((it) => !first.includes(it))];
     let top = 0;
     const firstRow: number[] = [];
-    for (const [lane, { rows }] of trace.lanes.entries()) {
-      this.tops.push(top);
-      firstRow.push(this.rows.length);
+    for (const [i, lane] of this.order.entries()) {
+      if (i === this.kept) {
+        this.fold = { top, end: top + FOLD, bottom: top + FOLD };
+        top += FOLD;
+      }
+      if (folded && this.fold !== undefined) {
+        this.boxes[lane] = this.fold;
+        continue;
+      }
+      firstRow[lane] = this.rows.length;
+      const { rows } = trace.lanes[lane] as Lane;
       for (let row = 0; row < rows; row++) this.rows.push({ lane, top: top + PADDING + row * ROW, spans: [] });
-      top += rows * ROW + 2 * PADDING;
+      const end = top + rows * ROW + 2 * PADDING;
+      const bottom = end + (lane === this.cause?.lane ? ROW : 0);
+      this.boxes[lane] = { top, end, bottom };
+      top = bottom;
     }
-    this.tops.push(top);
+    this.height = top;
     for (const span of trace.spans) {
-      this.rows[(firstRow[span.lane] ?? 0) + span.row]?.spans.push(span);
+      const row = firstRow[span.lane];
+      if (row !== undefined) this.rows[row + span.row]?.spans.push(span);
       const known = this.spanOfStep.get(span.step);
       const own = trace.steps[span.step]?.lane;
       if (known === undefined || (known.lane !== own && span.lane === own)) this.spanOfStep.set(span.step, span);
@@ -61,12 +100,18 @@ export class Model {
     for (const [i, step] of trace.steps.entries()) this.ofLane[step.lane]?.push(i);
   }
 
-  get height(): number {
-    return this.tops[this.tops.length - 1] ?? 0;
+  box(lane: number): Box {
+    return this.boxes[lane] ?? { top: 0, end: 0, bottom: 0 };
+  }
+
+  /** Lanes that are drawn, from top to bottom. */
+  get open(): number[] {
+    return this.folded ? this.order.slice(0, this.kept) : this.order;
   }
 
   middle(lane: number): number {
-    return ((this.tops[lane] ?? 0) + (this.tops[lane + 1] ?? 0)) / 2;
+    const { top, end } = this.box(lane);
+    return (top + end) / 2;
   }
 
   /** What lasts from a step on, or is told by it. */
@@ -94,8 +139,8 @@ export class Model {
 
   /** The mark there, if there is one. */
   markAt(time: number, y: number, slack: number): Mark | undefined {
-    const lane = first(this.tops, (top) => top > y) - 1;
-    const marks = this.marks[lane] ?? [];
+    const lane = this.open.find((it) => y >= this.box(it).top && y < this.box(it).bottom);
+    const marks = lane === undefined ? [] : (this.marks[lane] ?? []);
     const near: Mark[] = [];
     for (let i = first(marks, (it) => it.at >= time - slack); i < marks.length; i++) {
       const mark = marks[i] as Mark;
@@ -178,7 +223,8 @@ const BEFORE = 30;
 /** The window at the beginning: what is looked at first is in its middle, unless half of the picture were empty then. */
 export function opening(trace: Trace): Window {
   const { at, step } = trace.focus;
-  const earliest = trace.steps[Math.max(0, (step ?? trace.steps.length - 1) - BEFORE)]?.at ?? trace.start;
+  const before = trace.steps[Math.max(0, (step ?? trace.steps.length - 1) - BEFORE)]?.at ?? trace.start;
+  const earliest = Math.min(before, causeOf(trace)?.from ?? before);
   const whole = Math.max(trace.end - trace.start, 1e-6);
   const half = Math.min(Math.max((at - earliest) * 0.6, whole / 4000, 1e-6), (whole * WIDEST) / 2);
   const it = new Window(trace, at - half, at + half);
