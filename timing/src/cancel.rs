@@ -8,10 +8,10 @@ use std::time::{Duration, Instant};
 /// A cancellation token. Everything that can take long polls it often.
 #[derive(Default)]
 pub struct Cancel {
-    abandoned: AtomicBool,
+    abandoned: Arc<AtomicBool>,
     interrupt: Interrupt,
     deadline: OnceLock<Deadline>,
-    ask: Option<Box<dyn Fn() -> bool + Send + Sync>>,
+    ask: Option<Arc<dyn Fn() -> bool + Send + Sync>>,
     /// Number of states of explorations that have ended.
     before: AtomicUsize,
     /// Explorations under way, each with the thread that reports its progress.
@@ -58,7 +58,7 @@ impl Cancel {
     /// `ask`.
     pub fn asking(ask: impl Fn() -> bool + Send + Sync + 'static) -> Self {
         Cancel {
-            ask: Some(Box::new(ask)),
+            ask: Some(Arc::new(ask)),
             ..Cancel::default()
         }
     }
@@ -75,6 +75,21 @@ impl Cancel {
             interrupt: interrupt.clone(),
             ..Cancel::default()
         }
+    }
+
+    /// Returns a token for a part of the work: it is over after a time, counted from now, and whenever this
+    /// token is over. The progress of the part is not that of the whole.
+    pub fn part(&self, time: Duration) -> Self {
+        let part = Cancel {
+            abandoned: self.abandoned.clone(),
+            interrupt: self.interrupt.clone(),
+            ask: self.ask.clone(),
+            ..Cancel::default()
+        };
+        let end = self.deadline.get().and_then(|it| it.at);
+        let left = end.map(|end| end.saturating_duration_since(Instant::now()));
+        part.limit(left.map_or(time, |left| left.min(time)));
+        part
     }
 
     /// Returns true if the verification was interrupted.

@@ -1,7 +1,5 @@
 //! A single change that makes a failed check of a task hold: a shorter codel, or more cores.
 
-use std::time::{Duration, Instant};
-
 use super::change::Change;
 use super::suspects::suspects;
 use super::trial::Trial;
@@ -10,9 +8,6 @@ use crate::report::{Awaited, CheckReport, Report, Verdict};
 use crate::scn::ast::{CheckKind, Path, Scenario};
 use crate::scn::names::Names;
 use crate::verify::{Cancel, Options, SystemInput, settings};
-
-/// Time limit for all verifications together: a longer search is not worth a hint.
-const TIME_LIMIT: Duration = Duration::from_secs(2);
 
 /// Number of codels that are tried.
 const MAX_CODELS_TRIED: usize = 3;
@@ -30,8 +25,8 @@ pub(super) fn limits(report: &Report, options: &Options) -> Limits {
     }
 }
 
-/// Finds a simple change that makes a refuted check of a task hold, if there is one that is found soon. First
-/// it tries shorter execution times of the codels that the job executes or waits for, the longest first. If
+/// Finds a simple change with which all checks of a task hold that has a refuted one, if there is a change that
+/// is found before `cancel` is over. First it tries shorter execution times of the codels that the job executes or waits for, the longest first. If
 /// the job waits for a core, it then tries more cores.
 pub fn remedy(
     input: &SystemInput,
@@ -45,18 +40,18 @@ pub fn remedy(
     }
     let names = Names::new(&input.specs);
     let mut settings = settings(scenario, options);
-    let mut asked = settings.checks.get(check.id.written)?.clone();
-    let task = Path::of(&check.of);
     check.id.task?;
-    match &mut asked.kind {
+    let task = Path::of(&check.of);
+    // All checks of the task, each narrowed to it.
+    settings.checks.retain_mut(|asked| match &mut asked.kind {
         CheckKind::Schedulable(of) | CheckKind::NoOverdue(of) | CheckKind::Response(of, _) => {
-            *of = Some(task)
+            let concerns = of.as_ref().is_none_or(|of| of.text() == check.of);
+            *of = Some(task.clone());
+            concerns
         }
-        _ => return None,
-    }
-    settings.checks = vec![asked];
-    let end = Some(Instant::now() + TIME_LIMIT);
-    let trial = Trial::new(&names, settings, limits(report, options), cancel, end);
+        _ => false,
+    });
+    let trial = Trial::new(&names, settings, limits(report, options), cancel, None);
     let suspects = suspects(check).into_iter().take(MAX_CODELS_TRIED);
     let by_codel = { suspects }.find_map(|codel| trial.wcet(&codel));
     let waits = || check.reason.iter().any(|it| it.awaited == Awaited::Core);

@@ -1,4 +1,4 @@
-//! Response-time analysis under the semantics of the servers, without waits for cores.
+//! Response-time analysis under the semantics of the servers, without preemption.
 //!
 //! A cycle is a sequence of codels, and before each of them its task takes a ticket. At that moment every
 //! other thread of the component is ahead with at most one codel, in the queue or executing; its later
@@ -11,14 +11,24 @@
 //! starts at its tick. The first cycle of a later task of a component may begin between two ticks, with a
 //! kept tick. Then a tick may come during the cycle, and the next cycle begins late. It ends before the tick
 //! after that if twice the length is less than the period.
+//!
+//! With fewer cores than tasks, `policy fifo` gives the cores to the cycles in order of release. When a task
+//! asks for a core, every other task has at most one cycle before it, waiting or under way; later ones come
+//! behind, also if deadlines are missed. While the task waits, all cores work on these cycles, except cores
+//! that are held for ever. So it waits at most the sum of their lengths, divided by the number of other cores.
 
 use crate::system::loops::pauseless_cycles;
-use crate::system::{ClientAction, FOREVER, Machine, Ticks, TimedSystem, Yield};
+use crate::system::{ClientAction, FOREVER, Machine, Policy, Ticks, TimedSystem, Yield};
 
 /// Returns a bound on the response time of every task; `None` if there is none.
 pub(super) fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
+    let requests = requests(system);
+    let tasks = 0..system.tasks.len();
+    let cycles: Vec<Option<Ticks>> = (tasks.clone())
+        .map(|task| cycle(system, task, &requests))
+        .collect();
     let bound = |task: usize| {
-        let length = cycle(system, task, &requests(system))?;
+        let length = cycles[task]?.checked_add(core_wait(system, task, &cycles)?)?;
         let it = &system.tasks[task];
         let first = system.components[it.component].tasks.first() == Some(&task);
         let most = if first {
@@ -28,10 +38,29 @@ pub(super) fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
         };
         (most < it.period?).then_some(length)
     };
-    let simple = system.platform.cores.is_none() && is_within_components(system);
-    (0..system.tasks.len())
-        .map(|task| bound(task).filter(|_| simple))
-        .collect()
+    let simple = is_within_components(system);
+    tasks.map(|task| bound(task).filter(|_| simple)).collect()
+}
+
+/// Returns the longest time for which a task waits for a core, in base units. `cycles` are the lengths of the
+/// cycles of all tasks, from the grant of a core on; `None`: a cycle may hold its core for ever.
+fn core_wait(system: &TimedSystem, task: usize, cycles: &[Option<Ticks>]) -> Option<Ticks> {
+    let needing = |it: &usize| system.needs_core(*it);
+    let others = (0..cycles.len()).filter(|it| *it != task && needing(it));
+    let others: Vec<Option<Ticks>> = others.map(|it| cycles[it]).collect();
+    let cores = system.platform.cores.map(|it| it as usize);
+    if !needing(&task) || cores.is_none_or(|cores| cores > others.len()) {
+        return Some(0);
+    }
+    let tied = system.tasks.iter().any(|it| it.affinity.is_some());
+    if system.platform.policy != Policy::Fifo || tied {
+        return None;
+    }
+    let held = others.iter().filter(|it| it.is_none()).count();
+    let left = cores?.checked_sub(held).filter(|&left| left > 0)?;
+    let mut ahead = others.into_iter().flatten();
+    let ahead = ahead.try_fold(0u32, |sum, it| sum.checked_add(it))?;
+    Some(ahead / left as Ticks)
 }
 
 /// Returns true if codels wait only for codels of their component, as is the case if ports are copied.

@@ -9,14 +9,18 @@ use dotgen_timing::system::settings::Settings;
 
 use super::{ROBOT, load};
 
-/// Returns bounds on the response times of all tasks, in base units.
+/// Returns bounds on the response times of all tasks under the published semantics, in base units.
 fn bounds(specification: &str, scenario: &str) -> String {
+    bounds_under(Preset::Published, specification, scenario)
+}
+
+fn bounds_under(preset: Preset, specification: &str, scenario: &str) -> String {
     let unit = load(specification);
     let names = Names::new(&[&unit.spec]);
     let parsed = parse(&format!("scenario x {{ {scenario} }}"));
     assert_eq!(parsed.errors, []);
     let mut settings = Settings::new(&parsed.scenario);
-    settings.preset = Preset::Published;
+    settings.preset = preset;
     let built = build(&names, &settings, &|_| true);
     let bounds = response_bounds(&built.system);
     let lines = bounds.iter().enumerate().map(|(task, bound)| {
@@ -165,5 +169,37 @@ fn jobs_on_the_same_core_do_not_wait_for_locks_of_each_other() {
     bus.comm -
     bus.fast 13
     bus.slow 13
+    ");
+}
+
+#[test]
+fn on_cores_given_in_order_each_other_task_goes_first_at_most_once() {
+    // `a` misses its deadlines: one core has more work than time. Nevertheless `b` and `c` wait for at most one
+    // cycle of each other task.
+    let specification = r#"
+        component one { task a { period 10 ms; codel <start> f() yield pause::start wcet 11 ms; }; };
+        component two { task b { period 20 ms; codel <start> g() yield pause::start wcet 3 ms; }; };
+        component three { task c { period 40 ms; codel <start> h() yield pause::start wcet 2 ms; }; };
+    "#;
+    let servers = |scenario| bounds_under(Preset::Servers, specification, scenario);
+    insta::assert_snapshot!(servers("cores 1; policy fifo;"), @r"
+    one.a -
+    two.b 16
+    three.c 16
+    ");
+    insta::assert_snapshot!(servers("cores 2; policy fifo;"), @r"
+    one.a -
+    two.b 9
+    three.c 9
+    ");
+    insta::assert_snapshot!(servers("cores 1; policy edf;"), @r"
+    one.a -
+    two.b -
+    three.c -
+    ");
+    insta::assert_snapshot!(servers("cores 3; policy edf;"), @r"
+    one.a -
+    two.b 3
+    three.c 2
     ");
 }

@@ -1,8 +1,11 @@
 //! The causes of missed deadlines and their remedies, as data of a report and as text.
 
+use std::time::Duration;
+
 use dotgen_timing::advice::{Change, remedy};
 use dotgen_timing::report::{Awaited, CheckReport, Delay, Holder, Report, Verdict};
 use dotgen_timing::verify::{Cancel, Options, SystemInput};
+use rustc_hash::FxHashMap;
 use serde::Serialize;
 
 use super::Problem;
@@ -14,12 +17,18 @@ use super::summary::Scale;
 /// verifications.
 const QUICK_SECONDS: f64 = 1.0;
 
+/// Longest search for the remedy of one check: a longer search is not worth a hint.
+const REMEDY_TIME: Duration = Duration::from_secs(1);
+
+/// Longest search for all remedies of a report.
+const REMEDIES_TIME: Duration = Duration::from_secs(3);
+
 /// The cause of a task's failure, and the remedy.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FailureCause {
     /// The longest wait of the job at the end of the run.
     pub(crate) cause: Cause,
-    /// A simple change with which the check holds, if there is one. It was verified.
+    /// A simple change with which all checks of the task hold, if there is one. It was verified.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub remedy: Option<Change>,
     /// The function of the codel that the remedy changes.
@@ -64,11 +73,20 @@ pub fn of_report(
         specs: problem.specs(),
     };
     let remedies = remedies.filter(|_| report.seconds <= QUICK_SECONDS);
-    let why = |check: &CheckReport| {
+    let remedies = remedies.map(|it| it.part(REMEDIES_TIME));
+    // A remedy makes all checks of a task hold.
+    let mut known: FxHashMap<&str, Change> = FxHashMap::default();
+    let mut why = |check| {
         refuted(&check).then(|| {
-            let remedy = remedies.and_then(|cancel| {
-                remedy(&input, &problem.scenario, options, (report, check), cancel)
+            let remedy = remedies.as_ref().and_then(|cancel| {
+                let cancel = cancel.part(REMEDY_TIME);
+                let of_task =
+                    || remedy(&input, &problem.scenario, options, (report, check), &cancel);
+                known.get(check.of.as_str()).cloned().or_else(of_task)
             });
+            if let Some(remedy) = &remedy {
+                known.insert(&check.of, remedy.clone());
+            }
             let function = match &remedy {
                 Some(Change::Wcet { codel, .. }) => Some(function(&table, codel)),
                 _ => None,
