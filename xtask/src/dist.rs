@@ -4,7 +4,7 @@
 //! | --- | --- | --- |
 //! | `dotgen-TARGET.tar.gz` | `packaging/archive.sh` | any Linux |
 //! | `dotgen_VERSION_ARCH.deb` | cargo-deb | Debian and Ubuntu |
-//! | `dotgen-VERSION-*.whl` | maturin | `pip install` |
+//! | `dotgen-VERSION-*.whl` | maturin, wheel | `pip install` |
 //! | `dotgen-linux-ARCH.vsix` | vsce | VS Code, with the program |
 //! | `dotgen-universal.vsix` | vsce | VS Code on other systems, without the program |
 //! | `dotgen.cdx.json` | cargo-cyclonedx | the bill of materials (CycloneDX) |
@@ -29,10 +29,11 @@ use crate::tools;
 const GLIBC: &str = "2.28";
 
 /// Tools from PyPI, with their versions.
-const PIP_TOOLS: [&str; 3] = [
+const PIP_TOOLS: [&str; 4] = [
     "ziglang==0.15.1",
     "cargo-zigbuild==0.24.1",
     "maturin==1.16.0",
+    "wheel==0.45.1",
 ];
 /// Tools from crates.io, with their versions.
 const CARGO_TOOLS: [(&str, &str); 2] = [("cargo-deb", "3.8.0"), ("cargo-cyclonedx", "0.5.9")];
@@ -82,7 +83,7 @@ fn make() -> Result<()> {
     let program = tools.program(true)?;
     archive(&program, &out)?;
     tools.debian(&program, &out)?;
-    tools.wheel(&out)?;
+    tools.wheel(&program, &out)?;
     bill_of_materials(&tools, &out)?;
     let program = tools.program(false)?;
     for vsix in [
@@ -201,37 +202,51 @@ impl Tools {
         run::capture(self.in_path(run::cargo(&arguments))).map(drop)
     }
 
-    /// The wheel: the program, and the Python client as the module `dotgen`.
-    fn wheel(&self, out: &Path) -> Result<()> {
+    /// The wheel: the program, and the Python client as the module `dotgen`. maturin writes its metadata; a
+    /// build by maturin would build the program a second time.
+    fn wheel(&self, program: &Path, out: &Path) -> Result<()> {
         step("Packaging for pip");
-        let project = crate::root().join("packaging/pypi");
-        // maturin leaves out Python files that are not below the folder of the project.
-        let client = project.join("python");
-        if client.exists() {
-            std::fs::remove_dir_all(&client)?;
+        let stage = crate::target().join("wheel");
+        if stage.exists() {
+            std::fs::remove_dir_all(&stage)?;
         }
-        extension::copy(
-            &crate::root().join("clients/python"),
-            &client,
-            &["py", "typed"],
-        )?;
-        let manylinux = format!("manylinux_{}", GLIBC.replace('.', "_"));
-        let (target, out) = (target(), out.to_string_lossy());
-        let arguments = [
-            "build",
-            "--zig",
-            "--compatibility",
-            &manylinux,
-            "--target",
-            &target,
-            "--profile",
-            "dist",
-            "--locked",
-            "--out",
-            &out,
+        std::fs::create_dir_all(&stage)?;
+        let project = crate::root().join("packaging/pypi");
+        let place = stage.to_string_lossy();
+        let in_project = |program: &str, arguments: &[&str]| {
+            run::capture(self.in_path(run::command(&project, program, arguments)))
+        };
+        let metadata = ["pep517", "write-dist-info", "--metadata-directory", &place];
+        let written = in_project("maturin", &metadata)?;
+        let name = written.trim().lines().last().unwrap_or_default();
+        let name = name
+            .strip_suffix(".dist-info")
+            .context("metadata of the wheel")?;
+        let scripts = stage.join(format!("{name}.data/scripts"));
+        std::fs::create_dir_all(&scripts)?;
+        std::fs::copy(program, scripts.join("dotgen"))?;
+        let client = crate::root().join("clients/python/dotgen");
+        extension::copy(&client, &stage.join("dotgen"), &["py", "typed"])?;
+        let out = out.to_string_lossy();
+        in_project("wheel", &["pack", &place, "--dest-dir", &out])?;
+        // The name that `pack` gives is that of the system on which the wheel was made.
+        let packed = std::fs::read_dir(&*out)?.flatten().map(|it| it.path());
+        let packed: Vec<PathBuf> = packed
+            .filter(|it| it.extension().is_some_and(|it| it == "whl"))
+            .collect();
+        let [packed] = &packed[..] else {
+            bail!("not one wheel in {out}");
+        };
+        let architecture = std::env::consts::ARCH;
+        let platform = format!("manylinux_{}_{architecture}", GLIBC.replace('.', "_"));
+        let tags = [
+            "tags",
+            "--remove",
+            "--platform-tag",
+            &platform,
+            &packed.to_string_lossy(),
         ];
-        run::run(self.in_path(run::command(&project, "maturin", &arguments)))?;
-        Ok(std::fs::remove_dir_all(&client)?)
+        in_project("wheel", &tags).map(drop)
     }
 }
 
