@@ -30,7 +30,7 @@ use super::verify::diagnostics::ScenarioDiagnostics;
 use super::verify::{Cores, PolicyName, SemanticsName, body, cores, interrupt, parsed, problems};
 use super::{Outcome, SpecificationOptions, report, trace};
 use dotgen_views::verification::Problem;
-use dotgen_views::verification::timeline::Ending;
+use dotgen_views::verification::runs::Ending;
 use recorder::Files;
 
 /// Run components and watch the checks of a scenario

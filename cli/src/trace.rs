@@ -14,7 +14,7 @@ use dotgen_lsp_server::protocol::types::Location;
 use dotgen_platform::files::disk::Stream;
 use dotgen_platform::files::vfs;
 use dotgen_views::verification::trace::{Trace, TraceInput, of_run};
-use dotgen_views::verification::{Problem, blocking, timeline::Ending};
+use dotgen_views::verification::{Problem, blocking, runs::Ending};
 
 /// A finished run, as it was reported.
 pub(super) struct RecordedRun<'r> {

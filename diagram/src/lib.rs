@@ -1,4 +1,4 @@
-//! Pictures of specifications: state machines, systems of components, locks, timelines.
+//! Pictures of specifications: state machines, systems of components and locks.
 //!
 //! One graph model ([`graph`]), one layout ([`layout`]), a few renderers ([`render`]). The modules that build
 //! graphs ([`fsm`], [`system`], [`locks`]) choose the content of a picture; the renderer and its [`theme`]
@@ -13,4 +13,3 @@ pub mod render;
 pub mod system;
 pub mod text;
 pub mod theme;
-pub mod timeline;

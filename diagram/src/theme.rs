@@ -108,11 +108,6 @@ pub(crate) fn style(theme: Theme) -> String {
     in_colours(theme, rules)
 }
 
-/// The additional rules of a timeline.
-pub(crate) fn timeline_style(theme: Theme) -> String {
-    in_colours(theme, timeline_rules)
-}
-
 /// The additional rules of pictures with marked elements: a path, a chain, a lock.
 pub(crate) fn mark_style(theme: Theme) -> String {
     in_colours(theme, mark_rules)
@@ -144,32 +139,6 @@ fn mark_rules(p: &Palette) -> String {
          .marked .shape{{stroke:{accent};stroke-width:2.6}}\n\
          .marked .line{{stroke:{accent};stroke-width:2.6}}\n\
          .marked .head{{fill:{accent};stroke:{accent}}}\n"
-    )
-}
-
-fn timeline_rules(p: &Palette) -> String {
-    let Palette {
-        ink,
-        faint,
-        ground,
-        accent,
-        warn,
-        error,
-        ..
-    } = p;
-    format!(
-        ".grid{{stroke:{faint};stroke-width:.5;opacity:.35}}\n\
-         .bar rect{{stroke:{ink};stroke-width:.6}}\n\
-         .run rect{{fill:{accent}}}\n\
-         .run text{{fill:{ground}}}\n\
-         .wait-core rect{{fill:{faint};opacity:.35}}\n\
-         .wait-lock rect{{fill:{warn};opacity:.55}}\n\
-         .overrun rect{{fill:{error}}}\n\
-         .mark path{{fill:none;stroke:{ink};stroke-width:1.2}}\n\
-         .request path{{fill:{accent};stroke:{accent}}}\n\
-         .miss path{{stroke:{error};stroke-width:2.4}}\n\
-         .bar:focus,.mark:focus{{outline:none}}\n\
-         .bar:focus rect{{stroke:{ink};stroke-width:2.4}}\n"
     )
 }
 

@@ -382,6 +382,14 @@ pub struct Blocking {
 }
 
 impl Event {
+    /// Returns the path of the thread: a task (`component.task`), the control task of a component, or a client.
+    pub fn thread(&self) -> String {
+        match &self.task {
+            Some(task) => format!("{}.{task}", self.component),
+            None => self.component.clone(),
+        }
+    }
+
     /// Returns an event of a component or a client as a whole, at a time in the unit of the report.
     pub fn of_component(time: f64, component: String, kind: MomentKind, what: String) -> Event {
         Event {

@@ -15,7 +15,6 @@ pub mod results;
 pub mod run;
 pub mod runs;
 pub mod summary;
-pub mod timeline;
 pub mod trace;
 pub mod view;
 pub mod what_if;

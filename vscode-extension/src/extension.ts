@@ -59,7 +59,10 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
     preview,
     inline,
     verification,
-    vscode.commands.registerCommand('dotgen.showVerification', (target?: VerificationTarget) => verification.show(target)),
+    vscode.commands.registerCommand('dotgen.showVerification', (target?: VerificationTarget) => {
+      const { uri, check, run } = target ?? {};
+      return run === true && typeof uri === 'string' && typeof check === 'number' ? traces.show({ uri, check }) : verification.show(target);
+    }),
     runs,
     measured,
     debugging,

@@ -234,7 +234,7 @@ export interface VerificationAnswer {
   notes: string[];
   blocking: { codel: string; location: Place | null; by: { codel: string; location: Place | null; time: string; through: string }[] }[];
   codels: { path: string; wcet: number | null; location: Place | null }[];
-  timeline: { check: number; title: string; svg: string; links: (Place | null)[]; events: string[] } | null;
+  run: { check: number; title: string; events: { text: string; location: Place | null }[] } | null;
   states: number;
   seconds: number;
   whatIf: boolean;

@@ -34,7 +34,7 @@ pub const CODES: &[LintCode] = &[
         "A task can miss its deadline: in some run, its next period begins before the job of the last one has ended.",
         "Verification explores all runs of the timed model, with the locks, cores and clients of the \
          scenario. Without a scenario, any client requests anything at any time. The related places are the \
-         last steps of a run that misses the deadline. *Show the timeline of the run* shows the whole run.",
+         last steps of a run that misses the deadline. *Step through the run that shows it* shows the whole run.",
         "component c {\n  task t { period 5 ms;\n    codel<start> f() yield ether wcet 6 ms;\n  };\n};\n",
         "component c {\n  task t { period 8 ms;\n    codel<start> f() yield ether wcet 6 ms;\n  };\n};\n",
         "Shorten the codels that the task runs or waits for, lengthen the period, or share less data between tasks. \
@@ -45,10 +45,10 @@ pub const CODES: &[LintCode] = &[
         "timing/response-exceeded",
         "A response time, or the time between two events, can be longer than the bound of the scenario, or has no \
          bound.",
-        "The reported value is exact: some run reaches it. The timeline shows that run.",
+        "The reported value is exact: some run reaches it. Its trace shows that run.",
         "scenario s {\n  use \"c.gen\";\n  check response c.t <= 4 ms;\n}\n",
         "scenario s {\n  use \"c.gen\";\n  check response c.t <= 8 ms;\n}\n",
-        "If the bound was a guess, raise it. Otherwise look in the timeline for the codels that the task \
+        "If the bound was a guess, raise it. Otherwise look in the trace for the codels that the task \
          waits for.",
     ),
     code(
@@ -57,7 +57,7 @@ pub const CODES: &[LintCode] = &[
         "Some run contradicts the check. For `reachable`, no run shows the state.",
         "scenario s {\n  use \"c.gen\";\n  check always not c.t.start;\n}\n",
         "",
-        "Read the run in the timeline. Change the specification, or the check if it asks for the wrong thing.",
+        "Step through the run. Change the specification, or the check if it asks for the wrong thing.",
     ),
     code(
         "timing/vacuous-proof",

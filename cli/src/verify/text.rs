@@ -395,10 +395,6 @@ fn run(
     scale: Scale,
     explained: bool,
 ) -> std::io::Result<()> {
-    let who = |it: &Event| match &it.task {
-        Some(task) => format!("{}.{task}", it.component),
-        None => it.component.clone(),
-    };
     let time = |step: usize| scale.show(events[step].time);
     let lines = lines(events, cycle);
     let left_out = match lines.len() > MAX_LINES {
@@ -413,7 +409,7 @@ fn run(
         Line::Step(step) => Some(*step),
         Line::Again(..) => None,
     });
-    let widths = steps.map(|it| (time(it).len(), who(&events[it]).len()));
+    let widths = steps.map(|it| (time(it).len(), events[it].thread().len()));
     let (time_width, who_width) = widths.fold((0, 0), |a, b| (a.0.max(b.0), a.1.max(b.1)));
     let mut before = None;
     for (i, line) in lines.iter().enumerate() {
@@ -465,7 +461,7 @@ fn run(
         writeln!(
             out,
             "  {at:>time_width$}  {:<who_width$}  {style}{}{style:#}{rule}",
-            who(it),
+            it.thread(),
             it.what
         )?;
     }

@@ -4,7 +4,7 @@
 pub(crate) const SHOW_DIAGRAM: &str = "dotgen.showDiagram";
 /// Client command that lists references; argument `{ uri, position, locations }`.
 pub(crate) const SHOW_REFERENCES: &str = "dotgen.showReferences";
-/// Client command that shows a verification; argument `{ uri, check }`.
+/// Client command that shows a verification; argument `{ uri, check, run }`.
 pub(crate) const SHOW_VERIFICATION: &str = "dotgen.showVerification";
 /// Client command that runs a document on the virtual clock, without its codels; argument `{ uri }`.
 pub(crate) const SIMULATE: &str = "dotgen.simulate";

@@ -64,9 +64,17 @@ fn place(
     problem.place(spec, src)
 }
 
+/// The title of the action at a refuted check.
+const SHOW_RUN: &str = "Step through the run that shows it";
+
 /// The argument of [`SHOW_VERIFICATION`].
 fn argument(uri: &Uri, check: Option<usize>) -> Value {
     json!({ "uri": uri, "check": check })
+}
+
+/// The argument of [`SHOW_VERIFICATION`] that shows the run by which a check is refuted.
+fn refuting_run(uri: &Uri, check: usize) -> Value {
+    json!({ "uri": uri, "check": check, "run": true })
 }
 
 /// Code actions: open the run of a diagnostic; write the default scenario to a file.
@@ -100,13 +108,13 @@ pub(crate) fn actions(
             if found.diagnostic.code == diagnostics::VACUOUS {
                 continue;
             }
-            let arguments = Some(vec![argument(&uri, Some(found.check))]);
+            let arguments = Some(vec![refuting_run(&uri, found.check)]);
             out.push(CodeActionOrCommand::CodeAction(CodeAction {
-                title: "Show the timeline of the run".to_owned(),
+                title: SHOW_RUN.to_owned(),
                 kind: Some(CodeActionKind::QUICKFIX),
                 diagnostics: diagnostic.map(|it| vec![it]),
                 command: Some(Command::new(
-                    "Show the timeline of the run".to_owned(),
+                    SHOW_RUN.to_owned(),
                     SHOW_VERIFICATION.to_owned(),
                     arguments,
                 )),

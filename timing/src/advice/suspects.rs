@@ -21,7 +21,7 @@ pub(super) fn suspects(check: &CheckReport) -> Vec<String> {
             }
         }
         None => {
-            let begins = |it: &&Event| it.kind == MomentKind::Release && who(it) == check.of;
+            let begins = |it: &&Event| it.kind == MomentKind::Release && it.thread() == check.of;
             let job = check
                 .run()
                 .iter()
@@ -62,19 +62,12 @@ pub(super) fn distinct<T: PartialEq>(all: impl IntoIterator<Item = T>) -> Vec<T>
     out
 }
 
-fn who(it: &Event) -> String {
-    match &it.task {
-        Some(task) => format!("{}.{task}", it.component),
-        None => it.component.clone(),
-    }
-}
-
 /// Returns the codels that a thread executes between two times of a run, with their execution times.
 fn executed(run: &[Event], by: &str, from: f64, until: f64) -> Vec<(f64, String)> {
     let mut begun: Vec<(f64, &str)> = Vec::new();
     let mut out = Vec::new();
     let end = run.last().map_or(0.0, |it| it.time).min(until);
-    for it in run.iter().filter(|it| who(it) == by) {
+    for it in run.iter().filter(|it| it.thread() == by) {
         let Some(codel) = it.codel.as_deref().filter(|_| it.time <= until) else {
             continue;
         };

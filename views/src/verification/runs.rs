@@ -1,9 +1,16 @@
-//! The run of a report that is shown, its title and its end: for the picture and for the trace.
+//! The run of a report that is shown, its title and its end.
 
 use dotgen_timing::explore::MomentKind;
 use dotgen_timing::report::{CheckReport, Report, Verdict};
 
-use super::timeline::Ending;
+/// The end of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ending<'t> {
+    /// This task (`component.task`) is late, and the events do not show it.
+    Miss(&'t str),
+    /// A valid end.
+    Fine,
+}
 
 /// The check whose run is shown: the requested one, else the first refuted one, else the first one with a
 /// run.

@@ -76,7 +76,7 @@ pub fn of_report(
     let remedies = remedies.map(|it| it.part(REMEDIES_TIME));
     // A remedy makes all checks of a task hold.
     let mut known: FxHashMap<&str, Change> = FxHashMap::default();
-    let mut why = |check| {
+    let why = |check| {
         refuted(&check).then(|| {
             let remedy = remedies.as_ref().and_then(|cancel| {
                 let cancel = cancel.part(REMEDY_TIME);

@@ -24,8 +24,6 @@ export type Limits =
 
 export type FromPage =
   | { type: 'ready' }
-  /** A bar or mark of the timeline. */
-  | { type: 'link'; index: number }
   | { type: 'place'; uri: string; line: number; character: number; endLine: number; endCharacter: number }
   | { type: 'check'; check: number }
   /** The changes that are offered where a check is written. */

@@ -1,6 +1,6 @@
 // The page of the verification panel.
 import * as vscode from 'vscode';
-import { page as panelPage, ZOOM_BUTTONS } from '../panel/page';
+import { page as panelPage } from '../panel/page';
 
 const STYLE = `
 body { height: auto; min-height: 100vh; }
@@ -30,11 +30,6 @@ a:focus-visible { outline: 1px solid var(--vscode-focusBorder); }
 .faint { color: var(--vscode-descriptionForeground); }
 .run-head { display: flex; flex-wrap: wrap; gap: 4px 8px; align-items: center; margin-top: 14px; }
 .run-head h2 { margin: 0; flex: 1; }
-#view { border: 1px solid var(--vscode-panel-border, var(--vscode-contrastBorder, transparent)); max-height: 60vh; margin-top: 4px; }
-#view svg { margin: 0; }
-#view .names text { paint-order: stroke; stroke: var(--vscode-editor-background); stroke-width: 5px; }
-#view [data-link] { cursor: pointer; }
-#view.old { opacity: .6; }
 #events { font-family: var(--vscode-editor-font-family); white-space: pre-wrap; overflow-wrap: anywhere; margin: 4px 0; }
 #events div { padding-left: 2em; text-indent: -2em; }
 details summary { cursor: pointer; margin-top: 14px; font-weight: 600; }
@@ -42,11 +37,6 @@ details summary:focus-visible { outline: 1px solid var(--vscode-focusBorder); }
 form { display: flex; flex-wrap: wrap; gap: 6px 12px; align-items: center; }
 input.wcet { width: 6em; text-align: right; }
 input.cores { width: 4em; }
-.legend { display: flex; flex-wrap: wrap; gap: 2px 14px; font-size: .9em; color: var(--vscode-descriptionForeground); margin-top: 4px; }
-.legend i { display: inline-block; width: 12px; height: 10px; margin-right: 4px; border: 1px solid var(--vscode-editor-foreground); }
-.legend .run { background: var(--vscode-textLink-foreground); }
-.legend .core { background: var(--vscode-descriptionForeground); opacity: .5; }
-.legend .lock { background: var(--vscode-editorWarning-foreground); opacity: .7; }
 .limits { display: flex; flex-wrap: wrap; gap: 4px 8px; align-items: center; margin: 4px 0; }
 progress { width: 10em; accent-color: var(--vscode-progressBar-background); }
 ul { margin: 2px 0; padding-left: 1.4em; }
@@ -79,10 +69,9 @@ const BODY = `<header aria-label="Verification">
 <table id="checks" class="stacks" role="table" aria-label="Checks"></table>
 <section id="repairs" class="remedies" hidden><h2>What repairs it</h2><ul></ul></section>
 <section id="run" hidden>
-<div class="run-head"><h2 id="runTitle"></h2>${ZOOM_BUTTONS}<button id="trace" title="Step through this run, below">Step Through</button><button id="dismiss" title="Close this run" hidden>Dismiss</button></div>
-<div id="view" tabindex="0" role="group" aria-label="Timeline"></div>
-<div class="legend"><span><i class="run"></i>executes</span><span><i class="lock"></i>waits for a lock</span><span><i class="core"></i>waits for a core</span><span>↑ period begins</span><span>↓ job ends</span><span>▾ request</span><span class="refuted">✕ too late</span></div>
-<details><summary>The run in words</summary><ul id="reasons"></ul><div id="events"></div></details>
+<div class="run-head"><h2 id="runTitle"></h2><button id="trace" title="Step through this run, below">Step Through</button><button id="dismiss" title="Close this run" hidden>Dismiss</button></div>
+<ul id="reasons"></ul>
+<details><summary>The run in words</summary><div id="events"></div></details>
 </section>
 <details id="variation"><summary>What if</summary>
 <form id="whatIf">

@@ -1,5 +1,5 @@
-// The verification panel: verdicts, the timeline of a run, what blocks what, and variations. It follows the text; a run
-// that somebody looks at stays until it is dismissed.
+// The verification panel: verdicts, the events of a run, what blocks what, and variations. It follows the text; a run
+// that was chosen stays until it is dismissed. The trace viewer shows runs as pictures.
 import * as vscode from 'vscode';
 import { WorkDoneProgress } from 'vscode-languageclient/node';
 import type { Server } from '../client';
@@ -18,12 +18,14 @@ const NO_LIMITS: Limits = { state: 'none', text: '' };
 export interface VerificationTarget {
   uri: string;
   check?: number | null;
+  /** The check is refuted, and its run is wanted. */
+  run?: boolean;
 }
 
 export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
   private answer: VerificationAnswer | undefined;
   // The run on show, when somebody chose it: kept while the text changes.
-  private pinned: VerificationAnswer['timeline'] = null;
+  private pinned: VerificationAnswer['run'] = null;
   private pinnedRefutes = false;
   // Answers to older questions are dropped, and their work is ended.
   private asked: vscode.CancellationTokenSource | undefined;
@@ -100,10 +102,6 @@ export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
         return this.findLimits();
       case 'stopLimits':
         return this.endSearch({ state: 'none', text: 'Stopped.' });
-      case 'link': {
-        const place = (this.pinned ?? this.answer?.timeline)?.links[message.index];
-        return place === null || place === undefined ? undefined : reveal(place.uri, place.range);
-      }
       case 'place':
         return reveal(message.uri, {
           start: { line: message.line, character: message.character },
@@ -118,14 +116,10 @@ export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
       case 'check':
         this.subject = { ...this.subject, check: message.check };
         this.pinned = null;
-        return this.ask(true);
-      case 'trace': {
-        const { uri, whatIf } = this.subject;
-        const check = (this.pinned ?? this.answer?.timeline)?.check;
-        const target: TraceTarget = { uri, ...(check === undefined ? {} : { check }), ...(whatIf === undefined ? {} : { whatIf: strip(whatIf) }) };
-        await vscode.commands.executeCommand('dotgen.showTrace', target);
-        return;
-      }
+        await this.ask(true);
+        return this.showTrace();
+      case 'trace':
+        return this.showTrace();
       case 'dismiss': {
         const { check: _, ...rest } = this.subject;
         this.subject = rest;
@@ -158,12 +152,12 @@ export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
     }
     let answer: VerificationAnswer | null;
     // While answers come in, the run on show stays if it refutes something, and so its zoom.
-    const shown = this.answer?.earlier === false && this.answer.status === 'running' && this.refutes(this.answer) ? this.answer.timeline?.check : undefined;
+    const shown = this.answer?.earlier === false && this.answer.status === 'running' && this.refutes(this.answer) ? this.answer.run?.check : undefined;
     try {
       const { uri, check = shown, whatIf } = subject;
       answer = await client.sendRequest(
         verification,
-        { textDocument: { uri }, theme: 'editor', ...(check === undefined ? {} : { check }), ...(whatIf === undefined ? {} : { whatIf: strip(whatIf) }) },
+        { textDocument: { uri }, ...(check === undefined ? {} : { check }), ...(whatIf === undefined ? {} : { whatIf: strip(whatIf) }) },
         asked.token,
       );
     } catch {
@@ -178,7 +172,7 @@ export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
     // Somebody looks at this run: it does not disappear under their eyes.
     const { pinned } = this;
     const present = !answer.earlier;
-    const run = answer.timeline;
+    const { run } = answer;
     const replaces = present && run !== null && run.check === pinned?.check && (this.refutes(answer) || !this.pinnedRefutes);
     const keeps = pinned !== null && !replaces;
     // What was asked for may not be answered yet.
@@ -187,12 +181,21 @@ export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
       this.pinned = run;
       this.pinnedRefutes = this.refutes(answer);
     }
-    this.send({ type: 'answer', subject, answer: keeps ? { ...answer, timeline: pinned } : answer, pinned: keeps });
+    this.send({ type: 'answer', subject, answer: keeps ? { ...answer, run: pinned } : answer, pinned: keeps });
   }
 
   /** Whether the run of an answer refutes its check. */
-  private refutes({ timeline, checks }: VerificationAnswer): boolean {
-    return timeline !== null && checks[timeline.check]?.verdict === 'refuted';
+  private refutes({ run, checks }: VerificationAnswer): boolean {
+    return run !== null && checks[run.check]?.verdict === 'refuted';
+  }
+
+  /** Opens the trace viewer with the run on show. */
+  private async showTrace(): Promise<void> {
+    if (this.subject === undefined) return;
+    const { uri, whatIf } = this.subject;
+    const check = (this.pinned ?? this.answer?.run)?.check;
+    const target: TraceTarget = { uri, ...(check === undefined ? {} : { check }), ...(whatIf === undefined ? {} : { whatIf: strip(whatIf) }) };
+    await vscode.commands.executeCommand('dotgen.showTrace', target);
   }
 
   private showLimits(limits: Limits): void {

@@ -2,8 +2,6 @@
 
 /** What letters need to be read: smaller than this, a picture is larger than its view and is scrolled. */
 const READABLE = 0.7;
-/** The smallest scale of a wide picture: its letters of 11 pixels are 9 pixels high. */
-const LEGIBLE = 9 / 11;
 
 export class Canvas {
   private scale = 1;
@@ -14,8 +12,6 @@ export class Canvas {
     private readonly view: HTMLElement,
     /** What is clicked instead of moved. */
     private readonly links: string,
-    /** Pictures that are much wider than high fit if their width does. Otherwise they are scrolled sideways. */
-    private readonly wide = false,
   ) {
     view.addEventListener('wheel', (event) => this.wheel(event), { passive: false });
     view.addEventListener('pointerdown', (event) => this.pan(event));
@@ -71,7 +67,7 @@ export class Canvas {
     this.fitted = true;
     const { clientWidth, clientHeight } = this.view;
     const width = (clientWidth - 4) / this.size.width;
-    this.zoom(this.wide ? Math.min(1.6, Math.max(LEGIBLE, width)) : Math.max(least, Math.min(1.4, width, (clientHeight - 4) / this.size.height)));
+    this.zoom(Math.max(least, Math.min(1.4, width, (clientHeight - 4) / this.size.height)));
   }
 
   zoomBy(factor: number, at?: MouseEvent): void {

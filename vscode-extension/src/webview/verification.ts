@@ -1,15 +1,12 @@
 // The page of the verification panel: shows what it is sent, and tells what is done to it.
 import type { FromPage, Limits, Subject, ToPage } from '../verification/messages';
 import type { Place, VerificationAnswer, WhatIf } from '../protocol';
-import { Canvas } from './canvas';
 import { update } from './update';
 
 declare function acquireVsCodeApi(): { postMessage(message: FromPage): void; setState(state: Subject): void };
 
 const host = acquireVsCodeApi();
 const element = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
-const view = element('view');
-const canvas = new Canvas(view, '[data-link]', true);
 const STATES: Record<VerificationAnswer['status'], string> = {
   stale: 'verifying …',
   running: 'verifying …',
@@ -34,7 +31,6 @@ const CLASSES: Record<VerificationAnswer['checks'][number]['verdict'], string> =
 
 let subject: Subject | undefined;
 let answer: VerificationAnswer | undefined;
-let drawn = '';
 
 function node<K extends keyof HTMLElementTagNameMap>(tag: K, content: (Node | string)[] | string = '', className = ''): HTMLElementTagNameMap[K] {
   const it = document.createElement(tag);
@@ -140,7 +136,7 @@ function showChecks(it: VerificationAnswer): void {
     lines[0]?.children[1]?.classList.add('what');
     if (notes.length > 0) lines.push(sentence(rich(notes.join('; ')), columns.length + 2));
     if (check.remedy !== null) lines.push(sentence([...rich(check.remedy), ...repair(check.location, `repair ${i}`)], columns.length + 2, 'remedies'));
-    for (const line of lines) line.classList.toggle('shown', it.timeline?.check === i);
+    for (const line of lines) line.classList.toggle('shown', it.run?.check === i);
     return lines;
   });
   update(table, [heads(['verdict', 'check', ...columns, '']), ...rows]);
@@ -173,60 +169,17 @@ function showRepairs(it: VerificationAnswer): void {
   update(section.querySelector('ul') as Element, all.map((text, i) => node('li', [...rich(text), ...repair(at, `repair all ${i}`)])));
 }
 
-/** Height of the title in the picture of a run: the title stands above the picture. */
-const TITLE = 24;
-
-/** The picture of a run without its title, with its width and height. */
-function untitled(svg: string): [string, number, number] {
-  const [, width = '800', height = '200'] = /width="([\d.]+)" height="([\d.]+)"/.exec(svg) ?? [];
-  const less = svg.replace(/<text class="title"[^>]*>[^<]*<\/text>/, '');
-  const [w, h] = [Number(width), Number(height)];
-  if (less === svg) return [svg, w, h];
-  return [less.replace(/viewBox="[^"]*"/, `viewBox="0 ${TITLE} ${w} ${h - TITLE}"`), w, h - TITLE];
-}
-
-/** Names of lanes stay in sight, above what is scrolled below them. */
-function keepNames(): void {
-  const names = document.createElementNS('http://www.w3.org/2000/svg', 'g');
-  names.classList.add('names');
-  names.append(...view.querySelectorAll('g.lane > text:first-of-type'));
-  view.querySelector('svg')?.append(names);
-  moveNames();
-}
-
-function moveNames(): void {
-  view.querySelector('.names')?.setAttribute('transform', `translate(${view.scrollLeft / canvas.factor}, 0)`);
-}
-
 function showRun(it: VerificationAnswer, pinned: boolean): void {
-  const { timeline } = it;
-  element('run').hidden = timeline === null;
-  if (timeline === null) {
-    canvas.clear();
-    drawn = '';
-    return;
-  }
-  view.classList.toggle('old', pinned);
+  const { run } = it;
+  element('run').hidden = run === null;
+  if (run === null) return;
   element('dismiss').hidden = !pinned;
   // The row of its check is marked: what the run is of is said there.
-  const [, what = timeline.title] = /: (an? .*)$/.exec(timeline.title) ?? [];
-  element('runTitle').textContent = pinned ? `${timeline.title} (of an earlier text)` : what.charAt(0).toUpperCase() + what.slice(1);
-  const check = it.checks[timeline.check];
+  const [, what = run.title] = /: (an? .*)$/.exec(run.title) ?? [];
+  element('runTitle').textContent = pinned ? `${run.title} (of an earlier text)` : what.charAt(0).toUpperCase() + what.slice(1);
+  const check = it.checks[run.check];
   update(element('reasons'), (check?.cause == null ? [] : check.reason).map((reason) => node('li', rich(reason))));
-  if (drawn === timeline.svg) return;
-  element('events').replaceChildren(...timeline.events.map((event) => node('div', event)));
-  drawn = timeline.svg;
-  canvas.show(...untitled(timeline.svg));
-  keepNames();
-  // It fails at its end.
-  if (check?.verdict === 'refuted') view.scrollLeft = view.scrollWidth;
-  for (const bar of view.querySelectorAll<SVGGElement>('[data-link]')) {
-    bar.addEventListener('click', () => follow(bar));
-  }
-}
-
-function follow(bar: SVGGElement): void {
-  host.postMessage({ type: 'link', index: Number(bar.dataset['link']) });
+  update(element('events'), run.events.map(({ text, location }, i) => node('div', [link(text, location, undefined, `event ${i}`)])));
 }
 
 function showWhatIf(it: VerificationAnswer): void {
@@ -348,14 +301,4 @@ element('dismiss').addEventListener('click', () => host.postMessage({ type: 'dis
 element('findLimits').addEventListener('click', () => host.postMessage({ type: 'findLimits' }));
 element('stopLimits').addEventListener('click', () => host.postMessage({ type: 'stopLimits' }));
 element('writeOut').addEventListener('click', () => host.postMessage({ type: 'writeOut' }));
-view.addEventListener('scroll', moveNames);
-view.addEventListener('keydown', (event) => {
-  const bar = event.target instanceof Element ? event.target.closest<SVGGElement>('[data-link]') : null;
-  if ((event.key === 'Enter' || event.key === ' ') && bar !== null) {
-    event.preventDefault();
-    follow(bar);
-  } else {
-    canvas.key(event);
-  }
-});
 host.postMessage({ type: 'ready' });

@@ -5,11 +5,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use dotgen_analysis::host::Cancellable;
-use dotgen_diagram::theme::Theme;
-use dotgen_diagram::timeline::{self, Timeline};
 use dotgen_timing::diagnostic::Severity;
 use dotgen_timing::diagnostic::remark::together;
-use dotgen_timing::report::Event;
 use dotgen_timing::verify::{Cancel, Options, settings};
 use serde::{Deserialize, Serialize};
 
@@ -24,7 +21,6 @@ use dotgen_views::verification::results::{Answer, Status};
 use dotgen_views::verification::run::{self, Interim};
 use dotgen_views::verification::runs;
 use dotgen_views::verification::summary;
-use dotgen_views::verification::timeline::{first_visible_event, of_end, omitted_note};
 use dotgen_views::verification::view::CheckView;
 use dotgen_views::verification::what_if::WhatIf;
 use dotgen_views::verification::{Problem, TaskBound};
@@ -41,9 +37,6 @@ pub(crate) struct VerificationParams {
     /// A variation.
     #[serde(default)]
     what_if: WhatIf,
-    /// Colours of the timeline.
-    #[serde(default)]
-    theme: Theme,
 }
 
 impl VerificationParams {
@@ -53,7 +46,6 @@ impl VerificationParams {
             text_document,
             check: None,
             what_if,
-            theme: Theme::default(),
         }
     }
 
@@ -100,7 +92,7 @@ pub(crate) struct VerificationResult {
     notes: Vec<String>,
     blocking: Vec<BlockedResult>,
     codels: Vec<CodelResult>,
-    timeline: Option<TimelineResult>,
+    run: Option<RunResult>,
     states: usize,
     seconds: f64,
     /// True for the answer to a variation.
@@ -174,15 +166,18 @@ struct CodelResult {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
-struct TimelineResult {
+struct RunResult {
     check: usize,
     title: String,
-    /// The drawing. The attribute `data-link` of an element is an index of `links`.
-    svg: String,
-    timeline: Timeline,
-    links: Vec<Option<Location>>,
-    /// The run as text, one line per event.
-    events: Vec<String>,
+    /// The run as text: a line for each event, or for a part that is repeated.
+    events: Vec<EventResult>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct EventResult {
+    text: String,
+    location: Option<Location>,
 }
 
 /// The verification of a document, copied from a snapshot.
@@ -462,7 +457,7 @@ pub(crate) fn present(
         out.checks.push(shown_check(snapshot, prepared, check)?);
     }
     if let Some(chosen) = runs::chosen(report, params.check) {
-        out.timeline = Some(shown_run(snapshot, prepared, answer, chosen, params.theme)?);
+        out.run = Some(shown_run(snapshot, prepared, answer, chosen)?);
     }
     Ok(Some(out))
 }
@@ -507,68 +502,48 @@ fn shown_check(
     })
 }
 
-/// The lines of a run, with repeated parts once. The run may lack its first events; their number is given.
-fn in_words(
-    events: &[Event],
-    cycle: Option<usize>,
-    without: usize,
-    scale: summary::Scale,
-) -> Vec<String> {
-    let cycle = cycle.and_then(|it| it.checked_sub(without));
-    let mut lines = Vec::new();
-    for part in fold_repetitions(events, cycle) {
-        match part {
-            Part::Steps(range) => {
-                for step in range {
-                    if cycle == Some(step) {
-                        lines.push("from here on for ever:".to_owned());
-                    }
-                    let event = &events[step];
-                    let who = match &event.task {
-                        Some(task) => format!("{}.{task}", event.component),
-                        None => event.component.clone(),
-                    };
-                    lines.push(format!("{}  {who}  {}", scale.show(event.time), event.what));
-                }
-            }
-            Part::Again { steps, times, last } => lines.push(format!(
-                "… {}, until {} …",
-                again(steps, times),
-                scale.show(events[last].time)
-            )),
-        }
-    }
-    lines
-}
+/// Number of events shown of a long run: its last ones. The trace has all of them.
+const MAX_EVENTS: usize = 500;
 
+/// The run of a check as text, with repeated parts once.
 fn shown_run(
     snapshot: &Snapshot,
     prepared: &Prepared,
     answer: &Answer,
     number: usize,
-    theme: Theme,
-) -> Cancellable<TimelineResult> {
+) -> Cancellable<RunResult> {
     let check = &answer.report.checks[number];
-    let events = check.run();
-    let title = runs::title(check);
-    let first = first_visible_event(events);
-    let ending = runs::ending(check);
-    let picture = of_end(title.clone(), &answer.report.unit, events, first, ending);
-    // Links of events that are not shown are empty.
-    let mut links = vec![None; first];
-    for event in &events[first..] {
-        links.push(locate(snapshot, &prepared.places, event.src)?);
+    let scale = answer.scale();
+    let omitted = check.run().len().saturating_sub(MAX_EVENTS);
+    let events = &check.run()[omitted..];
+    let cycle = check.cycle.and_then(|it| it.checked_sub(omitted));
+    let mut lines = Vec::new();
+    let mut line = |text: String, location| lines.push(EventResult { text, location });
+    if omitted > 0 {
+        line(format!("… {omitted} steps before are not shown"), None);
     }
-    let mut lines = in_words(&events[first..], check.cycle, first, answer.scale());
-    if first > 0 {
-        lines.insert(0, format!("… {}", omitted_note(first)));
+    for part in fold_repetitions(events, cycle) {
+        match part {
+            Part::Steps(range) => {
+                for step in range {
+                    if cycle == Some(step) {
+                        line("from here on for ever:".to_owned(), None);
+                    }
+                    let event = &events[step];
+                    let at = scale.show(event.time);
+                    let text = format!("{at}  {}  {}", event.thread(), event.what);
+                    line(text, locate(snapshot, &prepared.places, event.src)?);
+                }
+            }
+            Part::Again { steps, times, last } => {
+                let until = scale.show(events[last].time);
+                line(format!("… {}, until {until} …", again(steps, times)), None);
+            }
+        }
     }
-    Ok(TimelineResult {
+    Ok(RunResult {
         check: number,
-        title,
-        svg: timeline::svg(&picture, theme),
-        timeline: picture,
-        links,
+        title: runs::title(check),
         events: lines,
     })
 }

@@ -12,7 +12,7 @@ use dotgen_timing::verify::settings;
 use serde_json::Value;
 
 use super::problems::about;
-use super::{TaskLocation, argument, tasks};
+use super::{TaskLocation, argument, refuting_run, tasks};
 use crate::features::commands::SHOW_VERIFICATION;
 use crate::protocol::types::{CodeLens, CodeLensParams, Command};
 use crate::workspace::snapshot::{Snapshot, Subject};
@@ -49,7 +49,10 @@ pub(crate) fn lenses(
                 title += &format!(" · {name}");
                 details.insert(0, format!("scenario `{name}`"));
             }
-            let mut argument = argument(&uri, shown(entry, task.id));
+            let mut argument = match shown(entry, task.id) {
+                Some(check) if mark == Mark::Fails => refuting_run(&uri, check),
+                check => argument(&uri, check),
+            };
             argument["tooltip"] = details.join("\n").into();
             let lens = lens(snapshot, lines.range(&task.range), title, argument);
             match worst.iter_mut().find(|it| it.0 == task.range) {
@@ -129,7 +132,10 @@ pub(crate) fn scenario_lenses(
         }
         for (range, words, check) in titles {
             let title = words.join(" | ");
-            let argument = argument(uri, Some(check));
+            let argument = match answer.report.checks[check].verdict {
+                Verdict::Refuted => refuting_run(uri, check),
+                _ => argument(uri, Some(check)),
+            };
             out.push(lens(snapshot, lines.range(&range), title, argument));
         }
     }

@@ -9,14 +9,13 @@ after(() => pages.close());
 
 const place = { uri: 'file:///a.gen', range: { start: { line: 1, character: 2 }, end: { line: 1, character: 9 } } };
 const check = (more) => ({ name: null, check: 'response', of: 'nav.exec', verdict: 'proved', worth: null, value: '8 ms', limit: '10 ms', slack: '20 %', note: null, cause: null, remedy: null, reason: [], hasRun: false, location: place, ...more });
-const svg = '<svg xmlns="http://www.w3.org/2000/svg" width="300" height="60" viewBox="0 0 300 60"><style>text{fill:currentColor}</style><g class="bar" data-link="0" tabindex="0" role="graphics-symbol" aria-label="exec runs"><rect width="40" height="12"/></g></svg>';
 const answer = {
   uri: 'file:///a.gen', version: 1, status: 'refuted', earlier: false, howFar: null, scenario: 'nav', written: false, platform: 'free', cores: null, policy: 'fifo', durations: 'interval',
   errors: [], warnings: [{ message: '2 codels have no `wcet`', location: place }], advice: 'write a scenario', bounds: [{ task: 'nav.exec', bound: '9 ms' }], minimumCores: 2, repairs: ['holds with 3 cores', 'holds up to 4 ms'], assumptions: ['any client'], notes: ['a note'],
   checks: [check({}), check({ of: 'nav.plan', verdict: 'refuted', value: '12 ms', cause: 'waits for level', remedy: 'holds up to 4 ms', reason: ['waits 6 ms'], hasRun: true }), check({ check: 'deadlock', verdict: 'gave up', value: null, limit: null, note: 'gave up after 10 s' })],
   blocking: [{ codel: 'nav.a', location: place, by: [{ codel: 'nav.b', location: place, time: '2 ms', through: 'ids.level' }] }],
   codels: [{ path: 'nav.exec.a', wcet: 2000, location: place }, { path: 'nav.exec.b', wcet: null, location: null }],
-  timeline: { check: 1, title: 'response nav.plan', svg, width: 300, height: 60, links: [place], events: ['0 ms: exec begins', '4 ms: plan waits'] }, states: 120, seconds: 0.4, whatIf: null,
+  run: { check: 1, title: 'response nav.plan', events: [{ text: '0 ms: exec begins', location: place }, { text: '4 ms: plan waits', location: null }] }, states: 120, seconds: 0.4, whatIf: null,
 };
 
 for (const theme of Object.keys(THEMES)) {
@@ -56,7 +55,7 @@ test('beside half a window nothing is cut, and remedies are reached', async () =
     const long = check({ name: 'begins', check: 'within', of: 'operator_of_the_tank.request => pump.fill.wait_for_the_level', verdict: 'refuted', cause: '`control` waits', remedy: 'holds up to 4 ms', slack: '-11 %' });
     await it.send({ type: 'answer', subject: { uri: 'file:///a.gen' }, answer: { ...answer, checks: [...answer.checks, long] }, pinned: false });
     for (const closed of await it.page.locator('details').all()) await closed.evaluate((details) => (details.open = true));
-    const cut = await it.page.evaluate(() => [...document.querySelectorAll('body *')].filter((one) => !one.closest('#view') && one.getBoundingClientRect().right > innerWidth).map((one) => one.outerHTML.slice(0, 90)));
+    const cut = await it.page.evaluate(() => [...document.querySelectorAll('body *')].filter((one) => one.getBoundingClientRect().right > innerWidth).map((one) => one.outerHTML.slice(0, 90)));
     assert.deepEqual(cut, [], String(width));
     await it.page.locator('#checks tr', { hasText: 'Repair' }).first().locator('a', { hasText: 'Repair' }).click();
     assert.deepEqual((await it.said()).at(-1), { type: 'repair', uri: 'file:///a.gen', line: 1, character: 2 });
@@ -66,26 +65,22 @@ test('beside half a window nothing is cut, and remedies are reached', async () =
 
 test('title, cause and expression are said once; what repairs everything is listed', async () => {
   const it = await pages.open({ width: 700, height: 900 });
-  const titled = svg.replace('<g ', '<text class="title" y="20">response nav.plan: a run that refutes it</text><g ');
-  await it.send({ type: 'answer', subject: { uri: 'file:///a.gen' }, answer: { ...answer, timeline: { ...answer.timeline, title: 'response nav.plan: a run that refutes it', svg: titled } }, pinned: false });
+  await it.send({ type: 'answer', subject: { uri: 'file:///a.gen' }, answer: { ...answer, run: { ...answer.run, title: 'response nav.plan: a run that refutes it' } }, pinned: false });
   assert.equal(await it.page.locator('#runTitle').innerText(), 'A run that refutes it');
-  const text = await it.page.evaluate(() => document.body.innerText + document.querySelector('#view').textContent);
+  const text = await it.page.evaluate(() => document.body.innerText);
   for (const once of ['response nav.plan', 'waits for level', 'a run that refutes it']) assert.equal(text.toLowerCase().split(once).length - 1, 1, once);
-  assert.equal(await it.page.locator('#view svg').getAttribute('viewBox'), '0 24 300 36');
   assert.deepEqual(await it.page.locator('#repairs li').allInnerTexts(), ['holds with 3 cores Repair…'].map((line) => line.replace(' Repair', 'Repair')));
   await it.page.close();
 });
 
-test('letters of the timeline are at least 9 pixels high, and its names stay in sight', async () => {
-  const wide = '<svg xmlns="http://www.w3.org/2000/svg" width="880" height="60" viewBox="0 0 880 60"><style>text{font:11px sans-serif}</style><g class="lane"><text x="4" y="40">nav.exec</text></g></svg>';
-  for (const width of [380, 700, 1400]) {
-    const it = await pages.open({ width, height: 900 });
-    await it.send({ type: 'answer', subject: { uri: 'file:///a.gen' }, answer: { ...answer, timeline: { ...answer.timeline, svg: wide, width: 880 } }, pinned: false });
-    const scale = await it.page.locator('#view svg').evaluate((one) => one.getBoundingClientRect().width / 880);
-    assert.ok(scale * 11 >= 8.99, `${width}: ${scale * 11}`);
-    // The outline of its letters is 5 pixels wide.
-    const [name, view] = await Promise.all(['#view text', '#view'].map((one) => it.page.locator(one).boundingBox()));
-    assert.ok(name.x >= view.x - 8 && name.x + name.width <= view.x + view.width, JSON.stringify([name, view]));
-    await it.page.close();
-  }
+test('the events of a run lead to their codels, and the run is opened step by step', async () => {
+  const it = await pages.open({ width: 700, height: 900 });
+  await it.send({ type: 'answer', subject: { uri: 'file:///a.gen' }, answer, pinned: false });
+  await it.page.locator('#run summary').click();
+  assert.equal(await it.page.locator('#events a').count(), 1, 'the event without a place is text');
+  await it.page.locator('#events a', { hasText: 'exec begins' }).click();
+  assert.deepEqual((await it.said()).at(-1), { type: 'place', uri: 'file:///a.gen', line: 1, character: 2, endLine: 1, endCharacter: 9 });
+  await it.page.locator('#trace').click();
+  assert.deepEqual((await it.said()).at(-1), { type: 'trace' });
+  await it.page.close();
 });

@@ -10,7 +10,7 @@ use super::lanes::{BuiltLanes, Key, Lanes, Of, Part, SpanStart};
 use super::rules::rule;
 use super::{Arrow, FORMAT, Focus, Holder, Mark, MarkKind, Span, SpanKind, Step, Trace};
 use crate::verification::blocking::Row;
-use crate::verification::timeline::Ending;
+use crate::verification::runs::Ending;
 
 /// A run, and the data for its trace.
 pub struct TraceInput<'e> {
@@ -150,14 +150,6 @@ fn key_of(event: &Event) -> Key {
     Key::Of(event.component.clone(), part)
 }
 
-/// The name of the executing task or component, as in events and reports.
-fn who(event: &Event) -> String {
-    match &event.task {
-        Some(task) => format!("{}.{task}", event.component),
-        None => event.component.clone(),
-    }
-}
-
 fn last_name(path: &str) -> String {
     path.rsplit('.').next().unwrap_or_default().to_owned()
 }
@@ -178,7 +170,7 @@ impl TraceBuilder<'_> {
         }
         self.lanes.touch(&key);
         let locks = Key::Of(event.component.clone(), Part::Locks);
-        let name = who(event);
+        let name = event.thread();
         if let Some(victim) = &event.preempts {
             self.take_core(victim, &name, step, now);
         }
