@@ -117,8 +117,6 @@ struct Joined {
     _tokens: Vec<LivelinessToken>,
     _subscribers: Vec<Subscriber<()>>,
     _queryables: Vec<Queryable<()>>,
-    /// Topics without messages.
-    _silent: Vec<Topic>,
 }
 
 impl Nodes {
@@ -146,7 +144,7 @@ impl Nodes {
         let id = self.id(&node, number);
         let declare = |token| self.session.liveliness().declare_token(token).wait();
         let mut tokens = vec![declare(id.token())?];
-        let (mut topics, mut silent) = (HashMap::new(), Vec::new());
+        let mut topics = HashMap::new();
         let (mut subscribers, mut queryables) = (Vec::new(), Vec::new());
         for endpoint in &node.endpoints {
             let (part, key) = (endpoint.part, endpoint.key(node.domain));
@@ -155,12 +153,14 @@ impl Nodes {
                 (Kind::Publisher, Part::Status(service)) => {
                     self.requests.add_status(component, service, topic()?);
                 }
+                (Kind::Publisher, Part::Feedback(service)) => {
+                    self.requests.add_feedback(component, service, topic()?);
+                }
                 (Kind::Publisher, Part::Port(port)) => {
                     if !endpoint.multiple {
                         topics.insert((port, String::new()), Some(topic()?));
                     }
                 }
-                (Kind::Publisher, _) => silent.push(topic()?),
                 (Kind::Subscription, Part::Port(port)) if !is_fed(component, port) => {
                     let input = self.input(component, port, endpoint.multiple);
                     let subscriber = self.session.declare_subscriber(key);
@@ -177,7 +177,7 @@ impl Nodes {
                     queryables.push(queryable.callback(hear).wait()?);
                     tokens.push(declare(endpoint.token(id, self.number()))?);
                 }
-                (Kind::Subscription | Kind::Client, _) => {}
+                (Kind::Publisher | Kind::Subscription | Kind::Client, _) => {}
             }
         }
         Ok(Joined {
@@ -187,7 +187,6 @@ impl Nodes {
             _tokens: tokens,
             _subscribers: subscribers,
             _queryables: queryables,
-            _silent: silent,
         })
     }
 
@@ -224,6 +223,10 @@ impl Nodes {
 impl RunListener for Nodes {
     fn answer(&mut self, id: u64, answer: &RequestReply) {
         self.requests.answer(id, answer);
+    }
+
+    fn entered(&mut self, id: u64, state: &str) {
+        self.requests.entered(id, state);
     }
 
     fn gone(&mut self, component: usize, _: &str) {

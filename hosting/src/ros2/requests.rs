@@ -59,6 +59,7 @@ enum Wants {
 #[derive(Default)]
 struct Activity {
     status: Option<Topic>,
+    feedback: Option<Topic>,
     /// In order of acceptance.
     goals: Vec<Goal>,
 }
@@ -103,11 +104,18 @@ impl Requests {
         activity.publish();
     }
 
+    /// Adds the topic of the feedback of an activity.
+    pub(super) fn add_feedback(&self, component: usize, service: u32, topic: Topic) {
+        let mut state = self.state();
+        let activity = state.activities.entry((component, service)).or_default();
+        activity.feedback = Some(topic);
+    }
+
     /// Removes the topics of a component from the graph.
     pub(super) fn leave(&self, component: usize) {
         for (place, activity) in &mut self.state().activities {
             if place.0 == component {
-                activity.status = None;
+                (activity.status, activity.feedback) = (None, None);
             }
         }
     }
@@ -277,6 +285,24 @@ impl Requests {
         let result = payloads.result(service, status, outcome);
         let result = result.or_else(|_| payloads.result(service, cdr::ABORTED, UNREADABLE));
         result.unwrap_or_default()
+    }
+
+    /// Publishes the new state of an activity as feedback.
+    pub(super) fn entered(&self, id: u64, entered: &str) {
+        let state = self.state();
+        let pending = state.pending.get(&id);
+        let Some(Pending {
+            component,
+            service,
+            wants: Wants::Goal(goal),
+        }) = pending
+        else {
+            return;
+        };
+        let activity = state.activities.get(&(*component, *service));
+        if let Some(topic) = activity.and_then(|it| it.feedback.as_ref()) {
+            topic.put(cdr::feedback(*goal, entered));
+        }
     }
 
     /// Passes an answer of the engine on.
