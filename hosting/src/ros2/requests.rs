@@ -17,7 +17,7 @@ use crate::clients::MAX_WAITING;
 use crate::components::KnownComponent;
 
 /// Maximum number of goals of an activity, with those that have ended: the oldest of these are forgotten.
-const GOALS: usize = 64;
+const GOALS: usize = 128;
 
 /// Maximum number of requests that wait for the result of a goal.
 const RESULT_REQUESTS: usize = 16;
@@ -345,6 +345,8 @@ impl Requests {
                 if let Some(goal) = activity.goals.iter_mut().find(|it| it.info.id == goal) {
                     let was_canceled = goal.status == CANCELING;
                     goal.status = match outcome {
+                        // The state `stop` ends an activity like any other state.
+                        Outcome::Done(_) if was_canceled => cdr::CANCELED,
                         Outcome::Done(_) => cdr::SUCCEEDED,
                         Outcome::Failed { exception, .. }
                             if was_canceled && exception == "::genom::interrupted" =>
