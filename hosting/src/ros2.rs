@@ -41,7 +41,7 @@ pub struct Ros2Options<'a> {
 }
 
 /// Adds the components of a run to the graph of ROS 2. `is_fed` returns true for input ports that get their
-/// data from this run. What has no form in ROS 2 is told.
+/// data from this run. Parts without a form in ROS 2 are reported.
 ///
 /// # Errors
 /// A message: an endpoint is invalid, or another program listens there.
@@ -66,13 +66,11 @@ pub fn join(
         match endpoints(&it.spec, it.component(), wanted.domain) {
             Ok(node) => {
                 let refused = node.refused.iter();
-                refused.for_each(|it| tell(&format!("not in ROS 2: {it}")));
+                refused.for_each(|it| tell(&it.to_string()));
                 let joined = nodes.add(component, node, is_fed).map_err(failed)?;
                 nodes.joined.insert(component, joined);
             }
-            Err(all) => all
-                .iter()
-                .for_each(|it| tell(&format!("not in ROS 2: {it}"))),
+            Err(all) => all.iter().for_each(|it| tell(&it.to_string())),
         }
     }
     Ok(Box::new(nodes))
@@ -213,7 +211,7 @@ impl Nodes {
             .inspect_err(|why| {
                 let topic = &endpoint.topic;
                 (self.tell)(&format!(
-                    "not in ROS 2: instance `{name}` of `{topic}`: {why}"
+                    "instance `{name}` of `{topic}` is not offered to ROS 2: {why}"
                 ));
             })
             .ok()
