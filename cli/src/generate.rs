@@ -113,6 +113,7 @@ fn run(
         disk: Arc::new(SystemDisk),
         loader: Arc::new(Vfs::new(packages)),
         pictures: Arc::new(dotgen_views::pictures::machine),
+        ros2: Arc::new(dotgen_ros2::interfaces::packages),
         console: &mut StdConsole::default(),
         limits: Limits::default(),
         base: PathBuf::new(),

@@ -97,12 +97,10 @@ pub(super) struct Arguments {
 
     /// Make each component a ROS 2 node (rmw_zenoh), with --clock real, at the router at
     /// tcp/localhost:7447 or at --zenoh-connect; with --zenoh-listen, the run is a router itself
-    #[cfg(feature = "ros2")]
     #[arg(long, conflicts_with = "zenoh_reads")]
     ros2: bool,
 
     /// ROS domain [default: ROS_DOMAIN_ID, or 0]
-    #[cfg(feature = "ros2")]
     #[arg(long, value_name = "N", requires = "ros2", value_parser = clap::value_parser!(u32).range(0..=232))]
     ros_domain: Option<u32>,
 
@@ -318,7 +316,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
              virtual clock"
         );
     }
-    if arguments.is_ros_node() && arguments.clock == Clock::Virtual {
+    if arguments.ros2 && arguments.clock == Clock::Virtual {
         anyhow::bail!("`--ros2` needs `--clock real`: ROS 2 nodes do not know the virtual clock");
     }
     if !arguments.zenoh_reads.is_empty() && !arguments.has_network() {
@@ -497,16 +495,8 @@ impl Arguments {
         !self.zenoh_listen.is_empty() || !self.zenoh_connect.is_empty()
     }
 
-    /// Returns true if components are ROS 2 nodes.
-    fn is_ros_node(&self) -> bool {
-        #[cfg(feature = "ros2")]
-        return self.ros2;
-        #[cfg(not(feature = "ros2"))]
-        false
-    }
-
     /// The ROS domain, from the option or from the environment as in ROS 2.
-    #[cfg(all(unix, feature = "ros2"))]
+    #[cfg(all(unix, feature = "zenoh"))]
     fn ros_domain(&self) -> anyhow::Result<u32> {
         let given = std::env::var("ROS_DOMAIN_ID").unwrap_or_default();
         match (self.ros_domain, given.as_str()) {

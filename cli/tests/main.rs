@@ -31,6 +31,7 @@ mod releases;
 mod remote;
 mod replay;
 mod ros2;
+mod ros2_interfaces;
 mod run;
 #[path = "support/running.rs"]
 mod running;

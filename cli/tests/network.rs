@@ -31,7 +31,7 @@ pub(crate) fn echo() -> Directory {
     component("echo", specification, include_str!("hosted/echo.c"))
 }
 
-fn reader() -> Directory {
+pub(crate) fn reader() -> Directory {
     let specification = include_str!("hosted/reader.gen");
     component("reader", specification, include_str!("hosted/reader.c"))
 }

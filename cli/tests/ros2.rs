@@ -1,39 +1,84 @@
-//! Components as ROS 2 nodes: a peer that speaks plain Zenoh and CDR.
-#![cfg(all(target_os = "linux", feature = "ros2"))]
+//! Components as ROS 2 nodes, seen by peers that speak plain Zenoh and CDR.
+#![cfg(all(target_os = "linux", feature = "zenoh"))]
 
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::Path;
-use std::process::Stdio;
+use std::process::{Child, ChildStdout, Stdio};
 
 use crate::directory::{Directory, status, stderr};
-use crate::network::{echo, endpoint, run};
+use crate::network::{echo, endpoint, reader, run};
 use crate::python::python;
-use crate::running::compilers;
+use crate::running::{compilers, ended, hosts, soon};
+
+/// A script of `tests/ros2`, which prints a line for each part that it has done.
+struct Script(Child, BufReader<ChildStdout>);
+
+impl Script {
+    /// Starts the script; `None` without its packages.
+    fn start(name: &str, endpoint: &str) -> Option<Script> {
+        let mut command = python(&["eclipse-zenoh"], "import zenoh.ext")?;
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/ros2");
+        command.arg(folder.join(name)).arg(endpoint);
+        command.stdin(Stdio::piped()).stdout(Stdio::piped());
+        let mut child = command.spawn().expect("it starts");
+        let output = BufReader::new(child.stdout.take().expect("it is piped"));
+        Some(Script(child, output))
+    }
+
+    /// Waits for the next line. All waits of a script have a bound.
+    fn prints(&mut self, expected: &str) {
+        let mut line = String::new();
+        self.1.read_line(&mut line).expect("it is text");
+        assert_eq!(line.trim_end(), expected);
+    }
+}
+
+impl Drop for Script {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
 
 #[test]
 fn a_peer_reads_topics_calls_services_and_sends_goals() {
-    let Some(mut peer) = python(&["eclipse-zenoh"], "import zenoh") else {
-        return;
-    };
     if !compilers() {
         return;
     }
-    let directory = echo();
-    let endpoint = endpoint();
-    let listen = ["--ros2", "--ros-domain", "7", "--zenoh-listen", &endpoint];
-    let run = run(&directory, "echo.gen", &listen);
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/ros2/peer.py");
-    peer.arg(script).arg(&endpoint);
-    peer.stdin(Stdio::piped()).stdout(Stdio::piped());
-    let mut peer = peer.spawn().expect("it starts");
-    let mut lines = BufReader::new(peer.stdout.take().expect("it is piped")).lines();
-    let mut line = || lines.next().and_then(Result::ok).unwrap_or_default();
-    assert_eq!(line(), "seen");
+    let (directory, endpoint) = (echo(), endpoint());
+    let Some(mut script) = Script::start("echo.py", &endpoint) else {
+        return;
+    };
+    script.prints("router");
+    let connect = ["--ros2", "--ros-domain", "7", "--zenoh-connect", &endpoint];
+    let run = run(&directory, "echo.gen", &connect);
+    script.prints("seen");
+    assert_eq!(hosts(&directory).len(), 1);
+    // It is killed: neither a process nor a node stays.
     drop(run);
-    let mut input = peer.stdin.take().expect("it is piped");
-    input.write_all(b"\n").expect("the peer reads");
-    assert_eq!(line(), "gone");
-    assert!(peer.wait().expect("it ends").success());
+    soon("the end of the host", || {
+        hosts(&directory).is_empty().then_some(())
+    });
+    let mut input = script.0.stdin.take().expect("it is piped");
+    input.write_all(b"\n").expect("the script reads");
+    script.prints("gone");
+    assert!(ended(&mut script.0).success());
+}
+
+#[test]
+fn a_run_is_the_router_and_its_ports_read_topics() {
+    if !compilers() {
+        return;
+    }
+    let (directory, endpoint) = (reader(), endpoint());
+    let listen = ["--ros2", "--ros-domain", "7", "--zenoh-listen", &endpoint];
+    let run = run(&directory, "reader.gen", &listen);
+    let Some(mut script) = Script::start("reader.py", &endpoint) else {
+        return;
+    };
+    script.prints("seen");
+    assert!(ended(&mut script.0).success());
+    drop(run);
 }
 
 #[test]

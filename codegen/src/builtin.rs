@@ -11,6 +11,7 @@ mod manifest;
 mod mappings;
 mod python;
 mod render;
+mod ros2_interfaces;
 mod skeleton;
 
 use std::path::{Component, Path, PathBuf};
@@ -108,15 +109,17 @@ impl Texts {
 /// Names of the templates included in dotgen, sorted.
 pub fn names() -> Vec<&'static str> {
     let mut names: Vec<&str> = EMBEDDED.iter().map(|it| it.name).collect();
-    names.push("mappings");
+    names.extend(["mappings", ros2_interfaces::NAME]);
     names.sort_unstable();
     names
 }
 
 /// The description of a template of dotgen.
 pub(crate) fn about(disk: &dyn Disk, name: &str) -> String {
-    if name == "mappings" {
-        return mappings::ABOUT.to_owned();
+    match name {
+        "mappings" => return mappings::ABOUT.to_owned(),
+        ros2_interfaces::NAME => return ros2_interfaces::ABOUT.to_owned(),
+        _ => {}
     }
     let found = EMBEDDED.iter().find(|it| it.name == name);
     let manifest = found.and_then(|it| Texts::Embedded(it.files).manifest(disk).ok());
@@ -139,6 +142,8 @@ pub(crate) fn run(
 ) -> Option<i32> {
     let result = if name == "mappings" {
         mappings::run(args, options, compiler, env, false)
+    } else if name == ros2_interfaces::NAME {
+        ros2_interfaces::run(args, options, compiler, env)
     } else {
         let found = EMBEDDED.iter().find(|it| it.name == name)?;
         render::run(

@@ -10,7 +10,7 @@ use camino::Utf8PathBuf;
 use dotgen_analysis::release::{Release, ReleaseChoice};
 use dotgen_syntax::encoding;
 
-pub use crate::environment::{Environment, Pictures, search_path};
+pub use crate::environment::{Environment, MakeRos2Packages, Pictures, Ros2Packages, search_path};
 
 use crate::disk::NewContent;
 use crate::frontend::Frontend;

@@ -1,11 +1,12 @@
 //! The environment of the generator's command line.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use camino::Utf8PathBuf;
 use dotgen_analysis::host::{Loader, required_release};
-use dotgen_analysis::model::Spec;
+use dotgen_analysis::model::{Spec, Src};
 use dotgen_analysis::release::{ReleaseChoice, ReleaseOrigin};
 
 use crate::compiler::Compiler;
@@ -33,6 +34,8 @@ pub struct Environment<'a> {
     pub loader: Arc<dyn Loader>,
     /// Draws pictures for templates.
     pub pictures: Arc<Pictures>,
+    /// Makes ROS 2 packages.
+    pub ros2: Arc<MakeRos2Packages>,
     /// The standard channels.
     pub console: &'a mut dyn Console,
     /// The limits on the resources of a template.
@@ -58,6 +61,19 @@ pub struct Environment<'a> {
 /// # Errors
 /// A message, if the form does not exist.
 pub type Pictures = dyn Fn(&Spec, &str, &str, &str) -> Result<String, String> + Send + Sync;
+
+/// ROS 2 packages with the types of components.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Ros2Packages {
+    /// The files, by path below the folder of the packages.
+    pub files: BTreeMap<String, String>,
+    /// Parts of the model without a form in ROS 2: their places, and messages with the reasons.
+    pub refused: Vec<(Src, String)>,
+}
+
+/// Makes the ROS 2 packages of all components of a specification. The caller provides it, as the mapping
+/// belongs to another layer than templates.
+pub type MakeRos2Packages = dyn Fn(&Spec) -> Ros2Packages + Send + Sync;
 
 impl Environment<'_> {
     pub(crate) fn print(&mut self, text: &str) {

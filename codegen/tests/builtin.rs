@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use dotgen_analysis::release::{Release, ReleaseChoice, ReleaseOrigin};
-use dotgen_codegen::command::{Environment, generate};
+use dotgen_codegen::command::{Environment, Ros2Packages, generate};
 use dotgen_codegen::template::Limits;
 use dotgen_codegen::template::console::CapturedConsole;
 
@@ -33,6 +33,7 @@ fn run_as(release: Release, dir: &Path, args: &[&str]) -> (i32, String, String) 
         },
         disk: Arc::new(crate::files::Files),
         loader: Arc::new(crate::disk::Disk),
+        ros2: Arc::new(|_| Ros2Packages::default()),
         pictures: Arc::new(|_, component, owner, form| {
             {
                 // What has no machine has no picture.

@@ -6,7 +6,7 @@
 use std::process::{Command, ExitCode};
 use std::sync::Arc;
 
-use dotgen_codegen::command::{Environment, generate};
+use dotgen_codegen::command::{Environment, Ros2Packages, generate};
 use dotgen_codegen::template::console::StdConsole;
 use dotgen_codegen::template::{Limits, find_tclsh};
 
@@ -86,6 +86,7 @@ fn generator() -> ExitCode {
         variables: &|name| std::env::var(name).ok(),
         disk: Arc::new(files::Files),
         loader: Arc::new(disk::Disk),
+        ros2: Arc::new(|_| Ros2Packages::default()),
         pictures: Arc::new(|_, component, owner, form| {
             {
                 // What has no machine has no picture.

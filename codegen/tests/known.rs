@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use dotgen_analysis::release::{Release, ReleaseChoice, ReleaseOrigin};
-use dotgen_codegen::command::{Environment, generate};
+use dotgen_codegen::command::{Environment, Ros2Packages, generate};
 use dotgen_codegen::process::{Folder, Gap, Meter, Process, Processes, Program, Resources};
 use dotgen_codegen::template::console::CapturedConsole;
 use dotgen_codegen::template::{Limits, OutputSink, find_tclsh};
@@ -71,6 +71,7 @@ impl Place<'_> {
             disk: Arc::new(crate::files::Files),
             loader: Arc::new(crate::disk::Disk),
             pictures: Arc::new(|_, _, _, _| Ok(String::new())),
+            ros2: Arc::new(|_| Ros2Packages::default()),
             console: &mut console,
             limits: Limits::default(),
             base: self.folder.path().to_owned(),

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use dotgen_analysis::release::{Release, ReleaseChoice, ReleaseOrigin};
 use dotgen_codegen::codels::headers::RUNTIME;
-use dotgen_codegen::command::{Environment, generate};
+use dotgen_codegen::command::{Environment, Ros2Packages, generate};
 use dotgen_codegen::template::console::CapturedConsole;
 use dotgen_codegen::template::{Limits, OutputSink, find_tclsh};
 
@@ -83,6 +83,7 @@ fn a_ros_server_compiles_without_genom() {
         disk: Arc::new(crate::files::Files),
         loader: Arc::new(crate::disk::Disk),
         pictures: Arc::new(|_, _, _, _| Ok(String::new())),
+        ros2: Arc::new(|_| Ros2Packages::default()),
         console: &mut console,
         limits: Limits::default(),
         base: place.path().to_owned(),

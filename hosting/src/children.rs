@@ -77,6 +77,8 @@ impl InputSlot {
 pub trait RunListener {
     /// Receives the result of a request, or its acceptance.
     fn answer(&mut self, id: u64, answer: &RequestReply);
+    /// Receives the new state of an activity that a request began.
+    fn entered(&mut self, _id: u64, _state: &str) {}
     /// Receives the end of a component, with the way in which the component ended.
     fn gone(&mut self, component: usize, why: &str);
     /// Receives new data of an output port.
@@ -671,6 +673,12 @@ impl Hosts for Children {
     fn answer(&mut self, id: u64, answer: RequestReply) {
         for it in &mut self.outside {
             it.answer(id, &answer);
+        }
+    }
+
+    fn entered(&mut self, id: u64, state: &str) {
+        for it in &mut self.outside {
+            it.entered(id, state);
         }
     }
 

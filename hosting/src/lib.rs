@@ -11,7 +11,7 @@
 //! | [`clients`] | the clients of the socket, and their limits |
 //! | [`components`] | the components of a run, as clients see them |
 //! | `network` | ports between machines, by Zenoh; with the feature `zenoh` |
-//! | `ros2` | components as ROS 2 nodes, by Zenoh; with the feature `ros2` |
+//! | `ros2` | components as ROS 2 nodes, by Zenoh; with the feature `zenoh` |
 //! | [`stream`] | a connection with a client |
 //! | [`sockets`] | the paths of the sockets of this user |
 //! | [`realtime`] | real-time priority, cores and locked memory |
@@ -28,7 +28,7 @@ mod library;
 pub mod network;
 pub mod orphans;
 pub mod realtime;
-#[cfg(feature = "ros2")]
+#[cfg(feature = "zenoh")]
 pub mod ros2;
 pub mod server;
 mod shared_data;

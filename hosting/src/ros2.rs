@@ -41,7 +41,7 @@ pub struct Ros2Options<'a> {
 }
 
 /// Adds the components of a run to the graph of ROS 2. `is_fed` returns true for input ports that get their
-/// data from this run. What has no form in ROS 2 is told.
+/// data from this run. Parts without a form in ROS 2 are reported.
 ///
 /// # Errors
 /// A message: an endpoint is invalid, or another program listens there.
@@ -66,13 +66,11 @@ pub fn join(
         match endpoints(&it.spec, it.component(), wanted.domain) {
             Ok(node) => {
                 let refused = node.refused.iter();
-                refused.for_each(|it| tell(&format!("not in ROS 2: {it}")));
+                refused.for_each(|it| tell(&it.to_string()));
                 let joined = nodes.add(component, node, is_fed).map_err(failed)?;
                 nodes.joined.insert(component, joined);
             }
-            Err(all) => all
-                .iter()
-                .for_each(|it| tell(&format!("not in ROS 2: {it}"))),
+            Err(all) => all.iter().for_each(|it| tell(&it.to_string())),
         }
     }
     Ok(Box::new(nodes))
@@ -117,8 +115,6 @@ struct Joined {
     _tokens: Vec<LivelinessToken>,
     _subscribers: Vec<Subscriber<()>>,
     _queryables: Vec<Queryable<()>>,
-    /// Topics without messages.
-    _silent: Vec<Topic>,
 }
 
 impl Nodes {
@@ -146,7 +142,7 @@ impl Nodes {
         let id = self.id(&node, number);
         let declare = |token| self.session.liveliness().declare_token(token).wait();
         let mut tokens = vec![declare(id.token())?];
-        let (mut topics, mut silent) = (HashMap::new(), Vec::new());
+        let mut topics = HashMap::new();
         let (mut subscribers, mut queryables) = (Vec::new(), Vec::new());
         for endpoint in &node.endpoints {
             let (part, key) = (endpoint.part, endpoint.key(node.domain));
@@ -155,12 +151,14 @@ impl Nodes {
                 (Kind::Publisher, Part::Status(service)) => {
                     self.requests.add_status(component, service, topic()?);
                 }
+                (Kind::Publisher, Part::Feedback(service)) => {
+                    self.requests.add_feedback(component, service, topic()?);
+                }
                 (Kind::Publisher, Part::Port(port)) => {
                     if !endpoint.multiple {
                         topics.insert((port, String::new()), Some(topic()?));
                     }
                 }
-                (Kind::Publisher, _) => silent.push(topic()?),
                 (Kind::Subscription, Part::Port(port)) if !is_fed(component, port) => {
                     let input = self.input(component, port, endpoint.multiple);
                     let subscriber = self.session.declare_subscriber(key);
@@ -177,7 +175,7 @@ impl Nodes {
                     queryables.push(queryable.callback(hear).wait()?);
                     tokens.push(declare(endpoint.token(id, self.number()))?);
                 }
-                (Kind::Subscription | Kind::Client, _) => {}
+                (Kind::Publisher | Kind::Subscription | Kind::Client, _) => {}
             }
         }
         Ok(Joined {
@@ -187,7 +185,6 @@ impl Nodes {
             _tokens: tokens,
             _subscribers: subscribers,
             _queryables: queryables,
-            _silent: silent,
         })
     }
 
@@ -214,7 +211,7 @@ impl Nodes {
             .inspect_err(|why| {
                 let topic = &endpoint.topic;
                 (self.tell)(&format!(
-                    "not in ROS 2: instance `{name}` of `{topic}`: {why}"
+                    "instance `{name}` of `{topic}` is not offered to ROS 2: {why}"
                 ));
             })
             .ok()
@@ -224,6 +221,10 @@ impl Nodes {
 impl RunListener for Nodes {
     fn answer(&mut self, id: u64, answer: &RequestReply) {
         self.requests.answer(id, answer);
+    }
+
+    fn entered(&mut self, id: u64, state: &str) {
+        self.requests.entered(id, state);
     }
 
     fn gone(&mut self, component: usize, _: &str) {

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use dotgen_analysis::model::{Component, ComponentKind, ScopeKind, Spec, Src, TypeId, TypeKind};
+use dotgen_codegen::command::Ros2Packages;
 
 use crate::description::{Base, FILLER, Field};
 use crate::mapping::Mapping;
@@ -79,6 +80,20 @@ pub fn interfaces(spec: &Spec, components: &[&Component]) -> Interfaces {
         files.insert(format!("{package}/CMakeLists.txt"), build);
     }
     Interfaces { files, refused }
+}
+
+/// The packages of all components of a specification, for the template `ros2-interfaces`.
+pub fn packages(spec: &Spec) -> Ros2Packages {
+    let all = spec.components.iter();
+    let all: Vec<&Component> = all
+        .filter(|it| it.kind == ComponentKind::Component)
+        .collect();
+    let Interfaces { files, refused } = interfaces(spec, &all);
+    let refused = refused.iter().map(|it| (it.src, it.to_string()));
+    Ros2Packages {
+        files,
+        refused: refused.collect(),
+    }
 }
 
 /// Adds all types of the packages in use, except for those of components. Types may need further packages.

@@ -217,6 +217,9 @@ pub trait Hosts {
     /// Sends an answer to the sender of an outside request.
     fn answer(&mut self, id: u64, answer: RequestReply);
 
+    /// Reports the new state of an activity that an outside request began.
+    fn entered(&mut self, id: u64, state: &str);
+
     /// Reports that a component is lost, and the reason.
     fn gone(&mut self, component: usize, why: &str);
 

@@ -27,6 +27,8 @@ struct Instance {
     wanted: Option<u64>,
     /// The exception that ended it, with its detail.
     failed: Option<(String, Vec<u8>)>,
+    /// The state of the machine that has been reported.
+    state: Option<usize>,
     /// The request has ended by itself.
     ended: bool,
     refused: bool,
@@ -172,6 +174,7 @@ impl<'p> Live<'p> {
         self.begin_and_end_requests(stepper);
         for it in seen {
             if let Seen::Begun { executor, work, .. } = *it {
+                self.report_state(&work);
                 self.note_begin(executor, work);
             }
         }

@@ -64,6 +64,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         "lsp-server",
         &[
             "dotgen-platform",
+            "dotgen-ros2",
             "dotgen-views",
             "dotgen-syntax",
             "dotgen-analysis",
@@ -76,6 +77,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         "cli",
         &[
             "dotgen-platform",
+            "dotgen-ros2",
             "dotgen-hosting",
             "dotgen-views",
             "dotgen-lsp-server",

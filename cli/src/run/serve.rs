@@ -74,7 +74,7 @@ pub(super) fn start(
     #[cfg(feature = "zenoh")]
     let _network = join(arguments, &known, parts, children)?;
     #[cfg(not(feature = "zenoh"))]
-    if arguments.has_network() || arguments.is_ros_node() {
+    if arguments.has_network() || arguments.ros2 {
         anyhow::bail!(
             "this build of dotgen has no Zenoh: install it with `cargo install --path cli --features \
              zenoh`"
@@ -122,7 +122,6 @@ fn join(
         feeds.any(|it| it.to == (component, port))
     };
     let tell: network::Notifier = std::sync::Arc::new(|what: &str| report::note(what));
-    #[cfg(feature = "ros2")]
     if arguments.ros2 {
         use dotgen_hosting::ros2::{self, Ros2Options};
         let wanted = Ros2Options {

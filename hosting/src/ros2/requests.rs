@@ -17,7 +17,7 @@ use crate::clients::MAX_WAITING;
 use crate::components::KnownComponent;
 
 /// Maximum number of goals of an activity, with those that have ended: the oldest of these are forgotten.
-const GOALS: usize = 64;
+const GOALS: usize = 128;
 
 /// Maximum number of requests that wait for the result of a goal.
 const RESULT_REQUESTS: usize = 16;
@@ -59,6 +59,7 @@ enum Wants {
 #[derive(Default)]
 struct Activity {
     status: Option<Topic>,
+    feedback: Option<Topic>,
     /// In order of acceptance.
     goals: Vec<Goal>,
 }
@@ -103,11 +104,18 @@ impl Requests {
         activity.publish();
     }
 
+    /// Adds the topic of the feedback of an activity.
+    pub(super) fn add_feedback(&self, component: usize, service: u32, topic: Topic) {
+        let mut state = self.state();
+        let activity = state.activities.entry((component, service)).or_default();
+        activity.feedback = Some(topic);
+    }
+
     /// Removes the topics of a component from the graph.
     pub(super) fn leave(&self, component: usize) {
         for (place, activity) in &mut self.state().activities {
             if place.0 == component {
-                activity.status = None;
+                (activity.status, activity.feedback) = (None, None);
             }
         }
     }
@@ -279,6 +287,24 @@ impl Requests {
         result.unwrap_or_default()
     }
 
+    /// Publishes the new state of an activity as feedback.
+    pub(super) fn entered(&self, id: u64, entered: &str) {
+        let state = self.state();
+        let pending = state.pending.get(&id);
+        let Some(Pending {
+            component,
+            service,
+            wants: Wants::Goal(goal),
+        }) = pending
+        else {
+            return;
+        };
+        let activity = state.activities.get(&(*component, *service));
+        if let Some(topic) = activity.and_then(|it| it.feedback.as_ref()) {
+            topic.put(cdr::feedback(*goal, entered));
+        }
+    }
+
     /// Passes an answer of the engine on.
     pub(super) fn answer(&self, id: u64, answer: &RequestReply) {
         let mut state = self.state();
@@ -319,6 +345,8 @@ impl Requests {
                 if let Some(goal) = activity.goals.iter_mut().find(|it| it.info.id == goal) {
                     let was_canceled = goal.status == CANCELING;
                     goal.status = match outcome {
+                        // The state `stop` ends an activity like any other state.
+                        Outcome::Done(_) if was_canceled => cdr::CANCELED,
                         Outcome::Done(_) => cdr::SUCCEEDED,
                         Outcome::Failed { exception, .. }
                             if was_canceled && exception == "::genom::interrupted" =>

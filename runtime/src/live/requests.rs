@@ -78,6 +78,7 @@ impl Live<'_> {
         self.pending[component] = Some(Instance {
             wanted: wanted.map(|it| it.id),
             failed: None,
+            state: None,
             ended: false,
             refused: false,
             number,
@@ -183,6 +184,26 @@ impl Live<'_> {
             if waiting.is_some() {
                 self.answer_failed(id, "::genom::interrupted");
             }
+        }
+    }
+
+    /// Reports the state of an activity from outside, if the activity was in another state before.
+    pub(super) fn report_state(&mut self, work: &Work) {
+        let Work::State {
+            automaton, state, ..
+        } = *work
+        else {
+            return;
+        };
+        let Some(it) = self.instance(work) else {
+            return;
+        };
+        let changed = it.state.replace(state) != Some(state);
+        // A codel that requested the activity gets no reports.
+        let wanted = it.wanted.filter(|id| id & CODEL_REQUEST_BIT == 0);
+        if let (true, Some(id)) = (changed, wanted) {
+            let machine = &self.system.machines[self.system.automata[automaton].machine];
+            self.hosts.entered(id, &machine.states[state].name);
         }
     }
 

@@ -200,6 +200,7 @@ impl Job {
                 disk: Vfs::new(self.config.packages.clone()),
             }),
             pictures: Arc::new(dotgen_views::pictures::machine),
+            ros2: Arc::new(dotgen_ros2::interfaces::packages),
             console: &mut console,
             limits: Limits {
                 cancel: Some(cancel),
