@@ -217,7 +217,13 @@ impl Tools {
             run::capture(self.in_path(run::command(&project, program, arguments)))
         };
         let metadata = ["pep517", "write-dist-info", "--metadata-directory", &place];
+        let client = crate::root().join("clients/python/dotgen");
+        extension::copy(&client, &stage.join("dotgen"), &["py", "typed"])?;
+        // pyproject.toml names this folder for builds by maturin alone.
+        let python = project.join("python");
+        extension::copy(&client, &python.join("dotgen"), &["py", "typed"])?;
         let written = in_project("maturin", &metadata)?;
+        std::fs::remove_dir_all(python)?;
         let name = written.trim().lines().last().unwrap_or_default();
         let name = name
             .strip_suffix(".dist-info")
@@ -225,8 +231,6 @@ impl Tools {
         let scripts = stage.join(format!("{name}.data/scripts"));
         std::fs::create_dir_all(&scripts)?;
         std::fs::copy(program, scripts.join("dotgen"))?;
-        let client = crate::root().join("clients/python/dotgen");
-        extension::copy(&client, &stage.join("dotgen"), &["py", "typed"])?;
         let out = out.to_string_lossy();
         in_project("wheel", &["pack", &place, "--dest-dir", &out])?;
         // The name that `pack` gives is that of the system on which the wheel was made.

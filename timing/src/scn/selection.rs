@@ -7,7 +7,8 @@ use super::lexer::{Kind, lex};
 /// Returns the ranges that contain an offset, the smallest first: the word, the path, the item, the contents of
 /// the brackets, the brackets, …, the whole text.
 pub fn selections(text: &str, offset: usize) -> Vec<Range<usize>> {
-    let mut ranges = vec![0..text.len()];
+    let whole = 0..text.len();
+    let mut ranges = Vec::from([whole]);
     let mut open: Vec<Level> = vec![Level::at(0)];
     let mut path: Option<Range<usize>> = None;
     for token in lex(text) {

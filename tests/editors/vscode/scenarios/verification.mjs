@@ -103,7 +103,7 @@ export function checks(wb) {
       await wb.command('View: Toggle Panel Visibility');
     }],
     ['the panel has the run in words, which leads to its codels', async () => {
-      await page.locator('.monaco-editor .view-line', { hasText: 'pump: keeps' }).first().click();
+      await wb.open('pump.gen');
       await wb.command('dotgen: Show Verification');
       await state('refuted').waitFor();
       const policy = await frame.locator('meta[http-equiv="Content-Security-Policy"]').getAttribute('content');
