@@ -44,8 +44,16 @@ export const settings = { 'workbench.colorTheme': 'Default Dark Modern' };
 export function checks(wb) {
   const { page } = wb;
   const lens = (what) => page.locator('.contentWidgets .codelens-decoration a', { hasText: what }).first();
-  const frame = page.frameLocator('iframe.webview.ready').first().frameLocator('iframe#active-frame');
+  // The trace viewer is another one, which is hidden when it is not needed.
+  const frame = page.frameLocator('iframe.webview.ready:visible').first().frameLocator('iframe#active-frame');
   const state = (word) => frame.locator('#state', { hasText: word });
+
+  /** Hides the trace viewer, which is below the text. */
+  async function hideRun() {
+    await page.locator('.part.panel').waitFor();
+    await wb.command('View: Toggle Panel Visibility');
+    await page.locator('.part.panel').waitFor({ state: 'hidden' });
+  }
 
   /** Sets the execution time at the end of a line. */
   async function wcet(before, after) {
@@ -100,7 +108,7 @@ export function checks(wb) {
       });
       await trace.locator('#position', { hasText: /step (\d+) of \1$/ }).waitFor();
       await wb.shot('64-run-dark.png');
-      await wb.command('View: Toggle Panel Visibility');
+      await hideRun();
     }],
     ['the panel has the run in words, which leads to its codels', async () => {
       await wb.open('pump.gen');
@@ -137,6 +145,7 @@ export function checks(wb) {
     }],
     ['shorter again, it is proved; the run stays until it is dismissed', async () => {
       await frame.locator('#checks a', { hasText: 'show why' }).first().click();
+      await hideRun();
       await frame.locator('#checks tr.shown').first().waitFor();
       await page.locator('.monaco-editor .view-line', { hasText: 'pump: keeps' }).first().click();
       await wcet(6, 4);
@@ -210,7 +219,7 @@ export function checks(wb) {
       const why = frame.locator('#checks a', { hasText: 'show why' });
       await why.focus();
       await page.keyboard.press('Enter');
-      await wb.command('View: Toggle Panel Visibility');
+      await hideRun();
       // The element itself stays, and with it focus and selection.
       await why.evaluate((it) => { it.marked = true; });
       await page.locator('.monaco-editor .view-line', { hasText: 'check limit' }).first().click();
