@@ -20,7 +20,7 @@ OUTPUTS = [
     ("diagram", "diagram locks pump --format json"),
     ("model", "model pump/pump.gen"),
     ("monitor", "monitor run.log pump/pump.scn --format json"),
-    ("monitor", "monitor run.log run.log motor/motor.gen pump/pump.gen --format json"),
+    ("monitor", "monitor run.log run.log pump/pump.scn --bounds none --format json"),
     ("monitor", "monitor run.log other/pump.gen --format json"),
     ("query", "query start pump --format json"),
     ("release", "release diff --from 2.99.26 quadcopter --format json"),
