@@ -28,8 +28,10 @@ OUTPUTS = [
     ("replay", "replay run.mcap other/pump.scn --format json"),
     ("run", "run --simulate all --until 1s pump/pump.scn --format json"),
     ("run", "run --simulate all --until 1s pump/pump.gen motor/motor.gen --format json"),
+    ("run", "run --simulate all --until 2s late/pump.scn --format json"),
     ("trace", "-"),
     ("verify", "verify pump/pump.scn --format json"),
+    ("verify", "verify late/pump.scn --sensitivity --format json"),
     ("verify", "verify motor/motor.gen --sensitivity --timeout 2 --format json"),
     ("verify", "verify pump/pump.scn pump/pump.gen --max-states 10 --format json"),
     ("wcet-import", "wcet import real.log echo/echo.gen --dry-run --format json"),
@@ -44,13 +46,18 @@ def dotgen(folder, arguments):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Examples, with logs, a recording and a trace of runs. Codels of `other` are faster than those of `pump`."""
+    """Examples, with logs, a recording and a trace of runs. The model of `other` is faster, that of `late` violated."""
     folder = tmp_path_factory.mktemp("outputs")
     for name in ["drift", "motor", "pump", "quadcopter"]:
         shutil.copytree(ROOT / "examples" / name, folder / name)
-    shutil.copytree(folder / "pump", folder / "other")
-    faster = (folder / "pump/pump.gen").read_text().replace("wcet 4 ms", "wcet 2 ms")
-    (folder / "other/pump.gen").write_text(faster)
+    for name, file, old, new in [
+        ("other", "pump.gen", "wcet 4 ms", "wcet 2 ms"),
+        ("late", "pump.scn", "<= 9 ms", "<= 2 ms"),
+    ]:
+        shutil.copytree(ROOT / "examples/pump", folder / name)
+        text = (folder / name / file).read_text()
+        assert old in text
+        (folder / name / file).write_text(text.replace(old, new))
     lay_out(folder, "echo")
     files = "--profile run.log --record run.mcap --trace trace.json"
     runs = [f"pump/pump.scn --simulate all {files}", "echo/echo.gen --clock real --profile real.log"]
