@@ -282,6 +282,7 @@ fn as_json(units: &[dotgen_analysis::host::UnitResult], picture: &Picture) -> se
         }))
     });
     json!({
+        "version": 1,
         "title": picture.graph.title,
         "component": picture.component,
         "owner": picture.owner,

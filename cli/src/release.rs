@@ -90,7 +90,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     let mut out = anstream::stdout().lock();
     match diff.format {
-        Format::Json => writeln!(out, "{:#}", json!({ "specifications": reports }))?,
+        Format::Json => writeln!(
+            out,
+            "{:#}",
+            json!({ "version": 1, "specifications": reports })
+        )?,
         Format::Text => reports.iter().try_for_each(|it| print(it, &mut out))?,
     }
     Ok(

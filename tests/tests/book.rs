@@ -54,3 +54,19 @@ fn relative_links_lead_to_files_of_the_manual() {
     }
     assert!(dead.is_empty(), "{dead:#?}");
 }
+
+/// The page of editors shows the configurations in `editors`.
+#[test]
+fn configurations_of_editors_are_on_their_page() {
+    let root = workspace_root();
+    let page = std::fs::read_to_string(root.join("docs/editors.md")).unwrap();
+    for file in [
+        "emacs/genom3-mode.el",
+        "helix/languages.toml",
+        "neovim/lsp/dotgen.lua",
+        "neovim/plugin/dotgen.lua",
+    ] {
+        let text = std::fs::read_to_string(root.join("editors").join(file)).unwrap();
+        assert!(page.contains(&text), "docs/editors.md has another {file}");
+    }
+}

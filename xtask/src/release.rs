@@ -17,7 +17,7 @@ pub(crate) struct Options {
 }
 
 /// Files that repeat the version of Cargo.toml, with the text around it.
-const PLACES: [(&str, &str, &str); 12] = [
+const PLACES: [(&str, &str, &str); 14] = [
     ("Cargo.toml", "version = \"", "\"\nedition"),
     ("vscode-extension/package.json", "\"version\": \"", "\""),
     (
@@ -35,6 +35,8 @@ const PLACES: [(&str, &str, &str); 12] = [
         "\"version\": \"",
         "\"",
     ),
+    ("editors/zed/Cargo.toml", "version = \"", "\""),
+    ("editors/zed/extension.toml", "\nversion = \"", "\""),
     ("clients/python/pyproject.toml", "\nversion = \"", "\""),
     ("packaging/robotpkg/Makefile", "VERSION=\t", "\n"),
     (

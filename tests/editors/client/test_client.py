@@ -6,6 +6,7 @@ Run by ``cargo xtask test``. DOTGEN: the server program. WORKSPACE: the example 
 import asyncio
 import os
 import pathlib
+import re
 import shutil
 
 import pytest
@@ -294,3 +295,12 @@ async def test_rename_of_a_state_and_back(client: LanguageClient, workspace):
     await document.wait_for_errors(lambda errors: not errors)
     await rename(document.position("codel<idle> mv_exec_wait", 7), "wait")
     assert document.text == before
+
+
+@pytest.mark.asyncio
+async def test_the_page_of_editors_lists_the_commands_of_the_server(client):
+    page = (pathlib.Path(__file__).resolve().parents[3] / "docs/editors.md").read_text()
+    table = page[page.index("| command | argument |") : page.index("## Settings of the client")]
+    rows = [row.split("|")[1] for row in table.splitlines() if row.startswith("| `")]
+    listed = [name for row in rows for name in re.findall(r"`([^`]+)`", row)]
+    assert sorted(listed) == sorted(client.offers.execute_command_provider.commands)

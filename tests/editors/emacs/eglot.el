@@ -3,6 +3,8 @@
 ;;
 ;;   DOTGEN=path/to/dotgen FILE=maneuver.gen emacs --batch -l eglot.el
 ;;
+;; The mode is the one of editors/emacs.
+;;
 ;; FILE is in a copy of examples/maneuver.  Exit status 0 or 1.
 
 ;;; Code:
@@ -12,8 +14,8 @@
 (require 'flymake)
 (require 'cl-lib)
 
-(define-derived-mode genom3-mode prog-mode "GenoM3")
-(add-to-list 'auto-mode-alist '("\\.gen\\'" . genom3-mode))
+(load (expand-file-name "../../../editors/emacs/genom3-mode.el" (file-name-directory load-file-name)) nil t)
+(remove-hook 'genom3-mode-hook #'eglot-ensure)
 (add-to-list 'eglot-server-programs (list 'genom3-mode (getenv "DOTGEN") "lsp"))
 (setq debug-on-error nil
       eglot-sync-connect 20
@@ -67,6 +69,12 @@
       (let ((found (xref-backend-definitions 'eglot (xref-backend-identifier-at-point 'eglot))))
         (cl-assert (= 1 (length found)) t)
         (message "ok definition of an include"))
+
+      (search-forward "activity goto")
+      (dotgen-diagram "fsm")
+      (with-current-buffer "*dotgen diagram*"
+        (cl-assert (string-match-p "\\`flowchart TD\n\\(.\\|\n\\)*mv_goto_plan" (buffer-string)) t)
+        (message "ok picture as Mermaid"))
 
       (set-buffer-modified-p nil)
       (eglot-shutdown (eglot-current-server))

@@ -3,6 +3,8 @@
 --   DOTGEN=path/to/dotgen nvim --headless --clean -n -i NONE -u nvim.lua maneuver.gen
 --
 -- The working directory is a copy of examples/maneuver. Exit status 0 or 1.
+local HERE = vim.fn.fnamemodify(debug.getinfo(1, 'S').source:sub(2), ':p:h')
+local PLUGIN = HERE .. '/../../../editors/neovim/plugin/dotgen.lua'
 local function out(text) io.stdout:write(text .. '\n') end
 local function wait(what, condition)
   assert(vim.wait(20000, condition, 20), 'timed out: ' .. what)
@@ -10,6 +12,7 @@ local function wait(what, condition)
 end
 
 local function main()
+  dofile(PLUGIN)
   vim.bo.filetype = 'genom3'
   local buffer = vim.api.nvim_get_current_buf()
   local id = assert(vim.lsp.start_client({
@@ -56,14 +59,13 @@ local function main()
   out('ok document symbols')
   assert(#errors() == 0, vim.inspect(errors()))
 
-  -- The picture of what is at the cursor, as text.
-  local goto_row = line_of('activity goto')
-  local picture = ask('workspace/executeCommand', {
-    command = 'dotgen.diagram.mermaid',
-    arguments = { { textDocument = document, position = { line = goto_row, character = 12 } } },
-  })
-  assert(picture:find('^flowchart TD\n') and picture:find('mv_goto_plan', 1, true), picture)
-  out('ok picture as Mermaid')
+  -- The picture of what is at the cursor, as text, by the plugin of editors/neovim.
+  vim.api.nvim_win_set_cursor(0, { line_of('activity goto') + 1, 12 })
+  vim.cmd('DotgenDiagram')
+  local function picture() return table.concat(vim.api.nvim_buf_get_lines(0, 0, -1, false), '\n') end
+  wait('picture as Mermaid', function() return picture():find('^flowchart TD\n') end)
+  assert(picture():find('mv_goto_plan', 1, true), picture())
+  vim.cmd('close')
 
   -- A typed error, and its correction.
   local row, line = line_of('yield ether wcet 4 us;')

@@ -1,0 +1,1 @@
+../../../tree-sitter-genom3/scenario/queries/highlights.scm
