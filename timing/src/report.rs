@@ -382,7 +382,8 @@ pub struct Blocking {
 }
 
 impl Event {
-    /// Returns the path of the thread: a task (`component.task`), the control task of a component, or a client.
+    /// Returns the path of the thread: a task (`component.task`), the control task of a component, or a
+    /// client.
     pub fn thread(&self) -> String {
         match &self.task {
             Some(task) => format!("{}.{task}", self.component),

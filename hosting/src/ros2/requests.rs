@@ -195,6 +195,8 @@ impl Requests {
         let stamp = now();
         let is_known = activity.goals.iter().any(|it| it.info.id == goal);
         if activity.goals.len() >= GOALS
+            && admitted.is_ok()
+            && !is_known
             && let Some(oldest) = activity.goals.iter().position(|it| it.result.is_some())
         {
             activity.goals.remove(oldest);

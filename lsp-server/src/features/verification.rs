@@ -14,7 +14,7 @@ use std::ops::Range;
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::source_map::Locations;
-use dotgen_timing::report::TaskId;
+use dotgen_timing::report::{CheckReport, TaskId, Verdict};
 use dotgen_timing::scn::names::Names;
 use serde_json::{Value, json};
 
@@ -64,6 +64,11 @@ fn place(
     problem.place(spec, src)
 }
 
+/// Returns true if a run refutes a check.
+fn has_refuting_run(check: &CheckReport) -> bool {
+    check.verdict == Verdict::Refuted && !check.run().is_empty()
+}
+
 /// The title of the action at a refuted check.
 const SHOW_RUN: &str = "Step through the run that shows it";
 
@@ -105,7 +110,7 @@ pub(crate) fn actions(
                 out.extend(scenario.map(CodeActionOrCommand::CodeAction));
                 continue;
             }
-            if found.diagnostic.code == diagnostics::VACUOUS {
+            if !found.refuting_run {
                 continue;
             }
             let arguments = Some(vec![refuting_run(&uri, found.check)]);

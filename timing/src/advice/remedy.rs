@@ -25,9 +25,9 @@ pub(super) fn limits(report: &Report, options: &Options) -> Limits {
     }
 }
 
-/// Finds a simple change with which all checks of a task hold that has a refuted one, if there is a change that
-/// is found before `cancel` is over. First it tries shorter execution times of the codels that the job executes or waits for, the longest first. If
-/// the job waits for a core, it then tries more cores.
+/// Finds a simple change with which all answered checks of a task hold, if one is found before `cancel` is
+/// over. The task has a refuted check. First it tries shorter execution times of the codels that the job
+/// executes or waits for, the longest first. If the job waits for a core, it then tries more cores.
 pub fn remedy(
     input: &SystemInput,
     scenario: &Scenario,
@@ -42,18 +42,25 @@ pub fn remedy(
     let mut settings = settings(scenario, options);
     check.id.task?;
     let task = Path::of(&check.of);
-    // All checks of the task, each narrowed to it.
-    settings.checks.retain_mut(|asked| match &mut asked.kind {
-        CheckKind::Schedulable(of) | CheckKind::NoOverdue(of) | CheckKind::Response(of, _) => {
-            let concerns = of.as_ref().is_none_or(|of| of.text() == check.of);
-            *of = Some(task.clone());
-            concerns
+    // All checks of the task that have an answer, each narrowed to it.
+    let mut written = 0;
+    settings.checks.retain_mut(|asked| {
+        let number = written;
+        written += 1;
+        let answered = |it: &CheckReport| {
+            it.id.written == number && it.of == check.of && it.verdict != Verdict::Unknown
+        };
+        match &mut asked.kind {
+            CheckKind::Schedulable(of) | CheckKind::NoOverdue(of) | CheckKind::Response(of, _) => {
+                *of = Some(task.clone());
+                report.checks.iter().any(answered)
+            }
+            _ => false,
         }
-        _ => false,
     });
     let trial = Trial::new(&names, settings, limits(report, options), cancel, None);
     let suspects = suspects(check).into_iter().take(MAX_CODELS_TRIED);
     let by_codel = { suspects }.find_map(|codel| trial.wcet(&codel));
     let waits = || check.reason.iter().any(|it| it.awaited == Awaited::Core);
-    by_codel.or_else(|| trial.cores().filter(|_| waits()))
+    by_codel.or_else(|| waits().then(|| trial.cores()).flatten())
 }

@@ -15,7 +15,8 @@
 //! With fewer cores than tasks, `policy fifo` gives the cores to the cycles in order of release. When a task
 //! asks for a core, every other task has at most one cycle before it, waiting or under way; later ones come
 //! behind, also if deadlines are missed. While the task waits, all cores work on these cycles, except cores
-//! that are held for ever. So it waits at most the sum of their lengths, divided by the number of other cores.
+//! that may be held for ever. So it waits at most the sum of their lengths, divided by the number of other
+//! cores. A cycle of an aperiodic task has no known length: each wake-up can prolong it.
 
 use crate::system::loops::pauseless_cycles;
 use crate::system::{ClientAction, FOREVER, Machine, Policy, Ticks, TimedSystem, Yield};
@@ -47,7 +48,11 @@ pub(super) fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
 fn core_wait(system: &TimedSystem, task: usize, cycles: &[Option<Ticks>]) -> Option<Ticks> {
     let needing = |it: &usize| system.needs_core(*it);
     let others = (0..cycles.len()).filter(|it| *it != task && needing(it));
-    let others: Vec<Option<Ticks>> = others.map(|it| cycles[it]).collect();
+    // An aperiodic task that is woken continues its cycle, and may begin more in it.
+    let is_bounded = |it: &usize| system.tasks[*it].period.is_some();
+    let others: Vec<Option<Ticks>> = others
+        .map(|it| cycles[it].filter(|_| is_bounded(&it)))
+        .collect();
     let cores = system.platform.cores.map(|it| it as usize);
     if !needing(&task) || cores.is_none_or(|cores| cores > others.len()) {
         return Some(0);

@@ -25,8 +25,8 @@ pub fn format_edits(text: &str) -> Option<Vec<(Range<usize>, String)>> {
     )
 }
 
-/// The ranges between the tokens of a text, which contain only blanks. Blanks after a comment do not belong to
-/// the comment.
+/// The ranges between the tokens of a text, which contain only blanks. Blanks after a comment do not belong
+/// to the comment.
 fn gaps(text: &str) -> Vec<Range<usize>> {
     let mut out = Vec::new();
     let mut end = 0;

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use super::lexer::{Kind, lex};
 
-/// Returns the ranges that contain an offset, the smallest first: the word, the path, the item, the contents of
-/// the brackets, the brackets, …, the whole text.
+/// Returns the ranges that contain an offset, the smallest first: the word, the path, the item, the contents
+/// of the brackets, the brackets, …, the whole text.
 pub fn selections(text: &str, offset: usize) -> Vec<Range<usize>> {
     let whole = 0..text.len();
     let mut ranges = Vec::from([whole]);
@@ -16,7 +16,10 @@ pub fn selections(text: &str, offset: usize) -> Vec<Range<usize>> {
         if token.kind == Kind::Space {
             continue;
         }
-        ranges.push(start..end);
+        // At the end of a word, the word counts and not the punctuation after it.
+        if token.kind.is_trivia() || matches!(token.kind, Kind::Name | Kind::Number | Kind::Text) {
+            ranges.push(start..end);
+        }
         if token.kind.is_trivia() {
             continue;
         }
@@ -100,20 +103,20 @@ mod tests {
 
     #[test]
     fn selections_grow_from_the_word_to_the_text() {
-        let text = "scenario s {\n  client c { send a.b$; await a.b; }\n  check x: response a.t <= 8 ms;\n}\n";
+        let text = "scenario s {\n  client c { send a.bcd$; await a.b; }\n  check x: response a.t <= 8 ms;\n}\n";
         assert_eq!(
             texts(text),
             [
-                "b",
-                "a.b",
-                "send a.b;",
-                " send a.b; await a.b; ",
-                "{ send a.b; await a.b; }",
-                "client c { send a.b; await a.b; }",
-                "\n  client c { send a.b; await a.b; }\n  check x: response a.t <= 8 ms;\n",
-                "{\n  client c { send a.b; await a.b; }\n  check x: response a.t <= 8 ms;\n}",
-                "scenario s {\n  client c { send a.b; await a.b; }\n  check x: response a.t <= 8 ms;\n}",
-                "scenario s {\n  client c { send a.b; await a.b; }\n  check x: response a.t <= 8 ms;\n}\n",
+                "bcd",
+                "a.bcd",
+                "send a.bcd;",
+                " send a.bcd; await a.b; ",
+                "{ send a.bcd; await a.b; }",
+                "client c { send a.bcd; await a.b; }",
+                "\n  client c { send a.bcd; await a.b; }\n  check x: response a.t <= 8 ms;\n",
+                "{\n  client c { send a.bcd; await a.b; }\n  check x: response a.t <= 8 ms;\n}",
+                "scenario s {\n  client c { send a.bcd; await a.b; }\n  check x: response a.t <= 8 ms;\n}",
+                "scenario s {\n  client c { send a.bcd; await a.b; }\n  check x: response a.t <= 8 ms;\n}\n",
             ]
         );
     }

@@ -174,8 +174,8 @@ fn jobs_on_the_same_core_do_not_wait_for_locks_of_each_other() {
 
 #[test]
 fn on_cores_given_in_order_each_other_task_goes_first_at_most_once() {
-    // `a` misses its deadlines: one core has more work than time. Nevertheless `b` and `c` wait for at most one
-    // cycle of each other task.
+    // `a` misses its deadlines: one core has more work than time. Nevertheless `b` and `c` wait for at most
+    // one cycle of each other task.
     let specification = r#"
         component one { task a { period 10 ms; codel <start> f() yield pause::start wcet 11 ms; }; };
         component two { task b { period 20 ms; codel <start> g() yield pause::start wcet 3 ms; }; };
@@ -201,5 +201,31 @@ fn on_cores_given_in_order_each_other_task_goes_first_at_most_once() {
     one.a -
     two.b 3
     three.c 2
+    ");
+}
+
+#[test]
+fn a_task_without_a_period_may_keep_its_core_for_ever() {
+    // A request that comes during the cycle of `a` prolongs it: `p` waits longer than one turn of `f` and one
+    // of the activity.
+    let specification = r#"
+        component bg { ids { long x; };
+          task a { codel <start> f() yield pause::start wcet 5 ms; };
+          activity act() { task a;
+            codel <start> s1() yield s2 wcet 1 ms;
+            codel <s2> s2() yield s3 wcet 1 ms;
+            codel <s3> s3() yield ether wcet 1 ms;
+          };
+        };
+        component tt { task p { period 20 ms; codel <start> g() yield pause::start wcet 1 ms; }; };
+    "#;
+    let servers = |scenario| bounds_under(Preset::Servers, specification, scenario);
+    insta::assert_snapshot!(servers("cores 1; policy fifo; client c { send bg.act; }"), @r"
+    bg.a -
+    tt.p -
+    ");
+    insta::assert_snapshot!(servers("cores 2; policy fifo; client c { send bg.act; }"), @r"
+    bg.a -
+    tt.p 1
     ");
 }

@@ -117,7 +117,7 @@ export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
         this.subject = { ...this.subject, check: message.check };
         this.pinned = null;
         await this.ask(true);
-        return this.showTrace();
+        return this.showTrace(message.check);
       case 'trace':
         return this.showTrace();
       case 'dismiss': {
@@ -151,7 +151,7 @@ export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
       this.send({ type: 'busy', text: 'Verifying the variation …' });
     }
     let answer: VerificationAnswer | null;
-    // While answers come in, the run on show stays if it refutes something, and so its zoom.
+    // While answers come in, the run on show stays if it refutes something.
     const shown = this.answer?.earlier === false && this.answer.status === 'running' && this.refutes(this.answer) ? this.answer.run?.check : undefined;
     try {
       const { uri, check = shown, whatIf } = subject;
@@ -190,10 +190,9 @@ export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
   }
 
   /** Opens the trace viewer with the run on show. */
-  private async showTrace(): Promise<void> {
+  private async showTrace(check = (this.pinned ?? this.answer?.run)?.check): Promise<void> {
     if (this.subject === undefined) return;
     const { uri, whatIf } = this.subject;
-    const check = (this.pinned ?? this.answer?.run)?.check;
     const target: TraceTarget = { uri, ...(check === undefined ? {} : { check }), ...(whatIf === undefined ? {} : { whatIf: strip(whatIf) }) };
     await vscode.commands.executeCommand('dotgen.showTrace', target);
   }

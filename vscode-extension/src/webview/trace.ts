@@ -2,7 +2,8 @@
 import type { Span, Trace } from '../trace/form';
 import type { FromPage, Machine, ToPage } from '../trace/messages';
 import { colours, Painter, RULER, words, type Scene, type Work } from './trace/draw';
-import { Model, opening, time, type Box, type Window } from './trace/model';
+import { Model, opening, type Box, type Window } from './trace/model';
+import { time } from './unit';
 import { Overview } from './trace/overview';
 import { hits, nextHit, sums } from './trace/sums';
 

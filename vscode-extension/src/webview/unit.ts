@@ -3,3 +3,10 @@
 export function shownUnit(unit: string): string {
   return unit === 'us' ? 'µs' : unit;
 }
+
+/** A time in the unit of the trace, with as many digits as are told apart. */
+export function time(at: number, unit: string, apart = 1e-3): string {
+  const digits = Math.min(6, Math.max(0, -Math.floor(Math.log10(apart) + 1e-9)));
+  const text = at.toFixed(digits);
+  return `${digits > 0 ? text.replace(/\.?0+$/, '') : text} ${shownUnit(unit)}`;
+}

@@ -15,7 +15,8 @@ pub(crate) fn handle(
     })
 }
 
-/// The answer, from a function that returns the nested ranges around each of some offsets, the smallest first.
+/// The answer, from a function that returns the nested ranges around each of some offsets, the smallest
+/// first.
 pub(crate) fn answer(
     snapshot: &Snapshot,
     subject: &Subject,

@@ -14,7 +14,7 @@ use dotgen_timing::property::PropertyKind;
 use dotgen_timing::report::{CheckReport, Value, Verdict};
 
 use super::problems::about;
-use super::{place, tasks};
+use super::{has_refuting_run, place, tasks};
 use crate::config::Level;
 use crate::protocol::types::Uri;
 use crate::workspace::snapshot::Snapshot;
@@ -27,7 +27,7 @@ use dotgen_views::verification::view::{CheckView, Outcome};
 const MISS: &str = "timing/deadline-miss";
 const EXCEEDED: &str = "timing/response-exceeded";
 const FAILED: &str = "timing/check-failed";
-pub(super) const VACUOUS: &str = "timing/vacuous-proof";
+const VACUOUS: &str = "timing/vacuous-proof";
 pub(super) const GAVE_UP: &str = "timing/gave-up";
 
 /// Maximum number of places of a run in a diagnostic. The last places are the most useful.
@@ -41,6 +41,8 @@ pub(super) struct AboutCheck {
     pub(super) problem: Arc<Problem>,
     pub(super) diagnostic: Diagnostic,
     pub(super) check: usize,
+    /// A run refutes the check. A state that is never reached has none.
+    pub(super) refuting_run: bool,
 }
 
 /// The diagnostics at a place, each with its document.
@@ -120,6 +122,7 @@ fn specification(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Abo
                     problem: entry.places().clone(),
                     diagnostic,
                     check,
+                    refuting_run: has_refuting_run(it.report),
                 }));
             }
         }
@@ -174,6 +177,7 @@ fn scenario(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<AboutChe
             problem: entry.places().clone(),
             diagnostic,
             check,
+            refuting_run: has_refuting_run(it.report),
         }));
     }
     out

@@ -12,7 +12,7 @@ use dotgen_timing::verify::settings;
 use serde_json::Value;
 
 use super::problems::about;
-use super::{TaskLocation, argument, refuting_run, tasks};
+use super::{TaskLocation, argument, has_refuting_run, refuting_run, tasks};
 use crate::features::commands::SHOW_VERIFICATION;
 use crate::protocol::types::{CodeLens, CodeLensParams, Command};
 use crate::workspace::snapshot::{Snapshot, Subject};
@@ -50,7 +50,7 @@ pub(crate) fn lenses(
                 details.insert(0, format!("scenario `{name}`"));
             }
             let mut argument = match shown(entry, task.id) {
-                Some(check) if mark == Mark::Fails => refuting_run(&uri, check),
+                Some(check) if refutes(entry, check) => refuting_run(&uri, check),
                 check => argument(&uri, check),
             };
             argument["tooltip"] = details.join("\n").into();
@@ -125,16 +125,22 @@ pub(crate) fn scenario_lenses(
             if it.is_one_of_all {
                 word = format!("{} {word}", it.report.of);
             }
+            let refutes = has_refuting_run(it.report);
             match titles.iter_mut().find(|it| it.0 == range) {
-                Some(it) => it.1.push(word),
+                Some(it) => {
+                    it.1.push(word);
+                    if refutes && !has_refuting_run(&answer.report.checks[it.2]) {
+                        it.2 = i;
+                    }
+                }
                 None => titles.push((range, vec![word], i)),
             }
         }
         for (range, words, check) in titles {
             let title = words.join(" | ");
-            let argument = match answer.report.checks[check].verdict {
-                Verdict::Refuted => refuting_run(uri, check),
-                _ => argument(uri, Some(check)),
+            let argument = match has_refuting_run(&answer.report.checks[check]) {
+                true => refuting_run(uri, check),
+                false => argument(uri, Some(check)),
             };
             out.push(lens(snapshot, lines.range(&range), title, argument));
         }
@@ -158,6 +164,11 @@ fn lens(
         command: Some(command),
         data: None,
     }
+}
+
+/// Returns true if a run refutes a check of an entry.
+fn refutes(entry: &Entry, check: usize) -> bool {
+    (entry.known()).is_some_and(|answer| has_refuting_run(&answer.report.checks[check]))
 }
 
 /// The check to show for a task: a refuted one, else its response time.

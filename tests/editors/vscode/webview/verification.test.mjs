@@ -34,7 +34,7 @@ test('the keyboard alone reaches everything that can be pressed', async () => {
   const it = await pages.open({ width: 700, height: 900 });
   await it.send({ type: 'answer', subject: { uri: 'file:///a.gen' }, answer, pinned: false });
   for (const closed of await it.page.locator('details').all()) await closed.evaluate((details) => (details.open = true));
-  const pressed = ':is(button, select, input, summary, a[href], [data-link]):visible';
+  const pressed = ':is(button, select, input, summary, a[href]):visible';
   const count = await it.page.locator(pressed).evaluateAll((all) => all.map((one, number) => one.setAttribute('data-test', number)).length);
   assert.ok(count > 10, String(count));
   await it.page.evaluate(() => { document.body.tabIndex = -1; document.body.focus(); });

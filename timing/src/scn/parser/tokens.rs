@@ -69,7 +69,7 @@ impl<'t> Parser<'t> {
                 self.errors.push(error.suggest(near));
             }
             None => self.expected(&match words {
-                [one] => (*one).to_owned(),
+                [one] => format!("`{one}`"),
                 _ => format!("one of {}", words.join(", ")),
             }),
         }

@@ -1,6 +1,6 @@
 // The cause of a failure: the longest wait of the job that is late, and the lanes that have to do with it. No drawing here.
 import type { Holder, Span, Trace } from '../../trace/form';
-import { time } from './model';
+import { time } from '../unit';
 
 export interface Cause {
   /** The lane that is late. */

@@ -1,7 +1,8 @@
 // Draws what is in sight, and no more than the screen can show: of what would lie on one pixel, one thing.
 import type { MarkKind, Span, SpanKind } from '../../trace/form';
 import type { Cause } from './cause';
-import { first, ROW, stride, time, type Box, type Model, type Window } from './model';
+import { first, ROW, stride, type Box, type Model, type Window } from './model';
+import { time } from '../unit';
 
 export const RULER = 24;
 

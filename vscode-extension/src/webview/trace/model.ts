@@ -1,6 +1,5 @@
 // A trace made ready to be drawn and walked, and the window of time that is shown. No drawing here.
 import type { Arrow, Lane, Mark, Span, Trace } from '../../trace/form';
-import { shownUnit } from '../unit';
 import { causeOf, type Cause } from './cause';
 
 /** The first of some in order of which `is` holds; their number if it holds of none. */
@@ -236,11 +235,4 @@ export function opening(trace: Trace): Window {
 export function stride(least: number): number {
   const power = 10 ** Math.floor(Math.log10(least));
   return [1, 2, 5, 10].map((it) => it * power).find((it) => it >= least * 0.999) ?? 10 * power;
-}
-
-/** A time in the unit of the trace, with as many digits as are told apart. */
-export function time(at: number, unit: string, apart = 1e-3): string {
-  const digits = Math.min(6, Math.max(0, -Math.floor(Math.log10(apart) + 1e-9)));
-  const text = at.toFixed(digits);
-  return `${digits > 0 ? text.replace(/\.?0+$/, '') : text} ${shownUnit(unit)}`;
 }
