@@ -18,9 +18,6 @@ use crate::{
     source_map::Locations,
 };
 
-/// The version of the form, which is raised when a key is removed or changes its meaning.
-const VERSION: u32 = 1;
-
 /// Prototypes of a codel of a component (by index), by language; the mapping of types to languages is in
 /// another crate.
 pub type Prototypes<'a> = dyn Fn(u32, &Codel) -> Map<String, Json> + 'a;
@@ -44,7 +41,7 @@ pub fn with_prototypes(
     let mut components: Vec<&Component> = spec.components.iter().collect();
     components.sort_by(|a, b| a.name.cmp(&b.name));
     let components: Vec<Json> = components.iter().map(|it| writer.component(it)).collect();
-    json!({ "version": VERSION, "components": components, "types": writer.types() })
+    json!({ "components": components, "types": writer.types() })
 }
 
 struct Writer<'m> {

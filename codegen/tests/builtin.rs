@@ -198,7 +198,7 @@ fn a_folder_of_the_user_is_a_template() {
         (status, out.as_str()),
         (
             0,
-            "docs\ndocs-asciidoc\njson-schema\nmappings\nnames\npython\nskeleton\nstubs\n"
+            "docs\ndocs-asciidoc\njson-schema\nmappings\nnames\npython\nros2-interfaces\nskeleton\nstubs\n"
         )
     );
     let args = [

@@ -86,6 +86,8 @@ def test_output_has_a_version_and_only_members_of_its_schema(folder, name, argum
     text = (folder / "trace.json").read_text() if name == "trace" else dotgen(folder, arguments).stdout
     document = json.loads(text)
     jsonschema.validate(document, closed(schema(name)))
+    if name == "model":
+        return  # Its keys are those of the language reference, which has no version.
     for it in document if isinstance(document, list) else [document]:
         assert 1 in [it.get("version"), it.get("format")], "an output has a version"
 
