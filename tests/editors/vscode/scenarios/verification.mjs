@@ -147,7 +147,7 @@ export function checks(wb) {
       await frame.locator('#checks a', { hasText: 'show why' }).first().click();
       await hideRun();
       await frame.locator('#checks tr.shown').first().waitFor();
-      await wb.open('pump.gen');
+      await page.locator('.monaco-editor .view-line', { hasText: 'task report' }).first().click();
       await wcet(6, 4);
       await state('proved').waitFor();
       await page.locator('.monaco-editor .squiggly-warning').first().waitFor({ state: 'detached' });
