@@ -49,8 +49,8 @@ pub enum Cause {
 /// The causes of which a finding with a code can be a mere consequence.
 pub(crate) fn follows(code: &str) -> &'static [Cause] {
     checks::find(code)
-        .map(|it| it.follows)
-        .or_else(|| lints::find(code).map(|it| it.follows))
+        .map(|check| check.follows)
+        .or_else(|| lints::find(code).map(|lint| lint.follows))
         .unwrap_or_default()
 }
 

@@ -131,7 +131,7 @@ impl<'db> Reporter<'db> {
     fn text(&mut self, visit: usize, key: FileKey<'db>) {
         for it in text_report(self.db, key).iter() {
             self.out.push(it.clone());
-            if dotgen_syntax::codes::is_cut(it.code) {
+            if it.code == dotgen_syntax::codes::AT_END {
                 self.included_from(visit);
             }
         }

@@ -362,9 +362,9 @@ pub(crate) fn text_facts<'db>(db: &'db dyn Db, key: FileKey<'db>) -> TextFacts {
     let (parse, errors) = (parsed(db, key), &preprocessed(db, key).errors);
     TextFacts {
         misplaced_includes: !lowered(db, key).misplaced.is_empty(),
-        bad_include: errors.iter().any(|it| {
+        bad_include: errors.iter().any(|error| {
             matches!(
-                it.kind,
+                error.kind,
                 Preprocessing::IncludeWithoutFile | Preprocessing::IncludeWithMore
             )
         }),

@@ -125,3 +125,15 @@ fn pictures_are_what_their_files_are_called() {
     );
     assert!(read("all/c.t.png").starts_with(b"\x89PNG"));
 }
+
+#[test]
+fn only_what_ends_too_early_is_led_back_to_its_include() {
+    let led_back = |included: &str| {
+        let it = Directory::new(&[("a.gen", "#include \"b.gen\"\n"), ("b.gen", included)]);
+        stdout(&it.run(&["check", "a.gen"])).contains("included here")
+    };
+    assert!(led_back("component b { task t {"));
+    assert!(!led_back(
+        "component b { task t { codel<start> f(); }; };\n"
+    ));
+}

@@ -107,7 +107,7 @@ impl Compiler {
             report(&encoding::shown(&self.line(it)));
             if it.severity == Severity::Error {
                 errors += 1;
-                fatal |= stops(it.code);
+                fatal |= syntax::stops(it.code);
             }
         }
         let analysis = self.host.analysis();
@@ -204,18 +204,10 @@ fn in_reference(it: &Diagnostic) -> bool {
         Severity::Error => true,
         Severity::Warning => {
             syntax::stage(it.code) == Some(Stage::Preprocessor)
-                || codes::find(it.code).is_some_and(|it| it.reference)
+                || codes::find(it.code).is_some_and(|code| code.reference)
         }
         _ => false,
     }
-}
-
-/// True for codes after which GenoM3 stops reading.
-fn stops(code: &str) -> bool {
-    matches!(
-        syntax::stage(code),
-        Some(Stage::Preprocessor | Stage::Parser)
-    )
 }
 
 fn deps(unit: &UnitResult, names: &FxHashMap<Utf8PathBuf, String>) -> Vec<String> {

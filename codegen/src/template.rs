@@ -77,6 +77,15 @@ pub(crate) enum Failure {
     Stop(String),
 }
 
+impl Failure {
+    /// The reason, as text.
+    pub(crate) fn into_text(self) -> String {
+        match self {
+            Failure::Error(text) | Failure::Fatal(text) | Failure::Stop(text) => text,
+        }
+    }
+}
+
 /// A template to run, and its settings.
 pub struct Run<'a> {
     /// All access to files.

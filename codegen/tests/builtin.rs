@@ -235,6 +235,16 @@ fn errors_in_the_specification_are_reported() {
     let (status, out, err) = run(dir.path(), &["docs", "DIR/bad.gen"]);
     assert_eq!((status, out.as_str()), (2, ""));
     assert_eq!(err, "bad.gen:1: unknown type nothing\ndocs: 1 error\n");
+    // GenoM3 assumes a missing semicolon and reads on; after another token it stops.
+    for (text, end) in [
+        ("const long a = 1\nconst long b = 2;\n", "docs: 1 error\n"),
+        ("const long a = ;\n", "docs: fatal errors\n"),
+        ("#include\n", "docs: fatal errors\n"),
+    ] {
+        std::fs::write(dir.path().join("bad.gen"), text).unwrap();
+        let (_, _, err) = run(dir.path(), &["docs", "DIR/bad.gen"]);
+        assert!(err.ends_with(end), "{err}");
+    }
     let (status, _, err) = run(dir.path(), &["docs", "DIR/none.gen"]);
     assert_eq!(status, 2);
     assert!(

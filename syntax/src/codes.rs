@@ -8,6 +8,9 @@ mod preprocessor;
 
 use crate::preproc::Severity;
 
+/// The code of a declaration that does not end in its file.
+pub const AT_END: &str = "syntax-eof";
+
 /// The stage of reading that reports a code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
@@ -42,8 +45,10 @@ pub struct Code {
     pub reference: bool,
     /// The stage that reports it.
     pub stage: Stage,
-    /// Set if the text ends too early, so that more text may follow.
+    /// Set if the text may be incomplete, as it is while an author types.
     pub cut: bool,
+    /// Set if GenoM3 reads no further. After other errors it goes on.
+    pub stops: bool,
     /// Set if it is about this machine and not about the text.
     pub environment: bool,
 }
@@ -70,6 +75,7 @@ const fn error(
         reference: true,
         stage: Stage::Preprocessor,
         cut: false,
+        stops: true,
         environment: false,
     }
 }
@@ -115,7 +121,15 @@ impl Code {
         Code { stage, ..self }
     }
 
-    /// Marks a code that a text has if it ends too early.
+    /// Marks a code after which GenoM3 reads on.
+    const fn goes_on(self) -> Code {
+        Code {
+            stops: false,
+            ..self
+        }
+    }
+
+    /// Marks a code of a text that may be incomplete.
     const fn cut(self) -> Code {
         Code { cut: true, ..self }
     }
@@ -134,9 +148,14 @@ pub fn all() -> impl Iterator<Item = &'static Code> {
     FAMILIES.iter().copied().flatten()
 }
 
-/// Returns true for the code of a text that ends too early, so that more text may follow.
+/// Returns true for the code of a text that may be incomplete.
 pub fn is_cut(id: &str) -> bool {
     find(id).is_some_and(|code| code.cut)
+}
+
+/// Returns true for the code of an error after which GenoM3 reads no further.
+pub fn stops(id: &str) -> bool {
+    find(id).is_some_and(|code| code.stops)
 }
 
 /// The stage of reading that reports a code; `None` for a code of a later layer.

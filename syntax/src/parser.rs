@@ -32,6 +32,7 @@ use self::{
 pub use crate::preproc::Severity;
 use crate::{
     TextRange, TextSize,
+    codes::AT_END,
     directive::DirectiveKind,
     finding::{Wording, parsing::Parsing},
     fragment::Fragment,
@@ -113,7 +114,7 @@ impl SyntaxError {
     /// The Id of the table in section 19 of the language reference, such as `missing-semicolon`.
     pub fn code(&self) -> &'static str {
         match self.kind.code() {
-            "syntax" if self.at_end => "syntax-eof",
+            "syntax" if self.at_end => AT_END,
             code => code,
         }
     }

@@ -409,7 +409,7 @@ fn run(
         Line::Step(step) => Some(*step),
         Line::Again(..) => None,
     });
-    let widths = steps.map(|it| (time(it).len(), events[it].thread().len()));
+    let widths = steps.map(|step| (time(step).len(), events[step].thread().len()));
     let (time_width, who_width) = widths.fold((0, 0), |a, b| (a.0.max(b.0), a.1.max(b.1)));
     let mut before = None;
     for (i, line) in lines.iter().enumerate() {

@@ -132,7 +132,7 @@ fn write(
             }
             output
                 .commit(&path, &rule.permissions, &text, &mut files)
-                .map_err(in_words)?;
+                .map_err(Failure::into_text)?;
         }
     }
     Ok(0)
@@ -230,12 +230,6 @@ Options:
     )
 }
 
-fn in_words(failure: Failure) -> String {
-    match failure {
-        Failure::Error(text) | Failure::Fatal(text) | Failure::Stop(text) => text,
-    }
-}
-
 /// Reads the options; `None` if they ask for help.
 fn options(
     name: &str,
@@ -251,7 +245,7 @@ fn options(
         inputs: Vec::new(),
     };
     let merge = |output: &mut Output, tool: &str| {
-        output.set_merge_tool(tool).map_err(in_words)?;
+        output.set_merge_tool(tool).map_err(Failure::into_text)?;
         let _ = output.modes.set("merge-if-change");
         Ok::<(), String>(())
     };

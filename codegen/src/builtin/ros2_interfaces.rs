@@ -76,7 +76,9 @@ fn write(
     let packages = (env.ros2)(&compiled.spec);
     for (src, refusal) in &packages.refused {
         let place = compiled.places.place(*src, Anchor::First);
-        let place = place.map_or(String::new(), |it| format!("{}:{}: ", it.file, it.line));
+        let place = place.map_or(String::new(), |place| {
+            format!("{}:{}: ", place.file, place.line)
+        });
         env.console.err(&format!("{place}{refusal}"));
     }
     output.dir = directory;
@@ -92,9 +94,7 @@ fn write(
     );
     for (path, text) in &packages.files {
         let written = output.commit(path, "", text, &mut files);
-        written.map_err(|failure| match failure {
-            Failure::Error(text) | Failure::Fatal(text) | Failure::Stop(text) => text,
-        })?;
+        written.map_err(Failure::into_text)?;
     }
     Ok(0)
 }

@@ -153,8 +153,8 @@ pub(super) fn run(
     {
         match output.commit(&path, permissions, &text, &mut files) {
             Ok(()) => {}
-            Err(Failure::Error(text) | Failure::Fatal(text) | Failure::Stop(text)) => {
-                result = Err(text);
+            Err(failure) => {
+                result = Err(failure.into_text());
                 break;
             }
         }

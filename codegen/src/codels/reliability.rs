@@ -69,7 +69,8 @@ impl Reliability {
             return trust;
         }
         trust.words = unit.words.clone();
-        trust.is_cut = unit.is_cut || unit.diagnostics.iter().any(|it| syntax::is_cut(it.code));
+        trust.is_cut =
+            unit.is_cut || (unit.diagnostics.iter()).any(|error| syntax::is_cut(error.code));
         trust.all_broken = trust.is_cut;
         let codels: Vec<(u32, CodelRef, Location)> = (0u32..)
             .zip(&unit.spec.components)

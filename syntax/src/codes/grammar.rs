@@ -1,6 +1,6 @@
 //! Codes of the lexer and the parser.
 
-use super::{Code, Stage, error};
+use super::{AT_END, Code, Stage, error};
 
 pub(super) const CODES: &[Code] = &[
     error(
@@ -10,7 +10,7 @@ pub(super) const CODES: &[Code] = &[
         "Remove the character. It may come from another language or from a copied document.",
         "const long a@ = 1;\n",
         "const long a = 1;\n",
-    ).at(Stage::Lexer),
+    ).at(Stage::Lexer).goes_on(),
     error(
         "lex-comment-open",
         "A block comment has no end.",
@@ -19,7 +19,7 @@ pub(super) const CODES: &[Code] = &[
         "Close the comment with `*/`.",
         "/* this never ends\n",
         "/* this ends */\n",
-    ).at(Stage::Lexer).cut(),
+    ).at(Stage::Lexer).goes_on().cut(),
     error(
         "syntax",
         "A token does not fit the grammar.",
@@ -30,7 +30,7 @@ pub(super) const CODES: &[Code] = &[
         "struct s { long x; };\n",
     ).at(Stage::Parser),
     error(
-        "syntax-eof",
+        AT_END,
         "The text ends in the middle of a declaration.",
         "A bracket or a `;` is missing, perhaps far above.",
         "Close the declaration with `};`. The message marks the `{` that is not closed.",
@@ -45,7 +45,7 @@ pub(super) const CODES: &[Code] = &[
         "Add `;` at the end of the declaration.",
         "const long a = 1\nconst long b = 2;\n",
         "const long a = 1;\nconst long b = 2;\n",
-    ).at(Stage::Parser),
+    ).at(Stage::Parser).goes_on(),
     error(
         "missing-yield",
         "A codel with states has no `yields` list.",
@@ -54,5 +54,5 @@ pub(super) const CODES: &[Code] = &[
         "Add `yields` with all states that the codel can return. Use `ether` to end the machine.",
         "component c { task t { codel<start> f(); }; };\n",
         "component c { task t { codel<start> f() yields ether; }; };\n",
-    ).at(Stage::Parser).cut(),
+    ).at(Stage::Parser).goes_on().cut(),
 ];

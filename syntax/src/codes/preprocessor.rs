@@ -342,7 +342,7 @@ pub(super) const CODES: &[Code] = &[
          (`-D NAME`, or `defines` in `dotgen.toml`).",
         "#if 0\nconst long a = 1;\n#endif\n",
         "#if 1\nconst long a = 1;\n#endif\n",
-    )).at(Stage::File),
+    )).at(Stage::File).goes_on(),
     ours(warning(
         "not-utf8",
         "A file is not encoded in UTF-8.",
@@ -350,5 +350,5 @@ pub(super) const CODES: &[Code] = &[
         "Save the file as UTF-8.",
         "// a Latin-1 accent\n",
         "",
-    )).at(Stage::File),
+    )).at(Stage::File).goes_on(),
 ];
