@@ -72,6 +72,11 @@ pub(super) struct Arguments {
     #[arg(long)]
     interrupts: bool,
 
+    /// In a system, the width of the picture in pixels, for letters of at least 9 pixels: a wider system is
+    /// drawn in rows
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(100..))]
+    width: Option<u32>,
+
     /// In a system, list at most N services per component
     #[arg(long, value_name = "N", default_value_t = 6)]
     services: usize,
@@ -141,6 +146,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         load: !arguments.no_wcet,
         way: arguments.way.clone(),
         opened: opened.collect(),
+        width: arguments.width,
         ..PictureRequest::default()
     };
     let around = SystemContext {

@@ -6,6 +6,7 @@ mod execute;
 mod hosted;
 mod record;
 mod recorder;
+mod scenario;
 #[cfg(unix)]
 mod serve;
 mod text;
@@ -19,19 +20,15 @@ use dotgen_runtime::decide;
 use dotgen_runtime::engine::End;
 use dotgen_runtime::report::RunReport;
 use dotgen_runtime::simulation::Plan;
-use dotgen_timing::diagnostic::remark::together;
 use dotgen_timing::scn::ast::Unit;
-use dotgen_timing::scn::names::Names;
-use dotgen_timing::verify::{Options, Prepared, SystemInput, prepare};
+use dotgen_timing::verify::{Options, Prepared};
 use num_rational::Ratio;
 
 use super::outputs::{self, MCAP, Output, PERFETTO, VIEWER};
-use super::verify::diagnostics::ScenarioDiagnostics;
-use super::verify::{Cores, PolicyName, SemanticsName, body, cores, interrupt, parsed, problems};
-use super::{Outcome, SpecificationOptions, report, trace};
+use super::verify::{Cores, PolicyName, SemanticsName, body, cores, interrupt, problems};
+use super::{Outcome, SpecificationOptions, report};
 use dotgen_views::verification::Problem;
-use dotgen_views::verification::runs::Ending;
-use recorder::Files;
+use scenario::{Ended, one};
 
 /// Run components and watch the checks of a scenario
 ///
@@ -277,53 +274,71 @@ fn exact(text: &str) -> Option<Seconds> {
     Some(Ratio::new(digits.parse().ok()?, scale))
 }
 
+impl Arguments {
+    /// Reports options that do not fit together, for a number of scenarios.
+    fn check(&self, scenarios: usize) -> anyhow::Result<()> {
+        let several = scenarios > 1 || self.runs > 1;
+        let virtually = self.clock == Clock::Virtual;
+        let conflicts = [
+            (
+                self.profile.is_some() && scenarios > 1,
+                "`--profile` writes one file: run one scenario at a time",
+            ),
+            (
+                self.trace.is_some() && scenarios > 1,
+                "`--trace` writes one file: run one scenario at a time",
+            ),
+            (
+                self.record.is_some() && several,
+                "`--record` writes one run: one scenario, without `--runs`",
+            ),
+            (
+                self.debug && several,
+                "`--debug` is for one run: one scenario, without `--runs`",
+            ),
+            (
+                self.debug && self.simulate == Simulate::All,
+                "`--debug` is for codels that are executed: leave `--simulate all` out",
+            ),
+            (
+                self.debug && !cfg!(target_os = "linux"),
+                "components wait for a debugger on Linux only",
+            ),
+            (
+                self.socket.is_some() && virtually,
+                "`--socket` needs `--clock real`: no request can come in time on the virtual clock",
+            ),
+            (
+                self.listen.is_some() && virtually,
+                "`--listen` needs `--clock real`: no request can come in time on the virtual clock",
+            ),
+            (
+                self.has_network() && virtually,
+                "`--zenoh-listen` and `--zenoh-connect` are for `--clock real`: other machines have another \
+                 virtual clock",
+            ),
+            (
+                self.ros2 && virtually,
+                "`--ros2` needs `--clock real`: ROS 2 nodes do not know the virtual clock",
+            ),
+            (
+                !self.zenoh_reads.is_empty() && !self.has_network(),
+                "`--zenoh-read` needs other machines: add `--zenoh-listen` or `--zenoh-connect`",
+            ),
+        ];
+        match conflicts.into_iter().find(|it| it.0) {
+            Some((_, why)) => Err(anyhow::anyhow!(why)),
+            None => Ok(()),
+        }
+    }
+}
+
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let checks: Vec<&str> = arguments.checks.iter().map(|it| body(it)).collect();
     // Every way to end a run also ends its compilers and hosts.
     let interrupt = interrupt::on_signals();
     let (all, mut trouble) = problems(&arguments.files, &arguments.reading);
-    if arguments.profile.is_some() && all.len() > 1 {
-        anyhow::bail!("`--profile` writes one file: run one scenario at a time");
-    }
-    if arguments.trace.is_some() && all.len() > 1 {
-        anyhow::bail!("`--trace` writes one file: run one scenario at a time");
-    }
-    if arguments.record.is_some() && (all.len() > 1 || arguments.runs > 1) {
-        anyhow::bail!("`--record` writes one run: one scenario, without `--runs`");
-    }
-    if arguments.debug && (all.len() > 1 || arguments.runs > 1) {
-        anyhow::bail!("`--debug` is for one run: one scenario, without `--runs`");
-    }
-    if arguments.debug && arguments.simulate == Simulate::All {
-        anyhow::bail!("`--debug` is for codels that are executed: leave `--simulate all` out");
-    }
-    if arguments.debug && !cfg!(target_os = "linux") {
-        anyhow::bail!("components wait for a debugger on Linux only");
-    }
-    if arguments.socket.is_some() && arguments.clock == Clock::Virtual {
-        anyhow::bail!(
-            "`--socket` needs `--clock real`: no request can come in time on the virtual clock"
-        );
-    }
-    if arguments.listen.is_some() && arguments.clock == Clock::Virtual {
-        anyhow::bail!(
-            "`--listen` needs `--clock real`: no request can come in time on the virtual clock"
-        );
-    }
-    if arguments.has_network() && arguments.clock == Clock::Virtual {
-        anyhow::bail!(
-            "`--zenoh-listen` and `--zenoh-connect` are for `--clock real`: other machines have another \
-             virtual clock"
-        );
-    }
-    if arguments.ros2 && arguments.clock == Clock::Virtual {
-        anyhow::bail!("`--ros2` needs `--clock real`: ROS 2 nodes do not know the virtual clock");
-    }
-    if !arguments.zenoh_reads.is_empty() && !arguments.has_network() {
-        anyhow::bail!(
-            "`--zenoh-read` needs other machines: add `--zenoh-listen` or `--zenoh-connect`"
-        );
-    }
+    arguments.check(all.len())?;
     let output = |path, endings| Output { path, endings };
     let log = arguments.profile.iter().map(|it| output(it, &[]));
     let trace = arguments.trace.iter();
@@ -333,125 +348,16 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     outputs::check(&written, all.iter().flat_map(|it| it.1.files()))?;
     let mut answers = Vec::new();
     for (session, problem) in all {
-        if !problem.errors.is_empty() {
-            ScenarioDiagnostics::about(&session, &problem, problem.errors.clone())?.print()?;
-            trouble.told();
-            continue;
+        match one(
+            arguments,
+            (&session, problem),
+            (&checks, &interrupt),
+            &mut trouble,
+        )? {
+            Ended::Answered(answer) => answers.push(*answer),
+            Ended::Unusable => trouble.told(),
+            Ended::Stopped(outcome) => return Ok(outcome),
         }
-        let options = Options {
-            cores: arguments.cores.map(|it| it.0),
-            policy: arguments.policy.map(PolicyName::policy),
-            semantics: arguments.semantics.map(SemanticsName::preset),
-            checks: parsed(&checks, &problem)?,
-            ..Options::default()
-        };
-        let input = SystemInput {
-            specs: problem.specs(),
-        };
-        let prepared = prepare(&input, &problem.scenario, &options);
-        let told = |all: &[dotgen_timing::diagnostic::Diagnostic]| {
-            ScenarioDiagnostics::by_verifier(&session, &problem, all, &checks)
-        };
-        if matches!(arguments.format, Format::Text) || prepared.report.has_errors() {
-            told(&together(&prepared.report.diagnostics))?.print()?;
-        }
-        if prepared.report.has_errors() {
-            trouble.told();
-            continue;
-        }
-        let source = (arguments.bounds, arguments.clock);
-        let (mut bounds, proving) =
-            bounds::at_once(source, &problem, &options, &prepared, &interrupt);
-        let measured = arguments.clock == Clock::Real && arguments.simulate == Simulate::Missing;
-        let untimed = bounds::without_times(&prepared.built.system, &mut bounds, measured);
-        let names = Names::new(&input.specs);
-        let (trace, perfetto) = match &arguments.trace {
-            Some(path) if path.extension() == Some(PERFETTO) => (None, Some(path)),
-            other => (other.as_ref(), None),
-        };
-        let log = arguments.profile.as_ref();
-        let mut files = Files::open(
-            log.map(|it| it.as_path()),
-            perfetto.map(|it| it.as_path()),
-            arguments.record.as_ref().map(|it| it.as_path()),
-            &names,
-        )?;
-        let context = execute::Context {
-            session: &session,
-            problem: &problem,
-            names: &names,
-            options: &options,
-            bounds,
-            proving: proving.as_ref(),
-            measured,
-            interrupt: &interrupt,
-        };
-        let Some(run) = context.run_while_proving(arguments, prepared, &mut files)? else {
-            if interrupt.is_raised() {
-                report::note("interrupted before it ran");
-                return Ok(Outcome::GaveUp);
-            }
-            return Ok(Outcome::Unusable);
-        };
-        let execute::Run {
-            mut report,
-            executed,
-            lines,
-            messages,
-            told,
-        } = run;
-        report.notes.extend(untimed);
-        let mut written = Vec::new();
-        if let (Some(path), Some(it)) =
-            (&arguments.record, trouble.ok_or_report(messages).flatten())
-        {
-            match it.whole {
-                true => written.push((path.clone(), it.data, Contents::Messages(it.steps))),
-                false => trouble.told(),
-            }
-        }
-        // The run is reported even if its files could not be written.
-        let recorded = lines.and_then(|lines| {
-            let whole = files.runs.map(|it| it.finish()).transpose()?;
-            Ok((lines, whole))
-        });
-        if let Some((lines, Some(whole))) = trouble.ok_or_report(recorded.map_err(Into::into)) {
-            let files = [
-                (log, whole.log, Contents::Lines),
-                (perfetto, whole.trace, Contents::Codels),
-            ];
-            for (path, whole, of) in files {
-                match (path, whole) {
-                    (Some(path), true) => written.push((path.clone(), lines, of)),
-                    (Some(_), false) => trouble.told(),
-                    (None, _) => {}
-                }
-            }
-        }
-        if let (Some(path), Some(run)) = (trace, told) {
-            let recorded = trace::RecordedRun {
-                title: format!("a run of {}, seed {}", report.scenario, arguments.seed),
-                unit: &report.unit,
-                events: &run.events,
-                ending: Ending::Fine,
-                cycle: None,
-                notes: match run.left_out {
-                    true => vec!["the run goes on, but not here: it is too long".to_owned()],
-                    false => Vec::new(),
-                },
-            };
-            let steps = trouble.ok_or_report(trace::write(path, recorded, &problem, &options));
-            let steps = steps.and_then(|it| u64::try_from(it).ok());
-            written.extend(steps.map(|it| (path.clone(), it, Contents::Steps)));
-        }
-        answers.push(Answer {
-            clock: arguments.clock,
-            executed,
-            options,
-            report,
-            written,
-            problem,
-        });
     }
     if !answers.is_empty() {
         match arguments.format {

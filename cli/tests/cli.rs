@@ -71,7 +71,21 @@ fn errors_as_sarif() {
     let document: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
     assert_eq!(document["version"], "2.1.0");
     let run = &document["runs"][0];
-    assert_eq!(run["tool"]["driver"]["rules"][0]["id"], "name-clash");
+    let rule = &run["tool"]["driver"]["rules"][0];
+    assert_eq!(rule["id"], "name-clash");
+    let summary = rule["shortDescription"]["text"].as_str().expect("text");
+    assert!(
+        summary.ends_with('.') && !summary.contains('\n'),
+        "{summary}"
+    );
+    assert!(
+        rule["help"]["markdown"]
+            .as_str()
+            .expect("text")
+            .starts_with("# name-clash")
+    );
+    // Where the manual is installed concerns no other machine.
+    assert!(!stdout(&output).contains("file:"), "{}", stdout(&output));
     let result = &run["results"][0];
     assert_eq!(result["level"], "error");
     let place = &result["locations"][0]["physicalLocation"];

@@ -15,6 +15,7 @@ mod position;
 mod rank;
 mod ranked;
 mod route;
+mod rows;
 mod size;
 
 use rustc_hash::FxHashMap;
@@ -168,9 +169,36 @@ pub const LABEL_HEIGHT: f64 = 20.0;
 /// Space around the drawing, in pixels.
 const MARGIN: f64 = 12.0;
 
+/// Least size of letters on a screen, in pixels.
+const LEAST_LETTER: f64 = 9.0;
+
+/// Places a graph in a pane of a width in pixels. A graph that reads from left to right and is so wide that
+/// its letters would be smaller than 9 pixels is turned, to read from top to bottom in rows of that width.
+/// The pane scrolls downwards.
+pub fn layout_within(graph: &Graph, pane: f64) -> Layout {
+    let sideways = layout(graph);
+    // The width of the picture at which its smallest letters have the least size.
+    let most = pane * text::LABEL.size / LEAST_LETTER;
+    if graph.direction != Direction::Right || sideways.width <= most {
+        return sideways;
+    }
+    // Passing edges need space as well, which is known only after the layout.
+    let shares = [1.0, 0.8, 0.6, 0.45, 0.3];
+    let tries = shares.map(|share| place(graph, Direction::Down, Some(share * most)));
+    let narrow = tries.iter().position(|it| it.width <= most);
+    let widths = (0..tries.len()).min_by(|&a, &b| tries[a].width.total_cmp(&tries[b].width));
+    let best = narrow.or(widths).map(|it| tries[it].clone());
+    best.unwrap_or(sideways)
+}
+
 /// Places a graph. Deterministic and total: edges to unknown nodes are left out.
 pub fn layout(graph: &Graph) -> Layout {
-    let sideways = graph.direction == Direction::Right;
+    place(graph, graph.direction, None)
+}
+
+/// Places a graph in a direction, with ranks of at most a width in pixels.
+fn place(graph: &Graph, direction: Direction, within: Option<f64>) -> Layout {
+    let sideways = direction == Direction::Right;
     let turn = |(w, h): (f64, f64)| if sideways { (h, w) } else { (w, h) };
     let labels: Vec<(f64, f64)> = graph
         .edges
@@ -194,7 +222,7 @@ pub fn layout(graph: &Graph) -> Layout {
         .collect();
     let loops = size::Loops::of(&ends, &labels);
 
-    let mut ranked = ranked::RankedGraph::new(graph, &ends, &boxes, &labels, &loops);
+    let mut ranked = ranked::RankedGraph::new(graph, &ends, &boxes, &labels, &loops, within);
     order::order(&mut ranked);
     let mut places = position::positions(&ranked, if sideways { 18.0 } else { 26.0 });
     position::pack_groups(&ranked, 14.0, &mut places);

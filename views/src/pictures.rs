@@ -11,7 +11,7 @@ use dotgen_analysis::model::{
 use dotgen_analysis::quantity;
 use dotgen_analysis::source_map::{Location, Locations};
 use dotgen_diagram::graph::{Graph, Origin};
-use dotgen_diagram::layout::{Layout, Point, layout, moved};
+use dotgen_diagram::layout::{Layout, Point, layout, layout_within, moved};
 use dotgen_diagram::render::{dot::dot, mermaid::mermaid, svg::svg};
 use dotgen_diagram::system::{self, Chain, Connection};
 use dotgen_diagram::theme::Theme;
@@ -79,6 +79,9 @@ pub struct PictureRequest {
     /// Systems: offsets of moved nodes from their layout, to the right and down, in pixels. A port moves with
     /// its component.
     pub moved: BTreeMap<String, (i32, i32)>,
+    /// Systems: width of the pane, in pixels. A picture that is wider, with letters of 9 pixels, is drawn from
+    /// top to bottom in rows of that width.
+    pub width: Option<u32>,
 }
 
 /// Facts about a system that are not in its specifications.
@@ -106,6 +109,7 @@ impl Default for PictureRequest {
             chains: false,
             opened: BTreeMap::new(),
             moved: BTreeMap::new(),
+            width: None,
         }
     }
 }
@@ -206,7 +210,16 @@ fn system_picture(
             false => Vec::new(),
         },
     };
-    let mut drawn = picture(system::graph(&parts, &options), None, None);
+    let graph = system::graph(&parts, &options);
+    let mut drawn = Picture {
+        layout: match wish.width {
+            Some(pane) => layout_within(&graph, f64::from(pane)),
+            None => layout(&graph),
+        },
+        graph,
+        component: None,
+        owner: None,
+    };
     let by = |id: &str| wish.moved.get(id).copied().unwrap_or_default();
     let nodes = drawn.graph.nodes.iter();
     let moves: Vec<Point> = nodes

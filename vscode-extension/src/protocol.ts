@@ -88,6 +88,8 @@ export interface DiagramParams extends DiagramOptions, Partial<Arrangement> {
   owner?: string;
   /** States that the reader goes through. */
   way?: string[];
+  /** Systems: width of the pane, in pixels. */
+  width?: number;
   theme?: 'auto' | 'light' | 'dark' | 'light-clear' | 'dark-clear' | 'neutral' | 'editor';
   format?: 'svg' | 'dot' | 'mermaid';
 }

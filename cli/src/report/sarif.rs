@@ -10,7 +10,6 @@ use serde_json::{Value, json};
 use super::FileReports;
 use crate::session;
 use dotgen_lsp_server::protocol::convert::uri;
-use dotgen_lsp_server::protocol::types::Uri;
 use dotgen_views::manual;
 
 pub(crate) fn print(report: &FileReports) -> anyhow::Result<()> {
@@ -21,12 +20,7 @@ pub(crate) fn print(report: &FileReports) -> anyhow::Result<()> {
 
 fn document(report: &FileReports) -> Value {
     let codes: BTreeSet<&str> = report.diagnostics.iter().map(|it| it.code).collect();
-    let rules = codes.iter().map(
-        |code| match manual::page(code).and_then(Uri::from_file_path) {
-            Some(page) => json!({ "id": code, "helpUri": page.as_str() }),
-            None => json!({ "id": code }),
-        },
-    );
+    let rules = codes.iter().map(|code| rule(code));
     let results = report.diagnostics.iter().map(|it| result(report, it));
     json!({
         "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
@@ -41,6 +35,25 @@ fn document(report: &FileReports) -> Value {
             "results": results.collect::<Vec<_>>(),
         }],
     })
+}
+
+/// Describes a code by its page of the manual.
+fn rule(code: &str) -> Value {
+    let Some(page) = manual::text(code) else {
+        return json!({ "id": code });
+    };
+    json!({
+        "id": code,
+        "shortDescription": { "text": summary(page) },
+        "help": { "text": page, "markdown": page },
+    })
+}
+
+/// Returns the first paragraph below the title of a page, in one line.
+fn summary(page: &str) -> String {
+    let mut paragraphs = page.split("\n\n").map(str::trim);
+    let first = paragraphs.find(|it| !it.is_empty() && !it.starts_with('#'));
+    first.unwrap_or_default().replace('\n', " ")
 }
 
 fn result(report: &FileReports, it: &Diagnostic) -> Value {

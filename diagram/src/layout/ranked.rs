@@ -3,11 +3,11 @@
 use crate::graph::{Graph, Shape};
 
 use super::rank::{Arc, ranks};
-use super::{acyclic, size::Loops};
+use super::{acyclic, rows, size::Loops};
 
 /// The minimum length of an edge in ranks. Every edge spans an even number of ranks, so that its label has a
 /// rank of its own.
-const EDGE_LENGTH: usize = 2;
+pub(super) const EDGE_LENGTH: usize = 2;
 
 /// A graph whose edges join neighbouring ranks only. Real nodes come first and keep their index.
 pub(super) struct RankedGraph {
@@ -43,6 +43,7 @@ impl RankedGraph {
         boxes: &[(f64, f64)],
         labels: &[(f64, f64)],
         loops: &Loops,
+        within: Option<f64>,
     ) -> RankedGraph {
         let real = boxes.len();
         let columns = columns(graph, ends);
@@ -77,7 +78,15 @@ impl RankedGraph {
                 // Without labels, no ranks are needed for them.
                 Some(it) if labels.iter().all(|label| label.0 == 0.0) => it,
                 Some(it) => it.into_iter().map(|it| it * EDGE_LENGTH).collect(),
-                None => ranks(real, &arcs),
+                None => {
+                    let ranks = ranks(real, &arcs);
+                    let shapes = graph.nodes.iter().map(|it| it.shape);
+                    let nodes: Vec<_> = boxes.iter().map(|it| it.0).zip(shapes).collect();
+                    match within {
+                        Some(width) => rows::bounded(&nodes, &ranks, &arcs, width),
+                        None => ranks,
+                    }
+                }
             },
             group: groups(graph),
             extent: Vec::new(),

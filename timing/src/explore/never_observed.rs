@@ -62,7 +62,9 @@ impl NeverObserved {
             // Tasks are started in order, so the later one counts.
             it.start_up = it.start_up.zip(now).map(|(one, other)| one.max(other));
         }
-        self.atoms.retain(|it| !rules.atom(s, it));
+        self.atoms.retain(|it| {
+            !rules.atom(s, it) && !orbits.of_atom(it).iter().any(|it| rules.atom(s, it))
+        });
     }
 
     /// Returns the reason why a task has no job; `None` if the task has a job.

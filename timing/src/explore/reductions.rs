@@ -23,7 +23,9 @@ use smallvec::SmallVec;
 
 use self::facts::Facts;
 pub use self::kind::{Activity, Kind, Kinds, Reason};
-pub(crate) use self::symmetry::{Label, Orbits, Renaming};
+pub(crate) use self::symmetry::{
+    Exchangeable, Label, Names, Orbits, Part, Parts, Renaming, UnitPlaces,
+};
 use super::rules::{Action, Enabled, Rules};
 use super::state::State;
 use super::store::Encoded;
@@ -176,19 +178,15 @@ pub(crate) trait Reduced: Rules {
     type Reductions: Reductions<Self>;
 }
 
-/// The reductions of rules without any proved reduction: nothing is left out.
+/// No reductions, for searches that follow data: nothing is left out.
 #[derive(Debug)]
-#[allow(
-    dead_code,
-    reason = "for sets of rules to begin with; the published ones have their own"
-)]
 pub(crate) struct NoReductions(Orbits, Vec<Activity>);
 
 impl<R: Rules> Reductions<R> for NoReductions {
     fn new(rules: &R, _: &Watched, _: Kinds) -> Self {
-        let unknown = |kind| Activity {
+        let off = |kind| Activity {
             kind,
-            off: Some(Reason::RulesUnknown),
+            off: Some(Reason::Chain),
         };
         let kinds = [
             Kind::PersistentSets,
@@ -198,10 +196,7 @@ impl<R: Rules> Reductions<R> for NoReductions {
             Kind::RestingLoops,
             Kind::Symmetry,
         ];
-        NoReductions(
-            Orbits::none(rules.system()),
-            kinds.into_iter().map(unknown).collect(),
-        )
+        NoReductions(Orbits::none(rules), kinds.into_iter().map(off).collect())
     }
 
     fn activities(&self) -> &[Activity] {

@@ -46,9 +46,9 @@
 //! 1. A folder next to `published`, with a type that implements [`Rules`]. Actions that it needs are variants
 //!    of [`Action`], with their lines in [`Action::renamed`](super::reductions::Renaming::action) and
 //!    [`Rules::task_of`].
-//! 2. Its reductions: [`Reduced`](super::reductions::Reduced). To begin with,
-//!    [`NoReductions`](super::reductions::NoReductions): all actions are followed, no state is left out, and
-//!    each of the known reductions is reported as off, because it is not proved sound for these rules.
+//! 2. Its reductions: [`Reduced`](super::reductions::Reduced), each with its proof for these rules or the reason against
+//!    it. Symmetry is the same for all rules, which say where a state names parts of the system
+//!    ([`Exchangeable`](super::reductions::Exchangeable)).
 //! 3. A line in `with_rules!`, which chooses the rules of a system.
 
 mod moment;

@@ -21,7 +21,7 @@ use crate::expected::answers;
 use crate::servers::chains::Chain;
 use crate::servers::model::{Datum, read};
 use crate::servers::random::{
-    Texts, chained, chained_steadily, occasional, periodic, quiet, requests, texts, varied,
+    Texts, alike, chained, chained_steadily, occasional, periodic, quiet, requests, texts, varied,
 };
 use crate::servers::{CAP, Interpreter};
 use crate::{all_agree, first, systems};
@@ -45,6 +45,9 @@ fn answer(it: &CheckReport) -> Json {
         false => json!(verdict),
     }
 }
+
+/// Systems with an exploration that used symmetry.
+static WITH_SYMMETRY: AtomicUsize = AtomicUsize::new(0);
 
 fn compare(name: &str, texts: &Texts) -> Option<Result<(), String>> {
     let exactly = [Kind::ScheduleAbstraction].into_iter().collect();
@@ -84,6 +87,10 @@ fn compare_without(name: &str, texts: &Texts, without: Kinds) -> Option<Result<(
     let report = verify(&input, &parsed.scenario, &options, &Cancel::default());
     if report.has_errors() {
         return Some(Err(format!("{:?}: {}", report.diagnostics, shown())));
+    }
+    let mut reductions = report.reductions.reductions.iter();
+    if reductions.any(|it| it.kind == Kind::Symmetry && it.used > 0) {
+        WITH_SYMMETRY.fetch_add(1, Ordering::Relaxed);
     }
     let names = Names::new(&input.specs);
     let built = build(&names, &settings(&parsed.scenario, &options), &|_| true);
@@ -284,6 +291,18 @@ fn the_verifier_agrees_with_the_interpreter_of_the_servers_on_aborts_kills_and_o
         let texts = requests(&mut systems::Dice::new(seed));
         compare(&format!("seed {seed}"), &texts)
     });
+}
+
+#[test]
+fn the_verifier_agrees_with_the_interpreter_of_the_servers_on_equal_parts() {
+    let count = cases() / 2;
+    all_agree(first(), count, 6, |seed| {
+        let texts = alike(&mut systems::Dice::new(seed));
+        compare(&format!("seed {seed}"), &texts)
+    });
+    let used = WITH_SYMMETRY.load(Ordering::Relaxed);
+    eprintln!("{used} systems have symmetric parts");
+    assert!(used as u64 >= count / 10, "symmetry is used");
 }
 
 #[test]

@@ -51,6 +51,8 @@ export type ToPage =
 
 export type FromPage =
   | { type: 'ready' }
+  /** Width of the view, in pixels. */
+  | { type: 'width'; width: number }
   /** To the node, or to one of its lines. */
   | { type: 'jump'; id: string; line?: number }
   | { type: 'open'; id: string; open: boolean }

@@ -21,6 +21,8 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
   private nodes: DiagramNode[] = [];
   private ran: Ran | undefined;
   private selected: string | undefined;
+  /** Width of the view, in pixels, once the page has told it. */
+  private width: number | undefined;
   private timer: NodeJS.Timeout | undefined;
   // Where the picture is wanted, until it has been drawn: the page may ask before the first answer is there.
   private at: vscode.Position | undefined;
@@ -94,6 +96,9 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
     switch (message.type) {
       case 'ready':
         return this.draw();
+      case 'width':
+        this.width = message.width;
+        return this.subject?.kind === 'system' ? this.draw() : undefined;
       case 'jump':
         return this.jump(message.id, message.line);
       case 'open':
@@ -161,6 +166,7 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
       kind,
       ...options,
       ...(kind === 'system' ? this.arrangement : {}),
+      ...(kind === 'system' && this.width !== undefined ? { width: this.width } : {}),
       ...(way === undefined || kind !== 'fsm' ? {} : { way }),
       ...(component === undefined ? {} : { component }),
       ...(owner === undefined ? {} : { owner }),

@@ -1,7 +1,7 @@
 // A picture that can be zoomed and moved: shared by the pages.
 
-/** What letters need to be read: smaller than this, a picture is larger than its view and is scrolled. */
-const READABLE = 0.7;
+/** Letters of 9 of 11 pixels can be read: at a smaller scale, a picture is larger than its view and is scrolled. */
+const READABLE = 9 / 11;
 
 export class Canvas {
   private scale = 1;

@@ -341,4 +341,14 @@ document.addEventListener('keydown', (event) => {
     search.focus();
   } else canvas.key(event);
 });
+
+/** The width that the panel knows. */
+let known = 0;
+new ResizeObserver(() => {
+  const width = view.clientWidth;
+  // A scrollbar more or less changes no layout.
+  if (width < 100 || Math.abs(width - known) < known / 10) return;
+  known = width;
+  host.postMessage({ type: 'width', width });
+}).observe(view);
 host.postMessage({ type: 'ready' });

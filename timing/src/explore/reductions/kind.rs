@@ -108,8 +108,15 @@ pub enum Reason {
     SwitchedOff,
     /// It is a part of another reduction that is not used.
     Without(Kind),
-    /// It is not proved sound under these rules.
-    RulesUnknown,
+    /// A chain follows data, and every order of actions may matter to it.
+    Chain,
+    /// The actions of a component do not commute: they may take tickets of one lock queue, and one control
+    /// task examines all activities.
+    OneQueue,
+    /// Threads preempt each other.
+    Preemption,
+    /// Codels of different components exclude each other by ports.
+    LockedPorts,
     /// A client requests `abort`, `kill` or `connect`.
     Builtins,
     /// Locks are granted in order of arrival.
@@ -153,7 +160,12 @@ impl fmt::Display for Reason {
         f.write_str(match self {
             Reason::SwitchedOff => "switched off",
             Reason::Without(kind) => return write!(f, "a part of {}, which is off", kind.name()),
-            Reason::RulesUnknown => "not shown to be sound under these rules",
+            Reason::Chain => "a chain follows data, and every order of actions may matter to it",
+            Reason::OneQueue => {
+                "the actions of a component share one lock queue and one control task, which see their order"
+            }
+            Reason::Preemption => "threads of different components preempt each other",
+            Reason::LockedPorts => "components lock each other's ports",
             Reason::Builtins => "a client asks for `abort`, `kill` or `connect`",
             Reason::LocksInOrder => "locks are given in order of arrival",
             Reason::Predicates => "a predicate looks at the states in between",

@@ -54,7 +54,7 @@ impl Reductions<Published<'_>> for OfPublished {
         notes.push(part(Kind::RestingLoops, resting, Kind::Deferral));
         let symmetry = Symmetry::examine(&setting, &mut notes);
         OfPublished {
-            alone: Orbits::none(rules.system),
+            alone: Orbits::none(rules),
             ample,
             overtake,
             lazy,
@@ -133,7 +133,7 @@ impl Reductions<Published<'_>> for OfPublished {
     }
 
     fn order(&self, rules: &Published, s: &mut State) -> Option<Renaming> {
-        self.symmetry.as_ref()?.order(&rules.layout, s)
+        self.symmetry.as_ref()?.order(rules, s)
     }
 
     fn orbits(&self) -> &Orbits {

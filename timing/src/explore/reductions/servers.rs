@@ -19,14 +19,23 @@
 //!
 //! Both are off under preemption, which lets threads wait for each other across components, and with locks on
 //! ports.
+//!
+//! *Symmetry*, as for the published rules (see [`super::symmetry`]).
+//!
+//! Inside a component no reduction is used. Every codel takes a ticket of the one lock queue of its component
+//! before it begins, in the same step sequence as the end of the codel before it, and every end of an
+//! activity is seen by the one control task. So two actions of a component are independent only if neither
+//! leads to a ticket at this moment, which nearly never holds.
 
 use rustc_hash::FxHashSet;
 use smallvec::SmallVec;
 
 use super::deferral::rest;
+use super::facts::Facts;
+use super::symmetry::Symmetry;
 use super::{
-    Activity, Deferrable, Kind, Kinds, Orbits, Reason, Reduced, Reductions, Renaming, SleepSet,
-    Watched,
+    Activity, Deferrable, Kind, Kinds, Orbits, Reason, Reduced, Reduction, Reductions, Renaming,
+    Setting, SleepSet, Watched,
 };
 use crate::explore::rules::servers::Servers;
 use crate::explore::rules::{Action, Enabled, Rules};
@@ -42,7 +51,9 @@ const CLOSURE: usize = 1024;
 /// The reductions for the rules of the servers.
 #[derive(Debug)]
 pub(crate) struct OfServers {
-    orbits: Orbits,
+    symmetry: Option<Symmetry>,
+    /// Orbits without symmetry.
+    alone: Orbits,
     /// Groups are followed one after the other.
     apart: bool,
     activities: Vec<Activity>,
@@ -137,9 +148,6 @@ impl Reduced for Servers<'_> {
 impl Reductions<Servers<'_>> for OfServers {
     fn new(rules: &Servers, asked: &Watched, without: Kinds) -> Self {
         let system = rules.system();
-        let apart = system.platform.semantics.ports == PortRule::Copy
-            && !rules.preempts()
-            && !system.has_builtin(|_| true);
         let mut about = vec![false; system.components.len()];
         for predicate in &asked.predicates {
             mark(system, predicate, &mut about);
@@ -154,11 +162,13 @@ impl Reductions<Servers<'_>> for OfServers {
             })
             .collect();
         let off = |kind: Kind| without.contains(kind).then_some(Reason::SwitchedOff);
-        let why = match system.has_builtin(|_| true) {
-            true => Reason::Builtins,
-            false => Reason::RulesUnknown,
+        let together = match () {
+            () if system.has_builtin(|_| true) => Some(Reason::Builtins),
+            () if rules.preempts() => Some(Reason::Preemption),
+            () if system.platform.semantics.ports != PortRule::Copy => Some(Reason::LockedPorts),
+            () => None,
         };
-        let unknown = |known: bool| (!known).then_some(why);
+        let apart = together.is_none();
         let (mut lazy, rest) = match apart && off(Kind::Deferral).is_none() {
             true => lazy_groups(system, asked, &about, &addressed),
             false => (vec![false; rules.frame().executors()], Vec::new()),
@@ -167,23 +177,31 @@ impl Reductions<Servers<'_>> for OfServers {
             lazy.fill(false);
         }
         let nothing = (!lazy.contains(&true)).then_some(Reason::NothingToPutOff);
-        let deferral = off(Kind::Deferral).or(unknown(apart)).or(nothing);
+        let deferral = off(Kind::Deferral).or(together).or(nothing);
         let resting = match deferral {
             Some(_) => Some(Reason::Without(Kind::Deferral)),
             None => rest.is_empty().then_some(Reason::NothingRests),
         };
-        let persistent = off(Kind::PersistentSets).or(unknown(apart));
+        let persistent = off(Kind::PersistentSets).or(together);
         let note = |kind, off| Activity { kind, off };
-        let activities = vec![
+        let mut activities = vec![
             note(Kind::PersistentSets, persistent),
-            note(Kind::PersistentRequests, Some(Reason::RulesUnknown)),
-            note(Kind::SleepSets, Some(Reason::RulesUnknown)),
+            note(Kind::PersistentRequests, Some(Reason::OneQueue)),
+            note(Kind::SleepSets, Some(Reason::OneQueue)),
             note(Kind::Deferral, deferral),
             note(Kind::RestingLoops, off(Kind::RestingLoops).or(resting)),
-            note(Kind::Symmetry, Some(Reason::RulesUnknown)),
         ];
+        let facts = Facts::new(system, asked);
+        let setting = Setting {
+            rules,
+            asked,
+            facts: &facts,
+            without,
+        };
+        let symmetry = Symmetry::examine(&setting, &mut activities);
         OfServers {
-            orbits: Orbits::none(system),
+            alone: Orbits::none(rules),
+            symmetry,
             apart: persistent.is_none(),
             activities,
             asked: about,
@@ -289,12 +307,12 @@ impl Reductions<Servers<'_>> for OfServers {
         }
     }
 
-    fn order(&self, _: &Servers, _: &mut State) -> Option<Renaming> {
-        None
+    fn order(&self, rules: &Servers, s: &mut State) -> Option<Renaming> {
+        self.symmetry.as_ref()?.order(rules, s)
     }
 
     fn orbits(&self) -> &Orbits {
-        &self.orbits
+        self.symmetry.as_ref().map_or(&self.alone, Symmetry::orbits)
     }
 
     fn next_moment(&self, rules: &Servers, s: &State) -> Option<Ticks> {

@@ -7,36 +7,134 @@
 //! present state. (A quotient by automorphisms: C. Ip and D. Dill, *Better verification through symmetry*,
 //! 1996.)
 //!
+//! The rules say where a state holds the numbers of a unit, and where it names parts of the system
+//! ([`Exchangeable`]). An exchange moves the numbers and renames the names. This is sound for rules that use
+//! the index of a part for nothing else than to find it; where an order of indices is only a normal form, the
+//! rules restore it ([`Exchangeable::restore_order`]).
+//!
 //! The reconstruction of runs does not use symmetry, see `explore::search::layers::trace`: after a state was
 //! put in order on the way, the rest of the run is renamed to the units as they were before.
 
 mod automorphisms;
+mod renaming;
 
 use std::cmp::Ordering;
+use std::ops::{Index, IndexMut};
 
 use smallvec::SmallVec;
 
 pub(crate) use self::automorphisms::Label;
+pub(crate) use self::renaming::Renaming;
 use super::{Kind, Reason, Reduction, Setting};
-use crate::explore::rules::Action;
-use crate::explore::rules::published::Published;
-use crate::explore::rules::published::layout::{Layout, control, tracker};
+use crate::explore::rules::Rules;
 use crate::explore::state::State;
-use crate::system::{Policy, Ticks, TimedSystem};
+use crate::property::Atom;
+
+/// The kinds of parts that a state can name, or that belong to a unit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Part {
+    Task,
+    Automaton,
+    Service,
+    Component,
+    Client,
+    Machine,
+    Codel,
+    /// Executors, as the rules number them.
+    Executor,
+    /// Places of activities, as the rules number them ([`Rules::places`]).
+    Place,
+}
+
+impl Part {
+    const COUNT: usize = 9;
+}
+
+/// Lists of numbers of parts, by kind.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(crate) struct Parts([Vec<usize>; Part::COUNT]);
+
+impl Index<Part> for Parts {
+    type Output = Vec<usize>;
+
+    fn index(&self, part: Part) -> &Vec<usize> {
+        &self.0[part as usize]
+    }
+}
+
+impl IndexMut<Part> for Parts {
+    fn index_mut(&mut self, part: Part) -> &mut Vec<usize> {
+        &mut self.0[part as usize]
+    }
+}
+
+/// The numbers in a state that belong to a unit: indices in the discrete part, and in the times.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct UnitPlaces {
+    pub(crate) discrete: Vec<usize>,
+    pub(crate) times: Vec<usize>,
+}
+
+/// Where a state names parts of the system.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Names {
+    /// Single numbers: index in the discrete part, kind, and the number that names the first part; smaller
+    /// numbers are no names.
+    pub(crate) single: Vec<(usize, Part, u16)>,
+    /// Lists: the index of the length, which the names follow, and their kind.
+    pub(crate) lists: Vec<(usize, Part)>,
+    /// Lists in an order that is only a normal form: sets.
+    pub(crate) sets: Vec<(usize, Part)>,
+}
+
+/// Rules whose states can be renamed.
+pub(crate) trait Exchangeable: Rules {
+    /// Adds the executors of a unit, and its places of activities.
+    fn complete(&self, parts: &mut Parts);
+
+    /// Returns the numbers of a unit, in the same order for all units that can be exchanged.
+    fn unit_places(&self, parts: &Parts) -> UnitPlaces;
+
+    /// Returns the names in a state.
+    fn names(&self) -> Names;
+
+    /// Restores the normal form of sets after a renaming.
+    fn restore_order(&self, s: &mut State);
+}
+
+/// A unit, and its numbers in a state.
+#[derive(Debug, Clone)]
+struct Unit {
+    parts: Parts,
+    /// Numbers that are no names.
+    plain: Vec<usize>,
+    /// Numbers that may be names.
+    named: Vec<usize>,
+    times: Vec<usize>,
+}
 
 /// The symmetric units of a system.
 #[derive(Debug)]
 pub(super) struct Symmetry {
     orbits: Orbits,
-    /// The order of tasks that wait for a core is irrelevant.
-    any_order: bool,
+    classes: Vec<Vec<Unit>>,
+    names: Names,
+    /// By index in the discrete part, the kind of a single name and the number of the first part.
+    at: Vec<Option<(Part, u16)>>,
+    /// By kind and number of a part, its class, unit and index there.
+    members: [Vec<Option<Member>>; Part::COUNT],
+    /// By class, the names that belong to no unit of the class.
+    outside: Vec<Names>,
 }
+
+/// The class and the unit of a part, and its index in the unit.
+type Member = (u16, u16, u16);
 
 /// The symmetric parts, by kind.
 #[derive(Debug)]
 pub(crate) struct Orbits {
     /// Classes of units that can be exchanged with each other, of at least two units.
-    classes: Vec<Vec<Unit>>,
+    classes: Vec<Vec<Parts>>,
     /// By task, the tasks of its orbit, including itself.
     tasks: Vec<Vec<usize>>,
     /// By service, the services of its orbit, including itself.
@@ -45,61 +143,31 @@ pub(crate) struct Orbits {
     identity: Renaming,
 }
 
-/// The parts of a unit. Symmetric units list corresponding parts at the same index.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(super) struct Unit {
-    tasks: Vec<usize>,
-    automata: Vec<usize>,
-    services: Vec<usize>,
-    components: Vec<usize>,
-    clients: Vec<usize>,
-    machines: Vec<usize>,
-    codels: Vec<usize>,
-    /// Places of the unit in a state, see [`Layout::places`].
-    places: (Vec<usize>, Vec<usize>),
-}
-
-/// The numbering of executors.
-#[derive(Debug, Clone, Copy)]
-struct Executors {
-    automata: usize,
-    components: usize,
-}
-
-/// New names of all tasks, automata, services, components and clients after an exchange of units.
-#[derive(Debug, Clone)]
-pub(crate) struct Renaming {
-    tasks: Vec<usize>,
-    automata: Vec<usize>,
-    components: Vec<usize>,
-    services: Vec<usize>,
-    clients: Vec<usize>,
-    executors: Executors,
-}
-
 impl Orbits {
     /// Returns the orbits of a system without symmetry.
-    pub(super) fn none(system: &TimedSystem) -> Self {
-        Orbits::new(system, Vec::new())
+    pub(super) fn none<R: Rules>(rules: &R) -> Self {
+        Orbits::new(rules, Vec::new())
     }
 
-    fn new(system: &TimedSystem, classes: Vec<Vec<Unit>>) -> Self {
-        let all = |n: usize| (0..n).collect();
+    fn new<R: Rules>(rules: &R, classes: Vec<Vec<Parts>>) -> Self {
+        let identity = Renaming::identity(rules);
+        let orbits = |part: Part| {
+            let mut out: Vec<Vec<usize>> = identity.of(part).iter().map(|&it| vec![it]).collect();
+            for class in &classes {
+                for place in 0..class[0][part].len() {
+                    let orbit: Vec<usize> = class.iter().map(|unit| unit[part][place]).collect();
+                    for &it in &orbit {
+                        out[it].clone_from(&orbit);
+                    }
+                }
+            }
+            out
+        };
         Orbits {
-            tasks: orbits(&classes, system.tasks.len(), |it| &it.tasks),
-            services: orbits(&classes, system.services.len(), |it| &it.services),
+            tasks: orbits(Part::Task),
+            services: orbits(Part::Service),
+            identity,
             classes,
-            identity: Renaming {
-                tasks: all(system.tasks.len()),
-                automata: all(system.automata.len()),
-                components: all(system.components.len()),
-                services: all(system.services.len()),
-                clients: all(system.clients.len()),
-                executors: Executors {
-                    automata: system.automata.len(),
-                    components: system.components.len(),
-                },
-            },
         }
     }
 
@@ -113,16 +181,40 @@ impl Orbits {
         &self.services[service]
     }
 
-    /// Returns the renaming that exchanges a task with another one of its orbit.
-    pub(crate) fn exchange(&self, one: usize, other: usize) -> Renaming {
-        let mut out = self.identity();
+    /// Returns the atoms into which exchanges of units turn an atom, except itself.
+    pub(crate) fn of_atom(&self, atom: &Atom) -> Vec<Atom> {
+        let mut out = vec![atom.clone()];
         for class in &self.classes {
-            let of = |task: usize| class.iter().position(|unit| unit.tasks.contains(&task));
-            if let (Some(one), Some(other)) = (of(one), of(other)) {
-                out.put(&class[one], &class[other]);
-                out.put(&class[other], &class[one]);
+            for it in out.clone() {
+                for (one, other) in class
+                    .iter()
+                    .flat_map(|one| class.iter().map(move |it| (one, it)))
+                {
+                    let exchanged = self.exchange_units(one, other).atom(&it);
+                    if !out.contains(&exchanged) {
+                        out.push(exchanged);
+                    }
+                }
             }
         }
+        out.split_off(1)
+    }
+
+    /// Returns the renaming that exchanges a task with another one of its orbit.
+    pub(crate) fn exchange(&self, one: usize, other: usize) -> Renaming {
+        for class in &self.classes {
+            let of = |task: usize| class.iter().find(|unit| unit[Part::Task].contains(&task));
+            if let (Some(one), Some(other)) = (of(one), of(other)) {
+                return self.exchange_units(one, other);
+            }
+        }
+        self.identity()
+    }
+
+    fn exchange_units(&self, one: &Parts, other: &Parts) -> Renaming {
+        let mut out = self.identity();
+        out.put(one, other);
+        out.put(other, one);
         out
     }
 
@@ -132,41 +224,108 @@ impl Orbits {
     }
 }
 
-impl Reduction<Published<'_>> for Symmetry {
+impl<R: Exchangeable> Reduction<R> for Symmetry {
     const KIND: Kind = Kind::Symmetry;
 
-    fn applies(setting: &Setting<Published>) -> Result<Self, Reason> {
-        let (system, layout) = (setting.system(), &setting.rules.layout);
-        let mut classes = automorphisms::classes(system, setting.asked);
+    fn applies(setting: &Setting<R>) -> Result<Self, Reason> {
+        let mut classes = automorphisms::classes(setting.system(), setting.asked);
         if classes.is_empty() {
             return Err(Reason::NothingAlike);
         }
-        for it in classes.iter_mut().flatten() {
-            it.places = layout.places(&it.tasks, &it.automata, &it.components, &it.clients);
+        let rules = setting.rules;
+        for parts in classes.iter_mut().flatten() {
+            rules.complete(parts);
         }
-        Ok(Symmetry {
-            orbits: Orbits::new(system, classes),
-            any_order: system.platform.policy == Policy::Any,
-        })
+        Ok(Symmetry::new(rules, classes))
     }
 }
 
 impl Symmetry {
+    fn new<R: Exchangeable>(rules: &R, classes: Vec<Vec<Parts>>) -> Self {
+        let names = rules.names();
+        let orbits = Orbits::new(rules, classes);
+        let numbers = rules.frame().blank().d.len();
+        let mut at = vec![None; numbers];
+        let mut may_name = vec![false; numbers];
+        for &(place, part, first) in &names.single {
+            at[place] = Some((part, first));
+            may_name[place] = true;
+        }
+        let unit = |parts: &Parts| {
+            let UnitPlaces { discrete, times } = rules.unit_places(parts);
+            let (named, plain) = discrete.into_iter().partition(|&it| may_name[it]);
+            let parts = parts.clone();
+            Unit {
+                parts,
+                plain,
+                named,
+                times,
+            }
+        };
+        let classes: Vec<Vec<Unit>> = (orbits.classes.iter())
+            .map(|class| class.iter().map(unit).collect())
+            .collect();
+        let mut members: [Vec<Option<Member>>; Part::COUNT] = Default::default();
+        for (list, all) in members.iter_mut().zip(orbits.identity.all()) {
+            list.resize(all.len(), None);
+        }
+        for (c, class) in classes.iter().enumerate() {
+            for (u, unit) in class.iter().enumerate() {
+                for (list, numbers) in members.iter_mut().zip(&unit.parts.0) {
+                    for (i, &it) in numbers.iter().enumerate() {
+                        list[it] = Some((c as u16, u as u16, i as u16));
+                    }
+                }
+            }
+        }
+        let outside = (classes.iter())
+            .map(|class| {
+                let own = |place: usize| {
+                    let mut units = class.iter();
+                    units.any(|it| it.named.contains(&place) || it.plain.contains(&place))
+                };
+                Names {
+                    single: names
+                        .single
+                        .iter()
+                        .filter(|it| !own(it.0))
+                        .copied()
+                        .collect(),
+                    lists: names
+                        .lists
+                        .iter()
+                        .filter(|it| !own(it.0))
+                        .copied()
+                        .collect(),
+                    sets: Vec::new(),
+                }
+            })
+            .collect();
+        Symmetry {
+            orbits,
+            classes,
+            names,
+            at,
+            members,
+            outside,
+        }
+    }
+
     /// Returns the orbits.
     pub(super) fn orbits(&self) -> &Orbits {
         &self.orbits
     }
 
     /// Puts the units of a state in order. Returns `None` if they already are.
-    pub(super) fn order(&self, layout: &Layout, s: &mut State) -> Option<Renaming> {
+    pub(super) fn order<R: Exchangeable>(&self, rules: &R, s: &mut State) -> Option<Renaming> {
         let mut moves: SmallVec<[(&Unit, &Unit); 8]> = SmallVec::new();
-        for class in &self.orbits.classes {
-            let compare = |one: &Unit, other: &Unit| self.compare(layout, s, one, other);
-            if class.is_sorted_by(|one, other| compare(one, other).is_le()) {
+        for (c, class) in self.classes.iter().enumerate() {
+            let compare = |&one: &usize, &other: &usize| self.compare(s, c, one, other);
+            let mut order: SmallVec<[usize; 8]> = (0..class.len()).collect();
+            if order.is_sorted_by(|one, other| compare(one, other).is_le()) {
                 continue;
             }
-            let mut order: SmallVec<[usize; 8]> = (0..class.len()).collect();
-            order.sort_by(|&one, &other| compare(&class[one], &class[other]));
+            order.sort_by(compare);
             let from = order.into_iter().enumerate();
             moves.extend(from.map(|(to, from)| (&class[from], &class[to])));
         }
@@ -174,269 +333,95 @@ impl Symmetry {
             return None;
         }
         let mut renaming = self.orbits.identity();
-        moves.iter().for_each(|(from, to)| renaming.put(from, to));
+        moves
+            .iter()
+            .for_each(|(from, to)| renaming.put(&from.parts, &to.parts));
         let before = s.clone();
-        self.rename(layout, (&moves, &renaming), &before, s);
+        for (one, other) in moves {
+            let places = |it: &Unit| {
+                it.plain
+                    .iter()
+                    .chain(&it.named)
+                    .copied()
+                    .collect::<Vec<_>>()
+            };
+            for (x, y) in places(one).into_iter().zip(places(other)) {
+                s.d[y] = before.d[x];
+            }
+            for (&x, &y) in one.times.iter().zip(&other.times) {
+                s.t[y] = before.t[x];
+            }
+        }
+        self.rename(&renaming, s);
+        rules.restore_order(s);
         Some(renaming)
     }
 
-    /// Compares the present states of two units. They are equal only if exchanging the units does not change
-    /// the state.
-    fn compare(&self, l: &Layout, s: &State, one: &Unit, other: &Unit) -> Ordering {
-        let place = |list: &[u16], it: usize| list.iter().position(|&other| other as usize == it);
-        let waiting = |unit: &Unit| -> SmallVec<[Option<usize>; 16]> {
-            let queued = unit.tasks.iter().map(|&it| place(l.queue(s), it));
-            let queued = queued.filter(|_| !self.any_order);
-            let locks = self
-                .executors_of(l, unit)
-                .map(|e| place(l.lock_queue(s), e));
-            queued.chain(locks).collect()
+    /// Compares the present states of two units of a class. Units that are equal can be exchanged without a
+    /// change of the state, except for their order in sets.
+    fn compare(&self, s: &State, class: usize, one: usize, other: usize) -> Ordering {
+        let units = &self.classes[class];
+        let (x, y) = (&units[one], &units[other]);
+        let plain = |it: &'_ usize| s.d[*it];
+        let time = |it: &'_ usize| s.t[*it];
+        let named = |unit: usize| {
+            let places = units[unit].named.iter();
+            places.map(move |&place| self.relative(s, place, (class, unit)))
         };
-        let times = |unit: &Unit| -> SmallVec<[Ticks; 32]> {
-            unit.places.1.iter().map(|&it| s.t[it]).collect()
-        };
-        let discrete =
-            (one.places.0.iter().map(|&it| s.d[it])).cmp(other.places.0.iter().map(|&it| s.d[it]));
-        discrete
-            .then_with(|| requests(l, s, one).cmp(requests(l, s, other)))
-            .then_with(
-                || match l.queue(s).is_empty() && l.lock_queue(s).is_empty() {
-                    true => Ordering::Equal,
-                    false => waiting(one).cmp(&waiting(other)),
-                },
-            )
-            .then_with(|| self.handled(l, s, one).cmp(self.handled(l, s, other)))
-            .then_with(|| times(one).cmp(&times(other)))
+        (x.plain.iter().map(plain).cmp(y.plain.iter().map(plain)))
+            .then_with(|| named(one).cmp(named(other)))
+            .then_with(|| {
+                self.named_outside(s, (class, one))
+                    .cmp(&self.named_outside(s, (class, other)))
+            })
+            .then_with(|| x.times.iter().map(time).cmp(y.times.iter().map(time)))
     }
 
-    fn executors_of<'u>(&self, l: &'u Layout, unit: &'u Unit) -> impl Iterator<Item = usize> + 'u {
-        let controls = unit.components.iter().map(|&it| l.control_executor(it));
-        let clients = unit.clients.iter().map(|&it| l.client_executor(it));
-        unit.automata.iter().copied().chain(controls).chain(clients)
+    /// Returns the number at a place: the index of the named part in a unit, or the number itself.
+    fn relative(&self, s: &State, place: usize, unit: (usize, usize)) -> Result<u16, u16> {
+        let number = s.d[place];
+        let index = self.at[place].and_then(|(part, first)| {
+            let named = number.checked_sub(first)?;
+            self.index_in(part, named, unit)
+        });
+        index.ok_or(number)
     }
 
-    /// Returns the components of a unit that handle requests, with the indices of client and service in the
-    /// unit.
-    fn handled<'u>(
-        &self,
-        l: &'u Layout,
-        s: &'u State,
-        unit: &'u Unit,
-    ) -> impl Iterator<Item = (Result<usize, usize>, Option<usize>, Option<usize>)> + 'u {
-        let at = |list: &[usize], it: u16| list.iter().position(|&other| other == it as usize);
-        let busy = (0..l.components).filter(|&it| busy(l, s, it));
-        busy.filter_map(move |component| {
-            let client = at(&unit.clients, l.requester(s, component));
-            let service = at(&unit.services, l.handled(s, component));
-            let own = at(&unit.components, component as u16);
-            (own.is_some() || client.is_some() || service.is_some())
-                .then(|| (own.ok_or(component), client, service))
-        })
+    /// Returns the index of a part in a unit; `None` if it belongs to another unit or to none.
+    fn index_in(&self, part: Part, number: u16, unit: (usize, usize)) -> Option<u16> {
+        let (c, u, index) = self.members[part as usize][number as usize]?;
+        ((c as usize, u as usize) == unit).then_some(index)
     }
 
-    /// Writes a state with units moved and all names changed accordingly.
-    fn rename(
-        &self,
-        l: &Layout,
-        (moves, to): (&[(&Unit, &Unit)], &Renaming),
-        from: &State,
-        out: &mut State,
-    ) {
-        for (one, other) in moves {
-            for (&x, &y) in one.places.0.iter().zip(&other.places.0) {
-                out.d[y] = from.d[x];
-            }
-            for (&x, &y) in one.places.1.iter().zip(&other.places.1) {
-                out.t[y] = from.t[x];
-            }
-            for (&x, &y) in one.components.iter().zip(&other.components) {
-                l.set_requester(out, y, l.requester(from, x));
-                l.set_handled(out, y, l.handled(from, x));
+    /// Returns where the rest of the state names parts of a unit: the places, and the indices in the unit.
+    fn named_outside(&self, s: &State, unit: (usize, usize)) -> SmallVec<[(usize, u16); 8]> {
+        let mut out = SmallVec::new();
+        let outside = &self.outside[unit.0];
+        for &(place, part, first) in &outside.single {
+            let named = s.d[place].checked_sub(first);
+            let index = named.and_then(|it| self.index_in(part, it, unit));
+            out.extend(index.map(|it| (place, it)));
+        }
+        for &(base, part) in &outside.lists {
+            for place in base + 1..=base + s.d[base] as usize {
+                let index = self.index_in(part, s.d[place], unit);
+                out.extend(index.map(|it| (place, it)));
             }
         }
-        for component in (0..l.components).filter(|&it| busy(l, from, it)) {
-            let at = to.components[component];
-            let client = l.requester(from, component) as usize;
-            l.set_requester(out, at, to.clients[client] as u16);
-            let service = l.handled(from, component) as usize;
-            l.set_handled(out, at, to.services[service] as u16);
-        }
-        for (x, &y) in to.clients.iter().enumerate() {
-            for (t, &value) in l.trackers(from, x).iter().enumerate() {
-                let slot = value.checked_sub(tracker::SLOT);
-                let slot = slot.map(|a| tracker::SLOT + to.automata[a as usize] as u16);
-                l.set_tracker(out, y, t, slot.unwrap_or(value));
+        out
+    }
+
+    /// Renames all names of a state.
+    fn rename(&self, to: &Renaming, s: &mut State) {
+        for &(place, part, first) in &self.names.single {
+            if let Some(named) = s.d[place].checked_sub(first) {
+                s.d[place] = first + to.of(part)[named as usize] as u16;
             }
         }
-        l.rename_queues(out, |task| to.tasks[task], |e| to.executor(e));
-        if self.any_order {
-            l.sort_queue(out);
-        }
-    }
-}
-
-/// Returns, for each of `n` parts of units, the parts of its orbit.
-fn orbits(
-    classes: &[Vec<Unit>],
-    n: usize,
-    parts: impl Fn(&Unit) -> &Vec<usize>,
-) -> Vec<Vec<usize>> {
-    let mut out: Vec<Vec<usize>> = (0..n).map(|it| vec![it]).collect();
-    for class in classes {
-        for place in 0..parts(&class[0]).len() {
-            let orbit: Vec<usize> = class.iter().map(|unit| parts(unit)[place]).collect();
-            for &it in &orbit {
-                out[it].clone_from(&orbit);
+        for &(base, part) in self.names.lists.iter().chain(&self.names.sets) {
+            for place in base + 1..=base + s.d[base] as usize {
+                s.d[place] = to.of(part)[s.d[place] as usize] as u16;
             }
-        }
-    }
-    out
-}
-
-/// Returns true if the control task of a component is handling a request.
-fn busy(l: &Layout, s: &State, component: usize) -> bool {
-    matches!(l.control(s, component), control::VALIDATE | control::SIMPLE)
-}
-
-/// Returns the trackers of the clients of a unit: slots of the unit by their index in it, other values as
-/// they are.
-fn requests<'u>(
-    l: &'u Layout,
-    s: &'u State,
-    unit: &'u Unit,
-) -> impl Iterator<Item = Result<usize, u16>> + 'u {
-    let trackers = unit.clients.iter().flat_map(|&it| l.trackers(s, it));
-    trackers.map(|&value| {
-        let slot = value.checked_sub(tracker::SLOT);
-        let own = slot.and_then(|a| unit.automata.iter().position(|&it| it == a as usize));
-        own.ok_or(value)
-    })
-}
-
-impl Renaming {
-    /// Renames the parts of one unit to those of another.
-    fn put(&mut self, from: &Unit, to: &Unit) {
-        let parts = [
-            (&mut self.tasks, &from.tasks, &to.tasks),
-            (&mut self.automata, &from.automata, &to.automata),
-            (&mut self.components, &from.components, &to.components),
-            (&mut self.services, &from.services, &to.services),
-            (&mut self.clients, &from.clients, &to.clients),
-        ];
-        for (map, from, to) in parts {
-            for (&from, &to) in from.iter().zip(to) {
-                map[from] = to;
-            }
-        }
-    }
-
-    /// Returns the inverse renaming.
-    pub(crate) fn inverse(&self) -> Renaming {
-        let inverse = |map: &[usize]| {
-            let mut out = vec![0; map.len()];
-            for (from, &to) in map.iter().enumerate() {
-                out[to] = from;
-            }
-            out
-        };
-        Renaming {
-            tasks: inverse(&self.tasks),
-            automata: inverse(&self.automata),
-            components: inverse(&self.components),
-            services: inverse(&self.services),
-            clients: inverse(&self.clients),
-            executors: self.executors,
-        }
-    }
-
-    /// Returns the composition of two renamings, `first` before this one.
-    pub(crate) fn after(&self, first: &Renaming) -> Renaming {
-        let both = |first: &[usize], then: &[usize]| first.iter().map(|&it| then[it]).collect();
-        Renaming {
-            tasks: both(&first.tasks, &self.tasks),
-            automata: both(&first.automata, &self.automata),
-            components: both(&first.components, &self.components),
-            services: both(&first.services, &self.services),
-            clients: both(&first.clients, &self.clients),
-            executors: self.executors,
-        }
-    }
-
-    pub(crate) fn task(&self, task: usize) -> usize {
-        self.tasks[task]
-    }
-
-    pub(crate) fn executor(&self, executor: usize) -> usize {
-        let Executors {
-            automata,
-            components,
-        } = self.executors;
-        if executor < automata {
-            self.automata[executor]
-        } else if executor < automata + components {
-            automata + self.components[executor - automata]
-        } else {
-            // Other rules number executors in another way, and exchange nothing: each keeps its number.
-            let client = self.clients.get(executor - automata - components);
-            client.map_or(executor, |it| automata + components + it)
-        }
-    }
-
-    pub(crate) fn action(&self, action: Action) -> Action {
-        match action {
-            Action::Proceed { client, next } => Action::Proceed {
-                client: self.clients[client],
-                next,
-            },
-            Action::Release { task } => Action::Release {
-                task: self.tasks[task],
-            },
-            Action::Grant { task } => Action::Grant {
-                task: self.tasks[task],
-            },
-            Action::Tick { task } => Action::Tick {
-                task: self.tasks[task],
-            },
-            Action::Acquire { executor } => Action::Acquire {
-                executor: self.executor(executor),
-            },
-            Action::Finish { executor, outcome } => Action::Finish {
-                executor: self.executor(executor),
-                outcome,
-            },
-            Action::Preempt { executor, by } => Action::Preempt {
-                executor: self.executor(executor),
-                by: self.executor(by),
-            },
-            Action::Ready { executor } => Action::Ready {
-                executor: self.executor(executor),
-            },
-            Action::Begin { task } => Action::Begin {
-                task: self.tasks[task],
-            },
-            Action::Wake { task } => Action::Wake {
-                task: self.tasks[task],
-            },
-            Action::Ticket { executor } => Action::Ticket {
-                executor: self.executor(executor),
-            },
-            Action::Mark { executor, taken } => Action::Mark {
-                executor: executor.map(|it| self.executor(it)),
-                taken,
-            },
-            Action::Reply { component } => Action::Reply {
-                component: self.components[component],
-            },
-            Action::Shut { component } => Action::Shut {
-                component: self.components[component],
-            },
-            Action::Signal { component } => Action::Signal {
-                component: self.components[component],
-            },
-            Action::Request { client, next } => Action::Request {
-                client: self.clients[client],
-                next,
-            },
         }
     }
 }

@@ -90,7 +90,8 @@ impl<'s> Published<'s> {
             Some(machine.states[l.at(s, executor) as usize].codel)
         } else if executor < l.automata + l.components {
             let component = executor - l.automata;
-            let service = &self.system.services[l.handled(s, component) as usize];
+            let (service, _) = l.request(s, component)?;
+            let service = &self.system.services[service];
             if l.control(s, component) == control::VALIDATE {
                 service.validate
             } else {
@@ -220,7 +221,7 @@ impl Rules for Published<'_> {
         let codel = self.codel(s, executor)?;
         Some(match executor.checked_sub(l.automata) {
             Some(component) => {
-                let service = l.handled(s, component) as usize;
+                let (service, _) = l.request(s, component)?;
                 let validates = self.system.services[service].validate.is_some();
                 let simple = l.simple(s, component) as usize + usize::from(validates);
                 Work::Control {
@@ -259,12 +260,8 @@ impl Rules for Published<'_> {
     }
 
     fn handling(&self, s: &State, component: usize) -> Option<(usize, bool)> {
-        let l = &self.layout;
-        let handles = matches!(
-            l.control(s, component),
-            layout::control::VALIDATE | layout::control::SIMPLE
-        );
-        handles.then(|| (l.handled(s, component) as usize, false))
+        let (service, _) = self.layout.request(s, component)?;
+        Some((service, false))
     }
 
     fn tell(

@@ -103,7 +103,7 @@ impl<'s> Servers<'s> {
             if !at_codel.contains(&l.thread_of(s, executor)) {
                 return None;
             }
-            let state = self.machine_state(s, l.turn(s, executor) as usize)?;
+            let state = self.machine_state(s, l.turn(s, executor))?;
             return Some(state.codel);
         }
         let component = executor - l.tasks;
@@ -114,7 +114,7 @@ impl<'s> Servers<'s> {
         if !at_codel.contains(&l.control(s, component)) {
             return None;
         }
-        let service = &self.system.services[l.handled(s, component) as usize];
+        let service = &self.system.services[l.handled(s, component)?];
         let mut codels = service.validate.iter().chain(&service.simple);
         codels.nth(l.codel_number(s, component) as usize).copied()
     }
@@ -321,11 +321,11 @@ impl Rules for Servers<'_> {
             let component = executor - l.tasks;
             return Some(Work::Control {
                 codel,
-                service: l.handled(s, component) as usize,
+                service: l.handled(s, component)?,
                 number: l.codel_number(s, component) as usize,
             });
         }
-        let slot = l.turn(s, executor) as usize;
+        let slot = l.turn(s, executor);
         let automaton = (l.automaton(s, slot) as usize).checked_sub(1)?;
         Some(Work::State {
             codel,
@@ -361,11 +361,8 @@ impl Rules for Servers<'_> {
 
     fn handling(&self, s: &State, component: usize) -> Option<(usize, bool)> {
         let l = &self.layout;
-        let handled = (
-            l.handled(s, component) as usize,
-            l.refused(s, component) != 0,
-        );
-        (l.sender(s, component) != 0).then_some(handled)
+        let service = l.handled(s, component)?;
+        Some((service, l.refused(s, component) != 0))
     }
 
     fn requested_place(&self, s: &State, component: usize) -> Option<usize> {

@@ -249,7 +249,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
         let mut response = Self::measured(layers);
         let within = response.split_off(watch.response.len());
         let services = 0..layers.observations.rules.system().services.len();
-        let restarts = services.filter(|&it| layers.observations.rules.has_ended_restarts(it));
+        let restarts = services.filter(|&it| layers.observations.has_ended_restarts(it));
         let deadlock = layers.deadlock.filter(|_| watch.deadlock);
         Findings {
             missed,

@@ -389,4 +389,10 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
         let mut orbit = self.reductions.orbits().of_service(service).iter();
         orbit.any(|&it| self.rules.has_refused(it))
     }
+
+    /// Returns true if two waiting instances of a service, or of one of its orbit, interrupted each other.
+    pub(super) fn has_ended_restarts(&self, service: usize) -> bool {
+        let mut orbit = self.reductions.orbits().of_service(service).iter();
+        orbit.any(|&it| self.rules.has_ended_restarts(it))
+    }
 }

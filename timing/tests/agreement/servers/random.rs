@@ -30,6 +30,8 @@ struct Known {
     requests: bool,
     /// Data flow, through ports and through variables of activities.
     chains: bool,
+    /// There is one component.
+    alone: bool,
     /// Ports that codels of the present component may name.
     ports: &'static [&'static str],
 }
@@ -134,12 +136,79 @@ pub(crate) fn occasional(dice: &mut Dice) -> Texts {
     draw(dice, occasional)
 }
 
-fn draw(dice: &mut Dice, mut known: Known) -> Texts {
-    let count = if dice.in_ten(if known.quiet { 7 } else { 3 }) {
-        2
-    } else {
-        1
+/// Returns a system of two equal components with equal clients, or of a component with two equal clients.
+/// Sometimes they differ, or only one of them is observed.
+pub(crate) fn alike(dice: &mut Dice) -> Texts {
+    let varied = dice.in_ten(4);
+    let known = Known {
+        varied,
+        requests: dice.in_ten(3),
+        alone: true,
+        ..Known::default()
     };
+    let Texts {
+        mut specifications,
+        scenario,
+    } = draw(dice, known);
+    let together = dice.in_ten(2);
+    let copy = |line: &str| match together {
+        true => line.to_owned(),
+        false => of_second(line),
+    };
+    let mut out = String::new();
+    let mut client = String::new();
+    let mut depth = 0;
+    for line in scenario.lines() {
+        let _ = writeln!(out, "{line}");
+        if line.starts_with(" client") || depth > 0 {
+            let count = |brace: char| line.matches(brace).count();
+            let _ = match depth {
+                0 => writeln!(client, " client l{} {{", out.len()),
+                _ => writeln!(client, "{}", copy(line)),
+            };
+            depth = depth + count('{') - count('}');
+            if depth == 0 {
+                out.push_str(&std::mem::take(&mut client));
+            }
+        } else if let Some((head, predicate)) = line.split_once(": reachable ") {
+            let predicate = predicate.trim_end_matches(';');
+            let other = copy(predicate);
+            let with = dice.pick(&["or", "or", "and"]);
+            let _ = writeln!(out, "{head}x: reachable ({predicate}) {with} ({other});");
+        } else if line.starts_with(" slots") || line.starts_with(" affinity") {
+            let _ = writeln!(out, "{}", copy(line));
+        }
+    }
+    if !together {
+        let second = specifications[0].replace("component c {", "component d {");
+        let differs = dice.in_ten(1);
+        specifications.push(match differs {
+            true => second.replacen("wcet 1 ms", "wcet 2 ms", 1),
+            false => second,
+        });
+    }
+    Texts {
+        specifications,
+        scenario: out,
+    }
+}
+
+/// Returns a line with the names of the first component replaced by those of the second.
+fn of_second(line: &str) -> String {
+    let mut out = String::new();
+    let mut inside = false;
+    for (at, it) in line.char_indices() {
+        let ends = line[at + it.len_utf8()..].starts_with(['.', ';']);
+        let name = it == 'c' && !inside && ends;
+        out.push(if name { 'd' } else { it });
+        inside = it.is_alphanumeric() || it == '_' || it == '.';
+    }
+    out
+}
+
+fn draw(dice: &mut Dice, mut known: Known) -> Texts {
+    let two = dice.in_ten(if known.quiet { 7 } else { 3 });
+    let count = 1 + usize::from(two && !known.alone);
     let specifications = (0..count).map(|c| component(dice, c, count, &mut known));
     let mut specifications: Vec<String> = specifications.collect();
     let scenario = scenario(dice, &known);

@@ -363,8 +363,9 @@ impl AmpleState<'_, '_> {
         else {
             return false;
         };
-        let client = l.requester(self.s, component) as usize;
-        let service = l.handled(self.s, component) as usize;
+        let Some((service, client)) = l.request(self.s, component) else {
+            return false;
+        };
         if !known.enabled
             || l.window(self.s, executor).1 > 0
             || known.visible.controls[component]
@@ -466,9 +467,9 @@ impl AmpleState<'_, '_> {
                 .any(|&it| conflicts.contains(it))
         };
         let requested = self.requested_now(|_| true);
-        let handled = l.handled(self.s, component) as usize;
+        let handled = l.request(self.s, component).map(|it| it.0);
         (self.system().components[component].services.iter()).any(|&it| {
-            let now = requested & bit(it) != 0 || it == handled;
+            let now = requested & bit(it) != 0 || handled == Some(it);
             now && wants(it)
         })
     }

@@ -3,10 +3,10 @@
 //! An exchange is found by pairing the parts of two components, clients or tasks, step by step. It is
 //! accepted only after a comparison of the whole system with the exchanged system.
 
-use super::Unit;
+use super::{Part, Parts, Renaming};
 use crate::explore::reductions::Watched;
 use crate::property::{Atom, Predicate};
-use crate::system::{ClientAction, CodelSet, TimedSystem};
+use crate::system::{ClientAction, CodelSet, Policy, TimedSystem};
 
 /// The watched properties of a task.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -18,15 +18,15 @@ pub(crate) struct Label {
 }
 
 /// Returns classes of symmetric units, each of at least two.
-pub(super) fn classes(system: &TimedSystem, asked: &Watched) -> Vec<Vec<Unit>> {
+pub(super) fn classes(system: &TimedSystem, asked: &Watched) -> Vec<Vec<Parts>> {
     let seeds = (0..system.components.len())
         .map(Seed::Component)
         .chain((0..system.clients.len()).map(Seed::Client))
         .chain((0..system.tasks.len()).map(Seed::Task));
     let seeds: Vec<Seed> = seeds.collect();
-    let mut out: Vec<Vec<Unit>> = Vec::new();
+    let mut out: Vec<Vec<Parts>> = Vec::new();
     for (i, &first) in seeds.iter().enumerate() {
-        let mut class: Vec<Unit> = Vec::new();
+        let mut class: Vec<Parts> = Vec::new();
         for &other in &seeds[i + 1..] {
             let mut units = out.iter().flatten().chain(&class[class.len().min(1)..]);
             if !first.resembles(other, system) || units.any(|it| it.holds(first) || it.holds(other))
@@ -57,14 +57,13 @@ pub(super) fn classes(system: &TimedSystem, asked: &Watched) -> Vec<Vec<Unit>> {
 }
 
 /// Returns true if the clients of each unit only send requests to services of their unit, or of no unit.
-fn closed(system: &TimedSystem, class: &[Unit]) -> bool {
+fn closed(system: &TimedSystem, class: &[Parts]) -> bool {
     class.iter().all(|unit| {
         let foreign = |service: usize| {
-            !unit.services.contains(&service)
-                && class.iter().any(|it| it.services.contains(&service))
+            !unit[Part::Service].contains(&service)
+                && class.iter().any(|it| it[Part::Service].contains(&service))
         };
-        let steps = unit
-            .clients
+        let steps = unit[Part::Client]
             .iter()
             .flat_map(|&it| &system.clients[it].steps);
         let mut sends = steps.filter_map(|it| match it.action {
@@ -108,7 +107,12 @@ impl Seed {
 }
 
 /// Returns the two units around two seeds, if exchanging them changes nothing.
-fn exchange(system: &TimedSystem, asked: &Watched, one: Seed, other: Seed) -> Option<(Unit, Unit)> {
+fn exchange(
+    system: &TimedSystem,
+    asked: &Watched,
+    one: Seed,
+    other: Seed,
+) -> Option<(Parts, Parts)> {
     let mut it = Exchange::new(system);
     match (one, other) {
         (Seed::Component(one), Seed::Component(other)) => it.component(one, other),
@@ -119,79 +123,56 @@ fn exchange(system: &TimedSystem, asked: &Watched, one: Seed, other: Seed) -> Op
     it.changes_nothing(asked).then_some((it.one, it.other))
 }
 
-impl Unit {
+impl Parts {
     fn holds(&self, seed: Seed) -> bool {
         match seed {
-            Seed::Component(it) => self.components.contains(&it),
-            Seed::Client(it) => self.clients.contains(&it),
-            Seed::Task(it) => self.tasks.contains(&it),
+            Seed::Component(it) => self[Part::Component].contains(&it),
+            Seed::Client(it) => self[Part::Client].contains(&it),
+            Seed::Task(it) => self[Part::Task].contains(&it),
         }
     }
 
-    fn meets(&self, other: &Unit) -> bool {
-        let meet = |one: &[usize], other: &[usize]| one.iter().any(|it| other.contains(it));
-        meet(&self.tasks, &other.tasks)
-            || meet(&self.automata, &other.automata)
-            || meet(&self.services, &other.services)
-            || meet(&self.components, &other.components)
-            || meet(&self.clients, &other.clients)
-            || meet(&self.machines, &other.machines)
-            || meet(&self.codels, &other.codels)
+    fn meets(&self, other: &Parts) -> bool {
+        let meet =
+            |(one, other): (&Vec<usize>, &Vec<usize>)| one.iter().any(|it| other.contains(it));
+        self.0.iter().zip(&other.0).any(meet)
     }
 }
 
-/// An exchange: the new name of every part of the system.
+/// An exchange of two units.
 struct Exchange<'s> {
     system: &'s TimedSystem,
-    tasks: Vec<usize>,
-    automata: Vec<usize>,
-    services: Vec<usize>,
-    components: Vec<usize>,
-    clients: Vec<usize>,
-    machines: Vec<usize>,
-    codels: Vec<usize>,
-    one: Unit,
-    other: Unit,
-}
-
-/// Pairs two parts of a kind. Returns `None` if either is already paired with another part, or must keep its
-/// name. Otherwise returns true if the pair is new.
-macro_rules! pair {
-    ($self:ident, $kind:ident, $x:expr, $y:expr) => {{
-        let (x, y) = ($x, $y);
-        if x == y {
-            if $self.$kind[x] != x {
-                return None;
-            }
-            false
-        } else if $self.$kind[x] == y && $self.one.$kind.contains(&x) {
-            false
-        } else if $self.$kind[x] == x && $self.$kind[y] == y {
-            $self.$kind[x] = y;
-            $self.$kind[y] = x;
-            $self.one.$kind.push(x);
-            $self.other.$kind.push(y);
-            true
-        } else {
-            return None;
-        }
-    }};
+    /// The new name of every part of the system.
+    to: Renaming,
+    one: Parts,
+    other: Parts,
 }
 
 impl<'s> Exchange<'s> {
     fn new(system: &'s TimedSystem) -> Self {
-        let all = |n: usize| (0..n).collect();
         Exchange {
             system,
-            tasks: all(system.tasks.len()),
-            automata: all(system.automata.len()),
-            services: all(system.services.len()),
-            components: all(system.components.len()),
-            clients: all(system.clients.len()),
-            machines: all(system.machines.len()),
-            codels: all(system.codels.len()),
-            one: Unit::default(),
-            other: Unit::default(),
+            to: Renaming::of_system(system),
+            one: Parts::default(),
+            other: Parts::default(),
+        }
+    }
+
+    /// Pairs two parts of a kind. Returns `None` if either is already paired with another part, or must keep
+    /// its name. Otherwise returns true if the pair is new.
+    fn pair(&mut self, part: Part, x: usize, y: usize) -> Option<bool> {
+        let to = self.to.of_mut(part);
+        if x == y {
+            (to[x] == x).then_some(false)
+        } else if to[x] == y && self.one[part].contains(&x) {
+            Some(false)
+        } else if to[x] == x && to[y] == y {
+            (to[x], to[y]) = (y, x);
+            self.one[part].push(x);
+            self.other[part].push(y);
+            Some(true)
+        } else {
+            None
         }
     }
 
@@ -213,7 +194,7 @@ impl<'s> Exchange<'s> {
     }
 
     fn component(&mut self, x: usize, y: usize) -> Option<()> {
-        if pair!(self, components, x, y) {
+        if self.pair(Part::Component, x, y)? {
             let (one, other) = (&self.system.components[x], &self.system.components[y]);
             self.each(&one.tasks, &other.tasks, Self::task)?;
             self.each(&one.services, &other.services, Self::service)?;
@@ -222,7 +203,7 @@ impl<'s> Exchange<'s> {
     }
 
     fn task(&mut self, x: usize, y: usize) -> Option<()> {
-        if pair!(self, tasks, x, y) {
+        if self.pair(Part::Task, x, y)? {
             let (one, other) = (&self.system.tasks[x], &self.system.tasks[y]);
             self.component(one.component, other.component)?;
             let list = |it: Option<usize>| it.into_iter().collect::<Vec<_>>();
@@ -237,7 +218,7 @@ impl<'s> Exchange<'s> {
     }
 
     fn automaton(&mut self, x: usize, y: usize) -> Option<()> {
-        if pair!(self, automata, x, y) {
+        if self.pair(Part::Automaton, x, y)? {
             let (one, other) = (&self.system.automata[x], &self.system.automata[y]);
             self.task(one.task, other.task)?;
             self.machine(one.machine, other.machine)?;
@@ -251,7 +232,7 @@ impl<'s> Exchange<'s> {
     }
 
     fn machine(&mut self, x: usize, y: usize) -> Option<()> {
-        if pair!(self, machines, x, y) {
+        if self.pair(Part::Machine, x, y)? {
             let codels = |it: usize| -> Vec<usize> {
                 let states = self.system.machines[it].states.iter();
                 states.map(|it| it.codel).collect()
@@ -263,7 +244,7 @@ impl<'s> Exchange<'s> {
     }
 
     fn service(&mut self, x: usize, y: usize) -> Option<()> {
-        if pair!(self, services, x, y) {
+        if self.pair(Part::Service, x, y)? {
             let (one, other) = (&self.system.services[x], &self.system.services[y]);
             self.component(one.component, other.component)?;
             let list = |it: Option<usize>| it.into_iter().collect::<Vec<_>>();
@@ -275,7 +256,7 @@ impl<'s> Exchange<'s> {
     }
 
     fn codel(&mut self, x: usize, y: usize) -> Option<()> {
-        if pair!(self, codels, x, y) {
+        if self.pair(Part::Codel, x, y)? {
             let (one, other) = (&self.system.codels[x], &self.system.codels[y]);
             self.component(one.component, other.component)?;
         }
@@ -283,7 +264,7 @@ impl<'s> Exchange<'s> {
     }
 
     fn client(&mut self, x: usize, y: usize) -> Option<()> {
-        if pair!(self, clients, x, y) {
+        if self.pair(Part::Client, x, y)? {
             let (one, other) = (&self.system.clients[x], &self.system.clients[y]);
             if one.steps.len() != other.steps.len() {
                 return None;
@@ -304,17 +285,7 @@ impl<'s> Exchange<'s> {
     // ---- The comparison of the systems ------------------------------------------------------
 
     fn changes_nothing(&self, asked: &Watched) -> bool {
-        let parts = [
-            (&self.one.tasks, &self.other.tasks),
-            (&self.one.automata, &self.other.automata),
-            (&self.one.services, &self.other.services),
-            (&self.one.components, &self.other.components),
-            (&self.one.clients, &self.other.clients),
-        ];
-        let apart = parts
-            .iter()
-            .all(|(one, other)| !one.iter().any(|it| other.contains(it)));
-        apart
+        !self.one.meets(&self.other)
             && self.keeps_components()
             && self.keeps_tasks(asked)
             && self.keeps_machines()
@@ -329,14 +300,15 @@ impl<'s> Exchange<'s> {
         (0..system.components.len()).all(|c| {
             let (from, to) = (
                 &system.components[c],
-                &system.components[self.components[c]],
+                &system.components[self.name(Part::Component, c)],
             );
-            // Tasks are started one after the other; a task without a permanent activity is started with the
-            // previous one.
+            // Tasks are started one after the other. In the published models, a task without a permanent
+            // activity is started with the previous one.
+            let together = system.platform.semantics.is_published();
             let blocks = |tasks: &mut dyn Iterator<Item = usize>| {
                 let mut blocks: Vec<Vec<usize>> = vec![Vec::new()];
                 for task in tasks {
-                    if system.tasks[task].permanent.is_some() {
+                    if !together || system.tasks[task].permanent.is_some() {
                         blocks.push(vec![task]);
                         blocks.push(Vec::new());
                     } else {
@@ -346,41 +318,47 @@ impl<'s> Exchange<'s> {
                 blocks.iter_mut().for_each(|it| it.sort_unstable());
                 blocks
             };
-            let renamed = blocks(&mut from.tasks.iter().map(|&it| self.tasks[it]));
+            let renamed = blocks(&mut from.tasks.iter().map(|&it| self.name(Part::Task, it)));
             renamed == blocks(&mut to.tasks.iter().copied())
-                && self.same_set(&from.services, &to.services, &self.services)
+                && same_set(&from.services, &to.services, self.to.of(Part::Service))
         })
     }
 
     fn keeps_tasks(&self, asked: &Watched) -> bool {
         let system = self.system;
+        let by_priority = system.platform.policy == Policy::Priority;
         let tasks = (0..system.tasks.len()).all(|t| {
-            let (from, to) = (&system.tasks[t], &system.tasks[self.tasks[t]]);
-            asked.labels[t] == asked.labels[self.tasks[t]]
-                && self.components[from.component] == to.component
+            let (from, to) = (&system.tasks[t], &system.tasks[self.name(Part::Task, t)]);
+            asked.labels[t] == asked.labels[self.name(Part::Task, t)]
+                && self.name(Part::Component, from.component) == to.component
                 && (from.period, from.delay, from.keep_idle_tick)
                     == (to.period, to.delay, to.keep_idle_tick)
-                && from.permanent.map(|it| self.automata[it]) == to.permanent
-                && same_list(&from.slots, &to.slots, &self.automata)
+                && (from.places, from.affinity) == (to.places, to.affinity)
+                && (!by_priority || from.priority == to.priority)
+                && from.permanent.map(|it| self.name(Part::Automaton, it)) == to.permanent
+                && same_list(&from.slots, &to.slots, self.to.of(Part::Automaton))
         });
         tasks
             && (0..system.automata.len()).all(|a| {
-                let (from, to) = (&system.automata[a], &system.automata[self.automata[a]]);
-                self.tasks[from.task] == to.task
-                    && self.machines[from.machine] == to.machine
-                    && from.service.map(|it| self.services[it]) == to.service
+                let (from, to) = (
+                    &system.automata[a],
+                    &system.automata[self.name(Part::Automaton, a)],
+                );
+                self.name(Part::Task, from.task) == to.task
+                    && self.name(Part::Machine, from.machine) == to.machine
+                    && from.service.map(|it| self.name(Part::Service, it)) == to.service
             })
     }
 
     fn keeps_machines(&self) -> bool {
         let machines = &self.system.machines;
         (0..machines.len()).all(|m| {
-            let (from, to) = (&machines[m], &machines[self.machines[m]]);
+            let (from, to) = (&machines[m], &machines[self.name(Part::Machine, m)]);
             (from.start, from.stop, from.loop_limit, from.rounds)
                 == (to.start, to.stop, to.loop_limit, to.rounds)
                 && from.states.len() == to.states.len()
                 && from.states.iter().zip(&to.states).all(|(from, to)| {
-                    self.codels[from.codel] == to.codel
+                    self.name(Part::Codel, from.codel) == to.codel
                         && from.yields == to.yields
                         && from.is_async == to.is_async
                 })
@@ -390,13 +368,13 @@ impl<'s> Exchange<'s> {
     fn keeps_codels(&self) -> bool {
         let codels = &self.system.codels;
         (0..codels.len()).all(|c| {
-            let (from, to) = (&codels[c], &codels[self.codels[c]]);
+            let (from, to) = (&codels[c], &codels[self.name(Part::Codel, c)]);
             let mut renamed = CodelSet::default();
             from.conflicts
                 .iter()
-                .for_each(|it| renamed.insert(self.codels[it]));
-            self.components[from.component] == to.component
-                && (from.lower, from.upper) == (to.lower, to.upper)
+                .for_each(|it| renamed.insert(self.name(Part::Codel, it)));
+            self.name(Part::Component, from.component) == to.component
+                && (from.lower, from.upper, from.throws) == (to.lower, to.upper, to.throws)
                 && renamed.iter().eq(to.conflicts.iter())
         })
     }
@@ -404,20 +382,26 @@ impl<'s> Exchange<'s> {
     fn keeps_services(&self) -> bool {
         let services = &self.system.services;
         (0..services.len()).all(|v| {
-            let (from, to) = (&services[v], &services[self.services[v]]);
-            self.components[from.component] == to.component
-                && from.activity == to.activity
-                && from.validate.map(|it| self.codels[it]) == to.validate
-                && same_list(&from.simple, &to.simple, &self.codels)
-                && same_list(&from.slots, &to.slots, &self.automata)
-                && self.same_set(&from.interrupts, &to.interrupts, &self.services)
+            let (from, to) = (&services[v], &services[self.name(Part::Service, v)]);
+            self.name(Part::Component, from.component) == to.component
+                && (from.activity, from.builtin) == (to.activity, to.builtin)
+                && from.validate.map(|it| self.name(Part::Codel, it)) == to.validate
+                && same_list(&from.simple, &to.simple, self.to.of(Part::Codel))
+                && same_list(&from.slots, &to.slots, self.to.of(Part::Automaton))
+                && [
+                    (&from.interrupts, &to.interrupts),
+                    (&from.after, &to.after),
+                    (&from.before, &to.before),
+                ]
+                .iter()
+                .all(|(from, to)| same_set(from, to, self.to.of(Part::Service)))
         })
     }
 
     fn keeps_clients(&self) -> bool {
         let clients = &self.system.clients;
         (0..clients.len()).all(|k| {
-            let (from, to) = (&clients[k], &clients[self.clients[k]]);
+            let (from, to) = (&clients[k], &clients[self.name(Part::Client, k)]);
             (&from.first, from.trackers) == (&to.first, to.trackers)
                 && from.steps.len() == to.steps.len()
                 && from.steps.iter().zip(&to.steps).all(|(from, to)| {
@@ -428,7 +412,7 @@ impl<'s> Exchange<'s> {
                             accepted,
                             aborts,
                         } => ClientAction::Send {
-                            service: self.services[*service],
+                            service: self.name(Part::Service, *service),
                             trackers: trackers.clone(),
                             accepted: accepted.clone(),
                             aborts: *aborts,
@@ -442,43 +426,20 @@ impl<'s> Exchange<'s> {
 
     fn keeps_predicate(&self, it: &Predicate) -> bool {
         words(it, &|atom| format!("{atom:?}"))
-            == words(it, &|atom| format!("{:?}", self.atom(atom)))
+            == words(it, &|atom| format!("{:?}", self.to.atom(atom)))
     }
 
-    fn atom(&self, it: &Atom) -> Atom {
-        match it.clone() {
-            Atom::Task(task, state) => Atom::Task(self.tasks[task], state),
-            Atom::State {
-                machine,
-                state,
-                phase,
-            } => Atom::State {
-                machine: self.machines[machine],
-                state,
-                phase,
-            },
-            Atom::Slot(service, status) => Atom::Slot(self.services[service], status),
-            Atom::Handling {
-                service,
-                codel,
-                phase,
-            } => Atom::Handling {
-                codel: codel.map(|it| self.codels[it]),
-                service: self.services[service],
-                phase,
-            },
-            Atom::ControlBusy(component) => Atom::ControlBusy(self.components[component]),
-            Atom::Client(client, steps) => Atom::Client(self.clients[client], steps),
-        }
+    fn name(&self, part: Part, number: usize) -> usize {
+        self.to.of(part)[number]
     }
+}
 
-    fn same_set(&self, from: &[usize], to: &[usize], names: &[usize]) -> bool {
-        let mut from: Vec<usize> = from.iter().map(|&it| names[it]).collect();
-        let mut to = to.to_vec();
-        from.sort_unstable();
-        to.sort_unstable();
-        from == to
-    }
+fn same_set(from: &[usize], to: &[usize], names: &[usize]) -> bool {
+    let mut from: Vec<usize> = from.iter().map(|&it| names[it]).collect();
+    let mut to = to.to_vec();
+    from.sort_unstable();
+    to.sort_unstable();
+    from == to
 }
 
 fn same_list(from: &[usize], to: &[usize], names: &[usize]) -> bool {

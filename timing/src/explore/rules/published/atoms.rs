@@ -45,8 +45,7 @@ impl Published<'_> {
                 phase,
             } => {
                 let component = self.system.services[service].component;
-                matches!(l.control(s, component), control::VALIDATE | control::SIMPLE)
-                    && l.handled(s, component) as usize == service
+                l.request(s, component).is_some_and(|it| it.0 == service)
                     && codel
                         .is_none_or(|it| self.codel(s, l.control_executor(component)) == Some(it))
                     && in_phase(l.phase(s, l.control_executor(component)), phase)

@@ -22,8 +22,7 @@ impl Published<'_> {
         for &t in trackers {
             l.set_tracker(s, client, t, tracker::HANDLED);
         }
-        l.set_requester(s, component, client as u16);
-        l.set_handled(s, component, service as u16);
+        l.set_request(s, component, Some((service, client)));
         self.client_to(s, client, next);
         if self.system.services[service].validate.is_some() {
             l.set_control(s, component, control::VALIDATE);
@@ -55,7 +54,10 @@ impl Published<'_> {
             }
             return;
         }
-        let service = &self.system.services[l.handled(s, component) as usize];
+        let Some((service, _)) = l.request(s, component) else {
+            return;
+        };
+        let service = &self.system.services[service];
         let next = l.simple(s, component) + 1;
         if (next as usize) < service.simple.len() {
             l.set_simple(s, component, next);
@@ -68,13 +70,14 @@ impl Published<'_> {
     /// Accepts the request, which has passed validation.
     fn accept(&self, s: &mut State, component: usize) {
         let l = &self.layout;
-        let number = l.handled(s, component) as usize;
+        let Some((number, client)) = l.request(s, component) else {
+            return;
+        };
         let service = &self.system.services[number];
         if service.activity {
             match service.slots.iter().find(|&&a| l.mode(s, a) == slot::VOID) {
                 Some(&a) => {
                     l.set_mode(s, a, slot::WAIT);
-                    let client = l.requester(s, component) as usize;
                     for t in 0..self.system.clients[client].trackers {
                         if l.tracker(s, client, t) == tracker::HANDLED {
                             l.set_tracker(s, client, t, tracker::SLOT + a as u16);
@@ -120,7 +123,9 @@ impl Published<'_> {
     /// occupies a slot.
     fn end_of_message(&self, s: &mut State, component: usize) {
         let l = &self.layout;
-        let client = l.requester(s, component) as usize;
+        let Some((_, client)) = l.request(s, component) else {
+            return;
+        };
         for t in 0..self.system.clients[client].trackers {
             if l.tracker(s, client, t) == tracker::HANDLED {
                 l.set_tracker(s, client, t, tracker::NONE);
@@ -133,8 +138,7 @@ impl Published<'_> {
     /// Reports ended activities, lets waiting ones run, and prepares for the next message.
     pub(super) fn finish_message(&self, s: &mut State, component: usize) {
         let l = &self.layout;
-        l.set_requester(s, component, 0);
-        l.set_handled(s, component, 0);
+        l.set_request(s, component, None);
         l.set_simple(s, component, 0);
         l.set_control(s, component, control::READY);
 

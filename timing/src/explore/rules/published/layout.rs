@@ -2,8 +2,10 @@
 
 use std::ops::Deref;
 
+use super::Published;
+use crate::explore::reductions::{Exchangeable, Names, Part, Parts, UnitPlaces};
 use crate::explore::state::{Clocks, Frame, Places, State, TaskStatus};
-use crate::system::{Ticks, TimedSystem};
+use crate::system::{Policy, Ticks, TimedSystem};
 
 /// `mode` of a permanent activity.
 pub(crate) mod mode {
@@ -61,7 +63,7 @@ pub(crate) struct Layout {
     task_base: usize,
     /// Per automaton two: mode, state.
     automaton_base: usize,
-    /// Per component six.
+    /// Per component six; the third is the service being handled plus one, the fifth is its client plus one.
     component_base: usize,
     /// Per client two: position, outstanding.
     client_base: Vec<usize>,
@@ -118,8 +120,7 @@ impl Layout {
             .collect();
         // Timers, at 0.
         places.times(system.tasks.len());
-        let edf =
-            system.platform.cores.is_some() && system.platform.policy == crate::system::Policy::Edf;
+        let edf = system.platform.cores.is_some() && system.platform.policy == Policy::Edf;
         let slack_base = edf.then(|| places.times(system.tasks.len()));
         Layout {
             frame: places.frame(clocks),
@@ -139,51 +140,100 @@ impl Layout {
         }
     }
 
-    /// Returns the places of some parts of a system: indices in the discrete part, then in the times. Places
-    /// that refer to other parts (queues, trackers, requests under way) are not included.
-    pub(crate) fn places(
-        &self,
-        tasks: &[usize],
-        automata: &[usize],
-        components: &[usize],
-        clients: &[usize],
-    ) -> (Vec<usize>, Vec<usize>) {
-        let (mut d, mut t) = (Vec::new(), Vec::new());
-        for &task in tasks {
-            d.extend([self.task_base + 2 * task, self.task_base + 2 * task + 1]);
-            t.push(task);
-            t.extend(self.slack_base.map(|base| base + task));
-        }
-        for &a in automata {
-            d.extend([self.automaton_base + 2 * a, self.automaton_base + 2 * a + 1]);
-            let visits = self.visits[a].unwrap_or(0);
-            d.extend(visits..visits + self.counted[a]);
-        }
-        for &component in components {
-            let base = self.component_base + 6 * component;
-            // Starting, control, simple and signal.
-            d.extend([base, base + 1, base + 3, base + 5]);
-        }
-        for &client in clients {
-            d.extend([self.client_base[client], self.client_base[client] + 1]);
-        }
-        let executors = (automata.iter().copied())
-            .chain(components.iter().map(|&it| self.control_executor(it)))
-            .chain(clients.iter().map(|&it| self.client_executor(it)));
-        for e in executors {
-            d.push(self.phase_place(e));
-            t.extend([self.window_place(e), self.window_place(e) + 1]);
-        }
-        t.extend(tasks.iter().filter_map(|&it| self.response[it]));
-        (d, t)
-    }
-
     pub(crate) fn control_executor(&self, component: usize) -> usize {
         self.automata + component
     }
 
     pub(crate) fn client_executor(&self, client: usize) -> usize {
         self.automata + self.components + client
+    }
+}
+
+impl Exchangeable for Published<'_> {
+    fn complete(&self, parts: &mut Parts) {
+        let l = &self.layout;
+        parts[Part::Place] = parts[Part::Automaton].clone();
+        let controls = parts[Part::Component]
+            .iter()
+            .map(|&it| l.control_executor(it));
+        let clients = parts[Part::Client].iter().map(|&it| l.client_executor(it));
+        let executors = parts[Part::Automaton]
+            .iter()
+            .copied()
+            .chain(controls)
+            .chain(clients);
+        parts[Part::Executor] = executors.collect();
+    }
+
+    fn unit_places(&self, parts: &Parts) -> UnitPlaces {
+        let l = &self.layout;
+        let UnitPlaces {
+            discrete: mut d,
+            times: mut t,
+        } = UnitPlaces::default();
+        for &task in &parts[Part::Task] {
+            d.extend([l.task_base + 2 * task, l.task_base + 2 * task + 1]);
+            t.push(task);
+            t.extend(l.slack_base.map(|base| base + task));
+            t.extend(l.response[task]);
+        }
+        for &a in &parts[Part::Automaton] {
+            d.extend([l.automaton_base + 2 * a, l.automaton_base + 2 * a + 1]);
+            let visits = l.visits[a].unwrap_or(0);
+            d.extend(visits..visits + l.counted[a]);
+        }
+        for &component in &parts[Part::Component] {
+            let base = l.component_base + 6 * component;
+            d.extend(base..base + 6);
+        }
+        for &client in &parts[Part::Client] {
+            let base = l.client_base[client];
+            d.extend(base..base + 2 + l.trackers[client]);
+        }
+        for &e in &parts[Part::Executor] {
+            d.push(l.phase_place(e));
+            t.extend([l.window_place(e), l.window_place(e) + 1]);
+        }
+        UnitPlaces {
+            discrete: d,
+            times: t,
+        }
+    }
+
+    fn names(&self) -> Names {
+        let l = &self.layout;
+        let mut out = Names::default();
+        for component in 0..l.components {
+            let base = l.component_base + 6 * component;
+            out.single.push((base + 2, Part::Service, 1));
+            out.single.push((base + 4, Part::Client, 1));
+        }
+        for (client, &base) in l.client_base.iter().enumerate() {
+            let trackers = base + 2..base + 2 + l.trackers[client];
+            out.single
+                .extend(trackers.map(|it| (it, Part::Place, tracker::SLOT)));
+        }
+        let cores = (l.queue_base, Part::Task);
+        match self.any_order() {
+            true => out.sets.push(cores),
+            false => out.lists.push(cores),
+        }
+        out.lists
+            .extend(l.lock_queue_base.map(|base| (base, Part::Executor)));
+        out
+    }
+
+    fn restore_order(&self, s: &mut State) {
+        if self.any_order() {
+            list_mut(s, self.layout.queue_base).sort_unstable();
+        }
+    }
+}
+
+impl Published<'_> {
+    /// Returns true if the order of the tasks that wait for a core is irrelevant.
+    fn any_order(&self) -> bool {
+        self.system.platform.policy == Policy::Any
     }
 }
 
@@ -214,12 +264,8 @@ fields! {
     starting set_starting (self, i) self.component_base + 6 * i;
     /// See [`control`].
     control set_control (self, i) self.component_base + 6 * i + 1;
-    /// Service being handled.
-    handled set_handled (self, i) self.component_base + 6 * i + 2;
     /// Simple codel of the service being executed.
     simple set_simple (self, i) self.component_base + 6 * i + 3;
-    /// Client whose request is handled.
-    requester set_requester (self, i) self.component_base + 6 * i + 4;
     /// An end of activity is signalled.
     signal set_signal (self, i) self.component_base + 6 * i + 5;
     /// Step of a client.
@@ -311,25 +357,25 @@ impl Layout {
         &s.d[base..base + self.trackers[client]]
     }
 
-    /// Renames the tasks and executors that wait for cores and for locks.
-    pub(crate) fn rename_queues(
-        &self,
-        s: &mut State,
-        task: impl Fn(usize) -> usize,
-        executor: impl Fn(usize) -> usize,
-    ) {
-        for it in list_mut(s, self.queue_base) {
-            *it = task(*it as usize) as u16;
-        }
-        if let Some(base) = self.lock_queue_base {
-            for it in list_mut(s, base) {
-                *it = executor(*it as usize) as u16;
-            }
-        }
+    /// Returns the service and the client of the request that a control task handles, if it handles one.
+    #[inline]
+    pub(crate) fn request(&self, s: &State, component: usize) -> Option<(usize, usize)> {
+        let base = self.component_base + 6 * component;
+        let named = |place: usize| (s.d[place] as usize).checked_sub(1);
+        named(base + 2).zip(named(base + 4))
     }
 
-    pub(crate) fn sort_queue(&self, s: &mut State) {
-        list_mut(s, self.queue_base).sort_unstable();
+    /// Sets the service and the client of the request that a control task handles.
+    pub(crate) fn set_request(
+        &self,
+        s: &mut State,
+        component: usize,
+        request: Option<(usize, usize)>,
+    ) {
+        let base = self.component_base + 6 * component;
+        let number = |it: Option<usize>| it.map_or(0, |it| it as u16 + 1);
+        s.d[base + 2] = number(request.map(|it| it.0));
+        s.d[base + 4] = number(request.map(|it| it.1));
     }
 
     /// Returns the tasks that wait for a core, in the order in which they get one.

@@ -27,7 +27,7 @@ impl Servers<'_> {
         l.set_outstanding(s, client, sent);
         let it = &self.system.services[service];
         let component = it.component;
-        l.set_handled(s, component, service as u16);
+        l.set_handled_number(s, component, service as u16 + 1);
         l.set_sender(s, component, client as u16 + 1);
         l.set_codel_number(s, component, 0);
         if let Some(&automaton) = it.slots.first() {
@@ -62,7 +62,10 @@ impl Servers<'_> {
     /// Proceeds to the control codel with the present number, if there is one.
     fn next_codel(&self, s: &mut State, component: usize) {
         let l = &self.layout;
-        let service = &self.system.services[l.handled(s, component) as usize];
+        let Some(service) = l.handled(s, component) else {
+            return;
+        };
+        let service = &self.system.services[service];
         let count = usize::from(service.validate.is_some()) + service.simple.len();
         if (l.codel_number(s, component) as usize) < count {
             l.set_control(s, component, control::TICKET);
@@ -78,7 +81,10 @@ impl Servers<'_> {
             return self.refuse(s, component);
         }
         let number = l.codel_number(s, component);
-        let service = &self.system.services[l.handled(s, component) as usize];
+        let Some(service) = l.handled(s, component) else {
+            return;
+        };
+        let service = &self.system.services[service];
         let last = number as usize + 1 == service.simple.len();
         if let Some(which) = service.builtin.filter(|_| last)
             && !self.do_builtin(s, component, which)
@@ -102,7 +108,9 @@ impl Servers<'_> {
     /// it examines all activities.
     pub(super) fn reply(&self, s: &mut State, component: usize) {
         let l = &self.layout;
-        let service = l.handled(s, component) as usize;
+        let Some(service) = l.handled(s, component) else {
+            return;
+        };
         let client = l.sender(s, component) as usize - 1;
         let refused = l.refused(s, component) != 0;
         let given = (l.given(s, component) as usize).checked_sub(1);
@@ -132,7 +140,7 @@ impl Servers<'_> {
             }
         }
         l.set_outstanding(s, client, 0);
-        l.set_handled(s, component, 0);
+        l.set_handled_number(s, component, 0);
         l.set_sender(s, component, 0);
         l.set_given(s, component, 0);
         l.set_refused(s, component, 0);

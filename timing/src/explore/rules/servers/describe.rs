@@ -169,7 +169,9 @@ impl Servers<'_> {
             }
             Action::Mark { .. } => {}
             Action::Reply { component } => {
-                let service = l.handled(before, component) as usize;
+                let Some(service) = l.handled(before, component) else {
+                    return;
+                };
                 let path = self.system.service_path(service);
                 let what = match (
                     l.refused(before, component) != 0,
@@ -294,7 +296,7 @@ impl Servers<'_> {
         };
         let path = &self.system.codels[codel].path;
         let what = if executor < l.tasks {
-            let slot = l.turn(before, executor) as usize;
+            let slot = l.turn(before, executor);
             let (Some(machine), Some(state)) =
                 (self.machine(before, slot), self.machine_state(before, slot))
             else {
@@ -312,8 +314,11 @@ impl Servers<'_> {
             }
         } else {
             let component = executor - l.tasks;
-            let service = &self.system.services[l.handled(before, component) as usize];
-            match (service.validate == Some(codel), outcome) {
+            let service = l
+                .handled(before, component)
+                .map(|it| &self.system.services[it]);
+            let validates = service.is_some_and(|it| it.validate == Some(codel));
+            match (validates, outcome) {
                 (true, 0) => format!("{path} accepts"),
                 (true, _) => format!("{path} refuses"),
                 (false, 0) => format!("{path} ends"),

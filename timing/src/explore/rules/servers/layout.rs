@@ -2,6 +2,8 @@
 
 use std::ops::Deref;
 
+use super::Servers;
+use crate::explore::reductions::{Exchangeable, Names, Part, Parts, UnitPlaces};
 use crate::explore::state::{Clocks, Frame, Places, State};
 use crate::scn::semantics::{LockRule, Semantics};
 use crate::system::{Builtin, Client, ClientAction, Policy, Ticks, TimedSystem};
@@ -102,13 +104,124 @@ const OF_SLOT: usize = 3;
 /// Numbers per component.
 const OF_COMPONENT: usize = 8;
 
+impl Exchangeable for Servers<'_> {
+    fn complete(&self, parts: &mut Parts) {
+        let l = &self.layout;
+        parts[Part::Place] = (parts[Part::Task].iter())
+            .flat_map(|&it| l.slots(it))
+            .collect();
+        let controls = parts[Part::Component]
+            .iter()
+            .map(|&it| l.control_executor(it));
+        let clients = parts[Part::Client].iter().map(|&it| l.client_executor(it));
+        let executors = parts[Part::Task]
+            .iter()
+            .copied()
+            .chain(controls)
+            .chain(clients);
+        parts[Part::Executor] = executors.collect();
+    }
+
+    fn unit_places(&self, parts: &Parts) -> UnitPlaces {
+        let l = &self.layout;
+        let UnitPlaces {
+            discrete: mut d,
+            times: mut t,
+        } = UnitPlaces::default();
+        for &task in &parts[Part::Task] {
+            let base = l.task_base + 3 * task;
+            d.extend(base..base + 3);
+            t.push(task);
+            t.extend(
+                l.ages
+                    .iter()
+                    .flat_map(|base| [base + task, base + l.tasks + task]),
+            );
+            t.extend(l.response[task].into_iter().chain(l.kept(task)));
+        }
+        for &slot in &parts[Part::Place] {
+            let base = l.slot_base + OF_SLOT * slot;
+            d.extend(base..base + OF_SLOT);
+            let (visits, most) = l.visits[slot];
+            d.extend(visits..visits + most);
+        }
+        d.extend(parts[Part::Service].iter().filter_map(|&it| l.success[it]));
+        for &component in &parts[Part::Component] {
+            let base = l.component_base + OF_COMPONENT * component;
+            d.extend(base..base + OF_COMPONENT);
+            let tasks = self.system.components[component].tasks.len();
+            d.extend(
+                l.lock_queue[component]
+                    .into_iter()
+                    .flat_map(|base| base..base + 2 + tasks),
+            );
+            d.extend(l.shutdown[component]);
+        }
+        for &client in &parts[Part::Client] {
+            let base = l.client_base[client];
+            d.extend(base..base + 2 + self.system.clients[client].trackers);
+        }
+        for &e in &parts[Part::Executor] {
+            d.push(l.phase_place(e));
+            t.extend([l.window_place(e), l.window_place(e) + 1]);
+        }
+        UnitPlaces {
+            discrete: d,
+            times: t,
+        }
+    }
+
+    fn names(&self) -> Names {
+        let l = &self.layout;
+        let mut out = Names::default();
+        for slot in 0..l.visits.len() {
+            out.single
+                .push((l.slot_base + OF_SLOT * slot + 1, Part::Automaton, 1));
+        }
+        for component in 0..l.components {
+            let base = l.component_base + OF_COMPONENT * component;
+            out.single.push((base + 2, Part::Service, 1));
+            out.single.push((base + 4, Part::Client, 1));
+            out.single.push((base + 5, Part::Place, 1));
+        }
+        for (client, &base) in l.client_base.iter().enumerate() {
+            let trackers = base + 2..base + 2 + self.system.clients[client].trackers;
+            out.single
+                .extend(trackers.map(|it| (it, Part::Place, tracker::SLOT)));
+        }
+        out.lists.extend(
+            l.lock_queue
+                .iter()
+                .flatten()
+                .map(|&base| (base, Part::Executor)),
+        );
+        let cores = l.core_queue.map(|base| (base, Part::Executor));
+        match self.system.platform.policy {
+            Policy::Any | Policy::Fair => out.sets.extend(cores),
+            Policy::Fifo | Policy::Edf | Policy::Priority => out.lists.extend(cores),
+        }
+        out
+    }
+
+    fn restore_order(&self, s: &mut State) {
+        match (self.layout.core_queue, self.system.platform.policy) {
+            (Some(base), Policy::Any) => {
+                let length = s.d[base] as usize;
+                s.d[base + 1..=base + length].sort_unstable();
+            }
+            (Some(_), Policy::Fair) => self.restore_fair_order(s),
+            _ => {}
+        }
+    }
+}
+
 /// The places in a state. The [`Frame`] has those common to all rules.
 #[derive(Debug, Clone)]
 pub(super) struct Layout {
     frame: Frame,
     pub(super) tasks: usize,
     pub(super) components: usize,
-    /// Per task three: thread, flags, slot of its pass.
+    /// Per task three: thread, flags, slot of its pass among its own.
     task_base: usize,
     /// First slot of each task, among all; then the number of slots.
     pub(super) first_slot: Vec<usize>,
@@ -235,6 +348,21 @@ impl Layout {
     /// Returns the numbers of the slots of a task, among all.
     pub(super) fn slots(&self, task: usize) -> std::ops::Range<usize> {
         self.first_slot[task]..self.first_slot[task + 1]
+    }
+
+    /// Returns the slot whose codel a task executes, among all; only while there is one.
+    pub(super) fn turn(&self, s: &State, task: usize) -> usize {
+        self.first_slot[task] + s.d[self.task_base + 3 * task + 2] as usize
+    }
+
+    /// Sets the slot whose codel a task executes; its first slot if there is none.
+    pub(super) fn set_turn(&self, s: &mut State, task: usize, slot: usize) {
+        s.d[self.task_base + 3 * task + 2] = (slot - self.first_slot[task]) as u16;
+    }
+
+    /// Returns the service that a control task handles, if it handles one.
+    pub(super) fn handled(&self, s: &State, component: usize) -> Option<usize> {
+        (self.handled_number(s, component) as usize).checked_sub(1)
     }
 
     pub(super) fn control_executor(&self, component: usize) -> usize {
@@ -403,8 +531,6 @@ fields! {
     thread_of set_thread (self, task) self.task_base + 3 * task;
     /// See [`flag`].
     flags set_flags (self, task) self.task_base + 3 * task + 1;
-    /// Slot whose codel is executed, among all slots; only while there is one.
-    turn set_turn (self, task) self.task_base + 3 * task + 2;
     /// See [`slot`].
     mode set_mode (self, slot) self.slot_base + OF_SLOT * slot;
     /// Automaton, plus one; 0 for a permanent activity without codels.
@@ -415,8 +541,8 @@ fields! {
     starting set_starting (self, component) self.component_base + OF_COMPONENT * component;
     /// See [`control`].
     control set_control (self, component) self.component_base + OF_COMPONENT * component + 1;
-    /// Service being handled.
-    handled set_handled (self, component) self.component_base + OF_COMPONENT * component + 2;
+    /// Service being handled, plus one.
+    handled_number set_handled_number (self, component) self.component_base + OF_COMPONENT * component + 2;
     /// Number of its control codel.
     codel_number set_codel_number (self, component) self.component_base + OF_COMPONENT * component + 3;
     /// Client that sent the request, plus one.

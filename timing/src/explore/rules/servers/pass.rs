@@ -73,7 +73,7 @@ impl Servers<'_> {
                 continue;
             }
             if self.machine_state(s, it).is_some() {
-                l.set_turn(s, task, it as u16);
+                l.set_turn(s, task, it);
                 l.set_thread(s, task, thread::TICKET);
                 return;
             }
@@ -97,7 +97,7 @@ impl Servers<'_> {
     /// Ends a codel: its automaton moves on, and the pass with it.
     pub(super) fn finish_codel(&self, s: &mut State, task: usize, outcome: usize) {
         let l = &self.layout;
-        let it = l.turn(s, task) as usize;
+        let it = l.turn(s, task);
         let Some(state) = self.machine_state(s, it) else {
             return;
         };
@@ -129,7 +129,7 @@ impl Servers<'_> {
         let component = self.system.tasks[task].component;
         let pass = l.flags(s, task) & flag::OF_PASS;
         l.lower(s, task, flag::OF_PASS);
-        l.set_turn(s, task, 0);
+        l.set_turn(s, task, l.slots(task).start);
         if pass & flag::EVENT != 0 {
             self.make_runnable(s, task);
             let mut others = self.system.components[component].tasks.iter();

@@ -324,7 +324,7 @@ impl Servers<'_> {
         let l = &self.layout;
         let mut push = |outcome| out.actions.push(Action::Finish { executor, outcome });
         if executor < l.tasks {
-            let slot = l.turn(s, executor) as usize;
+            let slot = l.turn(s, executor);
             let (Some(machine), Some(state)) = (self.machine(s, slot), self.machine_state(s, slot))
             else {
                 return;
@@ -350,8 +350,9 @@ impl Servers<'_> {
         } else if executor < l.tasks + l.components {
             let component = executor - l.tasks;
             push(0);
-            let service = &self.system.services[l.handled(s, component) as usize];
-            let validates = service.validate.is_some() && l.codel_number(s, component) == 0;
+            let service = l.handled(s, component).map(|it| &self.system.services[it]);
+            let validates = service.is_some_and(|it| it.validate.is_some())
+                && l.codel_number(s, component) == 0;
             let codel = self.codel(s, executor).map(|it| &self.system.codels[it]);
             if validates || codel.is_some_and(|it| it.throws) {
                 push(1);

@@ -33,7 +33,7 @@ impl Servers<'_> {
                     thread::EXECUTING => StatePhase::Exec,
                     _ => return false,
                 };
-                let slot = l.turn(s, task) as usize;
+                let slot = l.turn(s, task);
                 let automaton = l.automaton(s, slot).checked_sub(1);
                 let same = automaton
                     .is_some_and(|it| self.system.automata[it as usize].machine == machine);
@@ -66,7 +66,7 @@ impl Servers<'_> {
                     control::EXECUTING => StatePhase::Exec,
                     _ => return false,
                 };
-                l.handled(s, component) as usize == service
+                l.handled(s, component) == Some(service)
                     && codel
                         .is_none_or(|it| self.codel(s, l.control_executor(component)) == Some(it))
                     && (phase == StatePhase::Any || phase == now)

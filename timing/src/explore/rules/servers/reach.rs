@@ -105,7 +105,7 @@ impl Servers<'_> {
         let first = l.slots(task).start;
         let executes = l.thread_of(s, task) == thread::EXECUTING
             && l.phase(s, task) == phase::EXECUTING
-            && l.turn(s, task) as usize == first
+            && l.turn(s, task) == first
             && l.mode(s, first) & slot::STATUS == slot::RUN
             && l.at(s, first) as usize == state;
         let has_ended = l.thread_of(s, task) == thread::IDLE && l.status(s, first) == slot::VOID;

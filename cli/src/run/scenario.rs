@@ -1,0 +1,185 @@
+//! The run of one scenario, and its files.
+
+use camino::Utf8PathBuf;
+use dotgen_timing::diagnostic::remark::together;
+use dotgen_timing::scn::names::Names;
+use dotgen_timing::verify::{Interrupt, Options, SystemInput, prepare};
+use dotgen_views::verification::Problem;
+use dotgen_views::verification::runs::Ending;
+
+use super::recorder::Files;
+use super::{Answer, Arguments, Clock, Contents, Format, Simulate, WrittenFile, bounds, execute};
+use crate::outputs::PERFETTO;
+use crate::session::{ErrorReporter, Session};
+use crate::verify::diagnostics::ScenarioDiagnostics;
+use crate::verify::{PolicyName, SemanticsName, parsed};
+use crate::{Outcome, report, trace};
+
+/// The end of the run of one scenario.
+pub(super) enum Ended {
+    Answered(Box<Answer>),
+    /// The scenario has errors, which are printed.
+    Unusable,
+    /// The command ends.
+    Stopped(Outcome),
+}
+
+/// Runs one scenario.
+pub(super) fn one(
+    arguments: &Arguments,
+    (session, problem): (&Session, Problem),
+    (checks, interrupt): (&[&str], &Interrupt),
+    trouble: &mut ErrorReporter,
+) -> anyhow::Result<Ended> {
+    if !problem.errors.is_empty() {
+        ScenarioDiagnostics::about(session, &problem, problem.errors.clone())?.print()?;
+        return Ok(Ended::Unusable);
+    }
+    let options = Options {
+        cores: arguments.cores.map(|it| it.0),
+        policy: arguments.policy.map(PolicyName::policy),
+        semantics: arguments.semantics.map(SemanticsName::preset),
+        checks: parsed(checks, &problem)?,
+        ..Options::default()
+    };
+    let input = SystemInput {
+        specs: problem.specs(),
+    };
+    let prepared = prepare(&input, &problem.scenario, &options);
+    let has_errors = prepared.report.has_errors();
+    if matches!(arguments.format, Format::Text) || has_errors {
+        let all = together(&prepared.report.diagnostics);
+        ScenarioDiagnostics::by_verifier(session, &problem, &all, checks)?.print()?;
+    }
+    if has_errors {
+        return Ok(Ended::Unusable);
+    }
+    let source = (arguments.bounds, arguments.clock);
+    let (mut bounds, proving) = bounds::at_once(source, &problem, &options, &prepared, interrupt);
+    let measured = arguments.clock == Clock::Real && arguments.simulate == Simulate::Missing;
+    let untimed = bounds::without_times(&prepared.built.system, &mut bounds, measured);
+    let names = Names::new(&input.specs);
+    let paths = Paths::of(arguments);
+    let mut files = Files::open(
+        paths.log.map(|it| it.as_path()),
+        paths.perfetto.map(|it| it.as_path()),
+        paths.recording.map(|it| it.as_path()),
+        &names,
+    )?;
+    let context = execute::Context {
+        session,
+        problem: &problem,
+        names: &names,
+        options: &options,
+        bounds,
+        proving: proving.as_ref(),
+        measured,
+        interrupt,
+    };
+    let Some(mut run) = context.run_while_proving(arguments, prepared, &mut files)? else {
+        return Ok(Ended::Stopped(match interrupt.is_raised() {
+            true => {
+                report::note("interrupted before it ran");
+                Outcome::GaveUp
+            }
+            false => Outcome::Unusable,
+        }));
+    };
+    run.report.notes.extend(untimed);
+    let written = paths.finish(&mut run, files, trouble);
+    let mut answer = Answer {
+        clock: arguments.clock,
+        executed: run.executed,
+        options,
+        report: run.report,
+        written,
+        problem,
+    };
+    if let (Some(path), Some(run)) = (paths.viewer, run.told) {
+        let steps = trouble.ok_or_report(answer.write_trace(path, &run, arguments.seed));
+        let steps = steps.and_then(|it| u64::try_from(it).ok());
+        (answer.written).extend(steps.map(|it| (path.clone(), it, Contents::Steps)));
+    }
+    Ok(Ended::Answered(Box::new(answer)))
+}
+
+/// The files that a run writes.
+struct Paths<'a> {
+    log: Option<&'a Utf8PathBuf>,
+    perfetto: Option<&'a Utf8PathBuf>,
+    /// Trace for the trace viewer.
+    viewer: Option<&'a Utf8PathBuf>,
+    recording: Option<&'a Utf8PathBuf>,
+}
+
+impl<'a> Paths<'a> {
+    fn of(arguments: &'a Arguments) -> Self {
+        let (perfetto, viewer) =
+            (arguments.trace.iter()).partition::<Vec<_>, _>(|it| it.extension() == Some(PERFETTO));
+        Paths {
+            log: arguments.profile.as_ref(),
+            perfetto: perfetto.first().copied(),
+            viewer: viewer.first().copied(),
+            recording: arguments.record.as_ref(),
+        }
+    }
+
+    /// Ends the files of a run, and returns those that are whole. The run is reported even if its files could
+    /// not be written.
+    fn finish(
+        &self,
+        run: &mut execute::Run,
+        files: Files,
+        trouble: &mut ErrorReporter,
+    ) -> Vec<WrittenFile> {
+        let mut written = Vec::new();
+        let messages = std::mem::replace(&mut run.messages, Ok(None));
+        if let (Some(path), Some(it)) = (self.recording, trouble.ok_or_report(messages).flatten()) {
+            match it.whole {
+                true => written.push((path.clone(), it.data, Contents::Messages(it.steps))),
+                false => trouble.told(),
+            }
+        }
+        let recorded = std::mem::replace(&mut run.lines, Ok(0)).and_then(|lines| {
+            let whole = files.runs.map(|it| it.finish()).transpose()?;
+            Ok((lines, whole))
+        });
+        if let Some((lines, Some(whole))) = trouble.ok_or_report(recorded.map_err(Into::into)) {
+            let files = [
+                (self.log, whole.log, Contents::Lines),
+                (self.perfetto, whole.trace, Contents::Codels),
+            ];
+            for (path, whole, of) in files {
+                match (path, whole) {
+                    (Some(path), true) => written.push((path.clone(), lines, of)),
+                    (Some(_), false) => trouble.told(),
+                    (None, _) => {}
+                }
+            }
+        }
+        written
+    }
+}
+
+impl Answer {
+    /// Writes the first run for the trace viewer. Returns the number of its steps.
+    fn write_trace(
+        &self,
+        path: &Utf8PathBuf,
+        run: &execute::RunEvents,
+        seed: u64,
+    ) -> anyhow::Result<usize> {
+        let recorded = trace::RecordedRun {
+            title: format!("a run of {}, seed {seed}", self.report.scenario),
+            unit: &self.report.unit,
+            events: &run.events,
+            ending: Ending::Fine,
+            cycle: None,
+            notes: match run.left_out {
+                true => vec!["the run goes on, but not here: it is too long".to_owned()],
+                false => Vec::new(),
+            },
+        };
+        trace::write(path, recorded, &self.problem, &self.options)
+    }
+}
