@@ -431,7 +431,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         if let (Some(path), Some(run)) = (trace, told) {
             let recorded = trace::RecordedRun {
                 title: format!("a run of {}, seed {}", report.scenario, arguments.seed),
-                unit: &report.unit,
+                unit: report.unit,
                 events: &run.events,
                 ending: Ending::Fine,
                 cycle: None,

@@ -1,6 +1,8 @@
 //! The report of a verification, as data and as text. The JSON form is part of the interface of `dotgen
 //! verify`.
 
+mod time_unit;
+
 use dotgen_analysis::model::Src;
 use serde::Serialize;
 use serde::ser::Serializer;
@@ -11,6 +13,8 @@ use crate::explore::Stop;
 use crate::explore::{Action, MomentKind};
 use crate::property::PropertyKind;
 use crate::reduction_use::ReductionUse;
+pub use time_unit::TimeUnit;
+pub(crate) use time_unit::to_f64;
 
 /// Version of the JSON form: raised when a field changes its meaning or is removed. Its schema is
 /// `docs/verify.schema.json`.
@@ -23,8 +27,8 @@ pub struct Report {
     pub scenario: String,
     /// Semantics of the model: `servers` or `published`, with the single points that differ.
     pub semantics: String,
-    /// Unit of all times: `ms`, `10 us`, …
-    pub unit: String,
+    /// Unit of all times.
+    pub unit: TimeUnit,
     /// Checks, in order of the scenario; `*` gives one per task.
     pub checks: Vec<CheckReport>,
     /// Number of states kept.

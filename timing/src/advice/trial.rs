@@ -8,14 +8,14 @@ use num_rational::Ratio;
 use super::change::Change;
 use crate::derive::bisect;
 use crate::explore::Limits;
-use crate::report::Verdict;
-use crate::scn::ast::{Durations, Path, Policy, Unit};
+use crate::report::{TimeUnit, Verdict};
+use crate::scn::ast::{Durations, Path, Policy};
 use crate::scn::names::Names;
 use crate::system::build::build;
 use crate::system::indexed::Built;
 use crate::system::settings::Settings;
 use crate::system::{Codel, FOREVER, SharedPorts, Ticks};
-use crate::verify::{Cancel, to_f64, verify_settings};
+use crate::verify::{Cancel, verify_settings};
 
 /// Number of additional cores that are tried.
 const MORE_CORES: u32 = 3;
@@ -29,7 +29,7 @@ pub(super) struct Trial<'t> {
     /// Settings of the unchanged system, with the checks that must hold.
     settings: Settings,
     built: Built,
-    report_unit: Seconds,
+    report_unit: TimeUnit,
     limits: Limits,
     cancel: &'t Cancel,
     /// Time after which no further change is tried.
@@ -44,12 +44,11 @@ impl<'t> Trial<'t> {
         cancel: &'t Cancel,
         end: Option<Instant>,
     ) -> Self {
-        let (count, unit) = settings.unit.unwrap_or((1, Unit::Milliseconds));
         Trial {
             built: build(names, &settings, &|_| true),
             names,
+            report_unit: TimeUnit::of(&settings),
             settings,
-            report_unit: unit.seconds() * Ratio::from_integer(i128::from(count)),
             limits,
             cancel,
             end,
@@ -91,7 +90,7 @@ impl<'t> Trial<'t> {
     }
 
     fn shown(&self, seconds: Seconds) -> f64 {
-        to_f64(seconds / self.report_unit)
+        self.report_unit.from_seconds(seconds)
     }
 
     /// Finds the longest execution time of a codel with which the checks hold.

@@ -4,7 +4,7 @@ use num_rational::Ratio;
 
 use super::Group;
 use super::checks::{Single, What};
-use super::units::{limit_text, seconds, to_f64};
+use super::units::{limit_text, seconds};
 use crate::explore::{Bound, Findings, Found, LivenessQuery, Measured, Stop, liveness};
 use crate::property::{Atom, Predicate, resolve};
 use crate::report::{
@@ -37,12 +37,12 @@ impl Group<'_> {
             What::Chain(it) => it.bound,
             _ => None,
         };
-        let stated = bound.map(|it| Limit::Stated(to_f64(seconds(it) / self.unit)));
+        let stated = bound.map(|it| Limit::Stated(self.unit.from_seconds(seconds(it))));
         let period = || match check.what {
             What::Response((c, t), _) => {
                 let task = &self.names.components[c].component.tasks[t as usize];
                 let period = task.period.as_ref()?.value;
-                Some(Limit::Period(to_f64(period / self.unit)))
+                Some(Limit::Period(self.unit.from_seconds(period)))
             }
             _ => None,
         };
@@ -218,7 +218,7 @@ impl Group<'_> {
         let time = |ticks| base * Ratio::from_integer(i128::from(ticks));
         out.value = Some(match it.bound {
             Bound::Unbounded => Value::Unbounded,
-            Bound::Finite(ticks) => Value::Time(to_f64(time(ticks) / self.unit)),
+            Bound::Finite(ticks) => Value::Time(self.unit.from_seconds(time(ticks))),
         });
         if let Some(excess) = &it.excess {
             if matches!(it.bound, Bound::Finite(_)) {

@@ -3,7 +3,6 @@
 use num_rational::Ratio;
 
 use super::Group;
-use super::units::to_f64;
 use crate::explore::{Moment, MomentKind, Run};
 use crate::report::{Awaited, Delay, Holder, TaskId};
 use crate::system::TimedSystem;
@@ -30,8 +29,8 @@ impl Group<'_> {
         };
         let system = &self.built.system;
         let followed = Intervals::new(system, &run.moments(system), *task, run.end);
-        let factor = system.unit / self.unit;
-        let time = |at: u64| to_f64(factor * Ratio::from_integer(i128::from(at)));
+        let seconds = |at: u64| system.unit * Ratio::from_integer(i128::from(at));
+        let time = |at: u64| self.unit.from_seconds(seconds(at));
         let path = |codel: usize| system.codels[codel].path.clone();
         let delay = |(wait, until): &(Wait, u64)| {
             let has = |it: &&Possession| match (wait.codel, it.codel) {

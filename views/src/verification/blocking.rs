@@ -8,7 +8,7 @@ use dotgen_timing::verify::{Options, settings};
 use num_rational::Ratio;
 
 use super::Problem;
-use super::summary::Scale;
+use dotgen_timing::report::TimeUnit;
 
 /// A codel and the codels that can block it.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,7 +53,7 @@ pub fn table(problem: &Problem, options: &Options) -> Vec<Row> {
         return Vec::new();
     }
     let ports = SharedPorts::new(&names, &settings);
-    let (scale, system) = (Scale::of(&settings), &built.system);
+    let (unit, system) = (TimeUnit::of(&settings), &built.system);
     let at = |codel: &Codel| {
         let time = system.unit * Ratio::from_integer(i128::from(codel.upper));
         let finite = codel.upper != FOREVER;
@@ -63,7 +63,7 @@ pub fn table(problem: &Problem, options: &Options) -> Vec<Row> {
                 Some((c, it)) => names.components[c].component.codel(it).name.to_string(),
                 None => codel.path.clone(),
             },
-            upper: finite.then(|| scale.from_seconds(time)),
+            upper: finite.then(|| unit.from_seconds(time)),
             micros: finite.then(|| *time.numer() as f64 * 1e6 / *time.denom() as f64),
             src: codel
                 .site

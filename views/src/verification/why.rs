@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::Problem;
 use super::blocking::{self, Row};
 use super::changes;
-use super::summary::Scale;
+use dotgen_timing::report::TimeUnit;
 
 /// Maximum duration of a verification, in seconds, after which remedies are searched: each needs several
 /// verifications.
@@ -147,10 +147,10 @@ fn own_name(path: &str) -> &str {
 
 impl FailureCause {
     /// `` `control` waits 6 ms for `level` of the ids, held by `report_start` ``
-    pub(crate) fn cause_in_words(&self, scale: Scale) -> String {
+    pub(crate) fn cause_in_words(&self, unit: TimeUnit) -> String {
         let it = &self.cause;
         let task = own_name(&it.task);
-        let time = scale.show(it.time);
+        let time = unit.show(it.time);
         let what = match (it.awaited, &it.through[..]) {
             (None, _) => {
                 return format!(
@@ -167,15 +167,15 @@ impl FailureCause {
     }
 
     /// `` it holds if `report_start` takes at most 4 ms ``
-    pub(crate) fn remedy_in_words(&self, scale: Scale) -> Option<String> {
+    pub(crate) fn remedy_in_words(&self, unit: TimeUnit) -> Option<String> {
         let name = |codel: &str| self.function.as_deref().unwrap_or(codel).to_owned();
-        Some(changes::in_words(self.remedy.as_ref()?, scale, &name))
+        Some(changes::in_words(self.remedy.as_ref()?, unit, &name))
     }
 
     /// The cause and the remedy.
-    pub fn in_words(&self, scale: Scale) -> String {
-        let cause = self.cause_in_words(scale);
-        match self.remedy_in_words(scale) {
+    pub fn in_words(&self, unit: TimeUnit) -> String {
+        let cause = self.cause_in_words(unit);
+        match self.remedy_in_words(unit) {
             Some(remedy) => format!("{cause}; {remedy}"),
             None => cause,
         }

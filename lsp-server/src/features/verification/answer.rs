@@ -7,6 +7,7 @@ use std::time::Duration;
 use dotgen_analysis::host::Cancellable;
 use dotgen_timing::diagnostic::Severity;
 use dotgen_timing::diagnostic::remark::together;
+use dotgen_timing::report::TimeUnit;
 use dotgen_timing::verify::{Cancel, Options, settings};
 use serde::{Deserialize, Serialize};
 
@@ -373,7 +374,7 @@ pub(crate) fn present(
     let options = answer.as_ref().map_or(&prepared.options, |it| &it.options);
     let problem = answer.as_ref().map_or(&prepared.problem, |it| &it.problem);
     let settings = settings(&problem.scenario, options);
-    let scale = summary::Scale::of(&settings);
+    let unit = TimeUnit::of(&settings);
     let location = |at: &CodelLocation| locate(snapshot, &prepared.places, at.src);
     let table = blocking::table(problem, options);
     let mut blocked = Vec::new();
@@ -392,7 +393,7 @@ pub(crate) fn present(
                 time: it
                     .codel
                     .upper
-                    .map_or("no end".to_owned(), |it| scale.show(it)),
+                    .map_or("no end".to_owned(), |it| unit.show(it)),
                 through: it.through.join(", "),
             });
         }
@@ -419,7 +420,7 @@ pub(crate) fn present(
         bounds: (prepared.bounds.iter())
             .map(|it| BoundResult {
                 task: it.task.clone(),
-                bound: scale.show(it.bound),
+                bound: unit.show(it.bound),
             })
             .collect(),
         blocking: blocked,
@@ -513,7 +514,7 @@ fn shown_run(
     number: usize,
 ) -> Cancellable<RunResult> {
     let check = &answer.report.checks[number];
-    let scale = answer.scale();
+    let unit = answer.unit();
     let omitted = check.run().len().saturating_sub(MAX_EVENTS);
     let events = &check.run()[omitted..];
     let cycle = check.cycle.and_then(|it| it.checked_sub(omitted));
@@ -530,13 +531,13 @@ fn shown_run(
                         line("from here on for ever:".to_owned(), None);
                     }
                     let event = &events[step];
-                    let at = scale.show(event.time);
+                    let at = unit.show(event.time);
                     let text = format!("{at}  {}  {}", event.thread(), event.what);
                     line(text, locate(snapshot, &prepared.places, event.src)?);
                 }
             }
             Part::Again { steps, times, last } => {
-                let until = scale.show(events[last].time);
+                let until = unit.show(events[last].time);
                 line(format!("… {}, until {until} …", again(steps, times)), None);
             }
         }

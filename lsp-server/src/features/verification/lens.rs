@@ -16,9 +16,9 @@ use super::{TaskLocation, argument, has_refuting_run, refuting_run, tasks};
 use crate::features::commands::SHOW_VERIFICATION;
 use crate::protocol::types::{CodeLens, CodeLensParams, Command};
 use crate::workspace::snapshot::{Snapshot, Subject};
+use dotgen_timing::report::TimeUnit;
 use dotgen_views::verification::advice;
 use dotgen_views::verification::results::{Answer, Entry, Status};
-use dotgen_views::verification::summary::Scale;
 use dotgen_views::verification::view::{CheckView, Outcome};
 
 /// Shown until there is an answer.
@@ -371,7 +371,7 @@ fn details(entry: &Entry, task: TaskId) -> Vec<String> {
 fn of_task(entry: &Entry, task: TaskId) -> Option<String> {
     let bound = entry.bounds.iter().find(|it| it.id == task);
     let bound = bound.filter(|_| entry.status == Status::Running);
-    let bound = bound.map(|it| format!("R ≤ {}", scale_of(entry).show(it.bound)));
+    let bound = bound.map(|it| format!("R ≤ {}", unit_of(entry).show(it.bound)));
     let Some(answer) = entry.known().filter(|_| entry.status != Status::Blocked) else {
         let what = match entry.status {
             Status::Blocked => "not verified: there are errors",
@@ -451,8 +451,8 @@ fn measured(check: &CheckView) -> Vec<String> {
     }
 }
 
-fn scale_of(entry: &Entry) -> Scale {
-    Scale::of(&settings(&entry.problem.scenario, &Default::default()))
+fn unit_of(entry: &Entry) -> TimeUnit {
+    TimeUnit::of(&settings(&entry.problem.scenario, &Default::default()))
 }
 
 fn outcome(check: &CheckView) -> String {

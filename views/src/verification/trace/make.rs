@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, HashMap};
 
 use dotgen_analysis::model::Src;
 use dotgen_timing::explore::MomentKind;
-use dotgen_timing::report::Event;
+use dotgen_timing::report::{Event, TimeUnit};
+use dotgen_timing::scn::ast::Unit;
 
 use super::lanes::{BuiltLanes, Key, Lanes, Of, Part, SpanStart};
 use super::rules::rule;
@@ -16,8 +17,8 @@ use crate::verification::runs::Ending;
 pub struct TraceInput<'e> {
     /// The title.
     pub title: String,
-    /// The unit of the times of events: `ms`, `10 us`, …
-    pub unit: &'e str,
+    /// The unit of the times of events.
+    pub unit: TimeUnit,
     /// The events.
     pub events: &'e [Event],
     /// The end of the run.
@@ -33,7 +34,8 @@ pub(super) type SourceRef = (usize, Src);
 
 /// The trace of a run. Codels and tasks without a place get none.
 pub fn of_run(told: &TraceInput) -> Trace<SourceRef> {
-    let (unit, factor) = time_unit(told.unit, told.events);
+    let unit = base_unit(told.unit, told.events);
+    let time = |it: &Event| clean(told.unit.in_base(it.time, unit));
     let mut reading = TraceBuilder {
         excludes: Exclusions::of(told.blocking),
         lanes: Lanes::default(),
@@ -44,9 +46,9 @@ pub fn of_run(told: &TraceInput) -> Trace<SourceRef> {
         rules: BTreeMap::new(),
     };
     for (step, event) in told.events.iter().enumerate() {
-        reading.read(step, event, clean(event.time * factor));
+        reading.read(step, event, time(event));
     }
-    let end = told.events.last().map_or(0.0, |it| clean(it.time * factor));
+    let end = told.events.last().map_or(0.0, time);
     if let Ending::Miss(task) = told.ending {
         let owner = told.events.iter().rev().find(|it| is_of(it, task));
         if let Some(key) = owner.map(key_of) {
@@ -54,8 +56,7 @@ pub fn of_run(told: &TraceInput) -> Trace<SourceRef> {
         }
     }
     let repeats = told.cycle.and_then(|it| told.events.get(it));
-    let repeats = repeats.map(|it| clean(it.time * factor));
-    reading.finish(told.title.clone(), unit, end, repeats)
+    reading.finish(told.title.clone(), unit, end, repeats.map(time))
 }
 
 /// True if an event is of a task, named `component.task`.
@@ -64,22 +65,12 @@ fn is_of(event: &Event, task: &str) -> bool {
     name.is_some_and(|it| task.strip_prefix(&*event.component) == Some(&format!(".{it}")))
 }
 
-/// The unit of all times of a trace, and the factor from the unit of a report (`ms`, `10 us`).
-fn time_unit(unit: &str, events: &[Event]) -> (&'static str, f64) {
-    let (count, unit) = match unit.split_once(' ') {
-        Some((count, unit)) => (count.parse().unwrap_or(1.0), unit),
-        None => (1.0, unit),
-    };
-    let micros = count
-        * match unit {
-            "s" => 1e6,
-            "us" => 1.0,
-            _ => 1e3,
-        };
-    let end = events.last().map_or(0.0, |it| it.time * micros);
-    match end < 1000.0 {
-        true => ("us", micros),
-        false => ("ms", micros / 1000.0),
+/// The unit of all times of a trace: microseconds for a run of less than a millisecond.
+fn base_unit(unit: TimeUnit, events: &[Event]) -> Unit {
+    let end = events.last().map_or(0.0, |it| it.time);
+    match unit.in_base(end, Unit::Milliseconds) < 1.0 {
+        true => Unit::Microseconds,
+        false => Unit::Milliseconds,
     }
 }
 
@@ -305,7 +296,7 @@ impl TraceBuilder<'_> {
         self.has_core(&core, by.to_owned(), step, now);
     }
 
-    fn finish(self, title: String, unit: &str, end: f64, repeats: Option<f64>) -> Trace<SourceRef> {
+    fn finish(self, title: String, unit: Unit, end: f64, repeats: Option<f64>) -> Trace<SourceRef> {
         let BuiltLanes {
             lanes,
             mut spans,
@@ -391,7 +382,7 @@ impl TraceBuilder<'_> {
         Trace {
             format: FORMAT,
             title,
-            unit: unit.to_owned(),
+            unit,
             start: 0.0,
             end,
             focus: Focus {
