@@ -213,7 +213,7 @@ impl RunReport {
         });
         let codels = system.codels.iter().zip(&outcome.tally.codels);
         let codels = codels.map(|(it, counted)| CodelCounts {
-            codel: it.path.clone(),
+            codel: it.path.to_string(),
             runs: counted.runs.count,
             greatest: make.value(counted.runs.greatest),
             waited: make.value(counted.waits.greatest),

@@ -209,7 +209,7 @@ impl<'a> DerivationContext<'a> {
         let path = codel.text();
         let unit = built.system.unit;
         let current = built.system.codels.iter().find(|it| {
-            it.path == path
+            *it.path == *path
                 || it
                     .site
                     .is_some_and(|site| same_codel(&target, site, &it.path, &path))

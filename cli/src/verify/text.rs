@@ -409,7 +409,7 @@ fn run(
         Line::Step(step) => Some(*step),
         Line::Again(..) => None,
     });
-    let widths = steps.map(|step| (time(step).len(), events[step].thread().len()));
+    let widths = steps.map(|step| (time(step).len(), events[step].thread.to_string().len()));
     let (time_width, who_width) = widths.fold((0, 0), |a, b| (a.0.max(b.0), a.1.max(b.1)));
     let mut before = None;
     for (i, line) in lines.iter().enumerate() {
@@ -461,8 +461,7 @@ fn run(
         writeln!(
             out,
             "  {at:>time_width$}  {:<who_width$}  {style}{}{style:#}{rule}",
-            it.thread(),
-            it.what
+            it.thread, it.what
         )?;
     }
     Ok(())

@@ -54,6 +54,12 @@ impl TimeUnit {
         quantity::time_of(time * to_f64(self.seconds()))
     }
 
+    /// Returns a share of a time, both in this unit, as text for readers: `8 of 10 ms`.
+    pub fn show_share(self, time: f64, whole: f64) -> String {
+        let unit = to_f64(self.seconds());
+        quantity::share_of(time * unit, whole * unit)
+    }
+
     /// Returns a value in this unit as text for readers.
     pub fn show_value(self, value: Value) -> String {
         match value {

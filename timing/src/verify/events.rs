@@ -6,7 +6,7 @@ use super::Group;
 use crate::explore::{Blocker, Executing, Moment, MomentDetails, MomentKind, Run};
 use crate::report::{Blocking, CheckReport, Event, TimeUnit, Verdict};
 use crate::scn::names::Names;
-use crate::system::TimedSystem;
+use crate::system::{ThreadName, TimedSystem};
 
 impl Group<'_> {
     /// Sets the run that shows the failure of a check.
@@ -45,10 +45,10 @@ impl Group<'_> {
     }
 
     /// Returns the final event of a run that exceeds a limit.
-    pub(super) fn excess_event(&self, end: u64, component: String, what: String) -> Event {
+    pub(super) fn excess_event(&self, end: u64, thread: ThreadName, what: String) -> Event {
         let time = self.built.system.unit * Ratio::from_integer(i128::from(end));
         let time = self.unit.from_seconds(time);
-        Event::of_component(time, component, MomentKind::Excess, what)
+        Event::of_thread(time, thread, MomentKind::Excess, what)
     }
 }
 
@@ -57,8 +57,14 @@ pub(super) fn told(names: &Names, system: &TimedSystem, unit: TimeUnit, run: &Ru
     let spec_of = |c: usize| names.components[c].spec_index;
     let path = |codel: usize| system.codels[codel].path.clone();
     let name = |it: Executing| match it {
-        Executing::Task(task) => system.task_path(task),
-        Executing::Control(component) => system.components[component].name.clone(),
+        Executing::Task(task) => system.task_name(task),
+        Executing::Control(component) => {
+            ThreadName::of_component(&system.components[component].name)
+        }
+    };
+    let thread = |it: &Moment| match it.task {
+        Some(task) => system.task_name(task),
+        None => ThreadName::of_component(&it.component),
     };
     let event = |it: Moment| {
         let src = match (it.codel, it.task) {
@@ -71,12 +77,11 @@ pub(super) fn told(names: &Names, system: &TimedSystem, unit: TimeUnit, run: &Ru
         };
         let time = unit.from_seconds(system.unit * Ratio::from_integer(i128::from(it.time)));
         let mut event = Event {
-            task: it.task.map(|task| system.tasks[task].name.clone()),
             for_core: it.about == MomentDetails::AwaitsCore,
             codel: it.codel.map(path),
             action: it.action,
             src,
-            ..Event::of_component(time, it.component, it.kind, it.what)
+            ..Event::of_thread(time, thread(&it), it.kind, it.what)
         };
         match it.about {
             MomentDetails::Nothing | MomentDetails::AwaitsCore => {}
@@ -91,7 +96,7 @@ pub(super) fn told(names: &Names, system: &TimedSystem, unit: TimeUnit, run: &Ru
             MomentDetails::Requested { client, .. } => {
                 event.client = Some(system.clients[client].name.clone());
             }
-            MomentDetails::Released { task } => event.releases = Some(system.task_path(task)),
+            MomentDetails::Released { task } => event.releases = Some(system.task_name(task)),
             MomentDetails::Preempted(it) => event.preempts = Some(name(it)),
         }
         event

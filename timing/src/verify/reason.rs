@@ -5,7 +5,7 @@ use num_rational::Ratio;
 use super::Group;
 use crate::explore::{Moment, MomentKind, Run};
 use crate::report::{Awaited, Delay, Holder, TaskId};
-use crate::system::TimedSystem;
+use crate::system::{ThreadName, TimedSystem};
 
 /// A wait for the locks of a codel, or for a core.
 struct Wait {
@@ -16,7 +16,7 @@ struct Wait {
 /// The possession of a core, or of the locks of a codel.
 struct Possession {
     codel: Option<usize>,
-    by: String,
+    by: ThreadName,
     from: u64,
     until: u64,
 }
@@ -82,8 +82,8 @@ impl Intervals {
             let own = it.task == Some(task);
             // The thread: a task, or the control task of a component.
             let by = match it.task {
-                Some(task) => system.task_path(task),
-                None => it.component.clone(),
+                Some(task) => system.task_name(task),
+                None => ThreadName::of_component(&it.component),
             };
             match it.kind {
                 MomentKind::Release if own => {

@@ -11,6 +11,7 @@ use dotgen_analysis::model::{Seconds, Src};
 use dotgen_timing::advice::{self, Change, RepairCallbacks};
 use dotgen_timing::report::Report;
 use dotgen_timing::scn::edit;
+use dotgen_timing::system::CodelName;
 use dotgen_timing::verify::{Cancel, Options, SystemInput, settings};
 use num_rational::Ratio;
 
@@ -50,9 +51,9 @@ pub fn repairs(
     };
     let table = blocking::table(problem, options);
     let unit = TimeUnit::of(&settings(&problem.scenario, options));
-    let function = |codel: &str| {
-        let row = table.iter().find(|it| it.codel.path == codel);
-        row.map_or(codel, |it| &it.codel.function).to_owned()
+    let function = |codel: &CodelName| {
+        let row = table.iter().find(|it| it.codel.path == *codel);
+        row.map_or(&**codel, |it| &it.codel.function).to_owned()
     };
     let repair = |change: &Change| Repair {
         words: in_words(change, unit, &function),
@@ -71,7 +72,7 @@ pub fn repairs(
 pub(crate) fn in_words(
     change: &Change,
     unit: TimeUnit,
-    function: &dyn Fn(&str) -> String,
+    function: &dyn Fn(&CodelName) -> String,
 ) -> String {
     match change {
         Change::Wcet {

@@ -105,6 +105,8 @@ pub struct CheckView<'r> {
     pub value: Option<String>,
     /// `10 ms`: the stated limit, or the period.
     pub limit: Option<String>,
+    /// `≤ 5 of 10 ms`: the value and the limit; the value alone without a limit.
+    pub share: Option<String>,
     /// `≥ 30 %`
     pub slack: Option<String>,
     /// A restriction of the verdict, if it is not exact.
@@ -180,6 +182,16 @@ impl<'r> CheckView<'r> {
                 Value::Unbounded => unit.show_value(it),
                 Value::Time(_) => format!("{sign}{}", unit.show_value(it)),
             }),
+            share: report.value.map(|it| match (it, report.limit) {
+                (Value::Time(time), Some(limit)) => {
+                    format!("{sign}{}", unit.show_share(time, limit.time()))
+                }
+                (Value::Time(time), None) => format!("{sign}{}", unit.show(time)),
+                (Value::Unbounded, Some(limit)) => {
+                    format!("{} of {}", unit.show_value(it), unit.show(limit.time()))
+                }
+                (Value::Unbounded, None) => unit.show_value(it),
+            }),
             limit: report.limit.map(|it| unit.show(it.time())),
             slack: report.slack().map(|it| format!("{least}{}", percent(it))),
             worth: match report.soundness {
@@ -231,8 +243,8 @@ fn sentence(it: &Delay, unit: TimeUnit) -> String {
     };
     let held = it.held.iter().map(|it| {
         let who = match &it.codel {
-            Some(codel) => codel.clone(),
-            None => it.by.clone(),
+            Some(codel) => codel.to_string(),
+            None => it.by.to_string(),
         };
         format!("{who} ({} to {})", unit.show(it.from), unit.show(it.until))
     });

@@ -170,6 +170,8 @@ struct CodelResult {
 struct RunResult {
     check: usize,
     title: String,
+    /// What the run is to its check: `a run that refutes it`.
+    shows: String,
     /// The run as text: a line for each event, or for a part that is repeated.
     events: Vec<EventResult>,
 }
@@ -381,14 +383,14 @@ pub(crate) fn present(
     let mut codels = Vec::new();
     for row in &table {
         codels.push(CodelResult {
-            path: row.codel.path.clone(),
+            path: row.codel.path.to_string(),
             wcet: row.codel.micros,
             location: location(&row.codel)?,
         });
         let mut by = Vec::new();
         for it in &row.by {
             by.push(BlockerResult {
-                codel: it.codel.path.clone(),
+                codel: it.codel.path.to_string(),
                 location: location(&it.codel)?,
                 time: it
                     .codel
@@ -399,7 +401,7 @@ pub(crate) fn present(
         }
         if !by.is_empty() {
             blocked.push(BlockedResult {
-                codel: row.codel.path.clone(),
+                codel: row.codel.path.to_string(),
                 location: location(&row.codel)?,
                 by,
             });
@@ -532,7 +534,7 @@ fn shown_run(
                     }
                     let event = &events[step];
                     let at = unit.show(event.time);
-                    let text = format!("{at}  {}  {}", event.thread(), event.what);
+                    let text = format!("{at}  {}  {}", event.thread, event.what);
                     line(text, locate(snapshot, &prepared.places, event.src)?);
                 }
             }
@@ -545,6 +547,7 @@ fn shown_run(
     Ok(RunResult {
         check: number,
         title: runs::title(check),
+        shows: runs::shows(check).to_owned(),
         events: lines,
     })
 }

@@ -163,7 +163,7 @@ pub(crate) fn shown(
     let codels = system.codels.iter();
     let codels = codels.map(|it| {
         let src = it.site.and_then(|(c, _)| Some((spec(c), it.src?)));
-        (it.path.clone(), src)
+        (it.path.to_string(), src)
     });
     let tasks = system.tasks.iter();
     let tasks = tasks.map(|it| {
