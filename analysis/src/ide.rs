@@ -162,8 +162,8 @@ pub struct WorkspaceSymbol {
 /// A declaration that was found by its name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NamedDeclaration {
-    /// The qualified name: `component.service.state`.
-    pub name: String,
+    /// Its name, after the names of the declarations that contain it, outermost first.
+    pub names: Vec<String>,
     /// The kind.
     pub kind: SymbolKind,
     /// Absolute path.
@@ -172,6 +172,13 @@ pub struct NamedDeclaration {
     pub range: Range<usize>,
     /// The whole declaration.
     pub full_range: Range<usize>,
+}
+
+impl NamedDeclaration {
+    /// The qualified name: `component.service.state`.
+    pub fn qualified(&self) -> String {
+        self.names.join(".")
+    }
 }
 
 /// The content of a folded region.

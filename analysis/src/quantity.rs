@@ -16,12 +16,27 @@ pub fn time(seconds: Seconds) -> String {
 
 /// Like [`time`], for seconds as a float. Rounding errors of binary fractions are not visible.
 pub fn time_of(seconds: f64) -> String {
+    let (number, unit) = number_and_unit(seconds);
+    format!("{number} {unit}")
+}
+
+/// A share of a time, both in seconds, with one unit if both have the same: `8 of 10 ms`, `500 µs of 10 ms`.
+pub fn share_of(seconds: f64, whole: f64) -> String {
+    let (part, whole) = (number_and_unit(seconds), number_and_unit(whole));
+    match part.1 == whole.1 {
+        true => format!("{} of {} {}", part.0, whole.0, whole.1),
+        false => format!("{} {} of {} {}", part.0, part.1, whole.0, whole.1),
+    }
+}
+
+/// A time as a number, and the unit that gives a short text.
+fn number_and_unit(seconds: f64) -> (String, &'static str) {
     let micros = seconds * 1e6;
     match micros.abs() {
-        it if it >= 1e6 && is_whole(it / 1e5) => format!("{} s", decimal(micros / 1e6)),
-        it if it >= 1e3 || it == 0.0 => format!("{} ms", decimal(micros / 1e3)),
-        it if it >= 1.0 => format!("{} µs", decimal(micros)),
-        _ => format!("{} ns", decimal(micros * 1e3)),
+        it if it >= 1e6 && is_whole(it / 1e5) => (decimal(micros / 1e6), "s"),
+        it if it >= 1e3 || it == 0.0 => (decimal(micros / 1e3), "ms"),
+        it if it >= 1.0 => (decimal(micros), "µs"),
+        _ => (decimal(micros * 1e3), "ns"),
     }
 }
 
@@ -74,6 +89,8 @@ mod tests {
         assert_eq!(time(Seconds::new(1, 3_000)), "333.333 µs");
         assert_eq!(time(Seconds::new(1, 4_000_000)), "250 ns");
         assert_eq!(time_of(0.1 + 0.2), "300 ms");
+        assert_eq!(share_of(0.008, 0.01), "8 of 10 ms");
+        assert_eq!(share_of(0.000_5, 0.01), "500 µs of 10 ms");
     }
 
     #[test]

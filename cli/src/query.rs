@@ -145,7 +145,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     if found.is_empty() && !trouble.any() {
         let last = names.last().copied().unwrap_or_default();
-        let simple = |it: &NamedDeclaration| it.name.rsplit('.').next().map(str::to_owned);
+        let simple = |it: &NamedDeclaration| it.names.last().cloned();
         let candidates: Vec<String> = known.iter().filter_map(simple).collect();
         let near = nearest(last, candidates.iter().map(String::as_str));
         let near = near.map_or_else(String::new, |it| format!("; did you mean `{it}`?"));
@@ -173,7 +173,7 @@ impl Session {
         };
         let mut found = Vec::new();
         for machine in self.ask(about, |it| it.named(machine))? {
-            let component = machine.name.split('.').next().unwrap_or_default();
+            let component = machine.names.first().map_or("", String::as_str);
             let states = self.ask(about, |it| it.named(&[component, state]))?;
             let states = states.into_iter().filter(|it| it.kind == SymbolKind::State);
             found.extend(states.map(|it| (it, Some(machine.clone()))));
@@ -225,7 +225,7 @@ impl Describer<'_> {
             .map(|it| self.place(&it.path, it.range.start))
             .collect();
         Ok(Declaration {
-            name: declaration.name.clone(),
+            name: declaration.qualified(),
             kind: declaration.kind,
             place: self.place(about, declaration.range.start)?,
             documentation: documentation.map(|it| it.info.markdown),

@@ -6,7 +6,7 @@ use std::io::Write;
 use anyhow::Context;
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::FileContent;
-use dotgen_timing::report::Event;
+use dotgen_timing::report::{Event, TimeUnit};
 use dotgen_timing::verify::Options;
 
 use dotgen_lsp_server::protocol::convert::{Encoding, Lines, uri};
@@ -21,7 +21,7 @@ pub(super) struct RecordedRun<'r> {
     /// The title of the trace.
     pub(super) title: String,
     /// The unit of the times of events.
-    pub(super) unit: &'r str,
+    pub(super) unit: TimeUnit,
     /// The events.
     pub(super) events: &'r [Event],
     /// The end of the run.

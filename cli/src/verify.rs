@@ -336,7 +336,7 @@ fn write_trace(path: &Utf8Path, answers: &[Answer]) -> anyhow::Result<()> {
     let check = &answer.report.checks[number];
     let recorded = trace::RecordedRun {
         title: runs::title(check),
-        unit: &answer.report.unit,
+        unit: answer.report.unit,
         events: check.run(),
         ending: runs::ending(check),
         cycle: check.cycle,

@@ -71,7 +71,7 @@ pub fn has_times(system: &TimedSystem, task: usize) -> bool {
 pub fn codels_without_time(system: &TimedSystem) -> Vec<String> {
     let codels = system.codels.iter();
     let codels_without_time = codels.filter(|it| it.site.is_some() && it.upper == 0);
-    let mut out: Vec<String> = codels_without_time.map(|it| it.path.clone()).collect();
+    let mut out: Vec<String> = codels_without_time.map(|it| it.path.to_string()).collect();
     out.sort();
     out.dedup();
     out

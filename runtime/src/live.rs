@@ -344,7 +344,7 @@ impl<'p> Live<'p> {
         };
         let took = ran.nanos;
         self.broken.push(CodelViolation::Overrun {
-            codel: self.system.codels[codel].path.clone(),
+            codel: self.system.codels[codel].path.to_string(),
             function: self.parts.function(codel),
             took,
             limit,
@@ -374,7 +374,7 @@ impl<'p> Live<'p> {
                 continue;
             };
             if it.real && it.ran.is_none() {
-                let path = self.system.codels[codel].path.clone();
+                let path = self.system.codels[codel].path.to_string();
                 culprit.get_or_insert((path, self.parts.function(codel)));
                 it.real = false;
             }
@@ -407,7 +407,7 @@ impl<'p> Live<'p> {
         let Some(wanted) = wanted else {
             let codel = work.codel()?;
             self.broken.push(CodelViolation::Undeclared {
-                codel: self.system.codels[codel].path.clone(),
+                codel: self.system.codels[codel].path.to_string(),
                 function: self.parts.function(codel),
                 event: ran.name.clone(),
             });

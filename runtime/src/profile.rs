@@ -39,7 +39,7 @@ pub struct Profile<'s, W> {
 pub fn functions(system: &TimedSystem, names: &Names) -> Vec<String> {
     let codels = system.codels.iter().map(|it| match it.site {
         Some((c, codel)) => names.components[c].component.codel(codel).name.to_string(),
-        None => it.path.clone(),
+        None => it.path.to_string(),
     });
     codels.collect()
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use dotgen_timing::explore::{Seen, Stepper, Work};
-use dotgen_timing::report::Value;
+use dotgen_timing::report::{TimeUnit, Value};
 use dotgen_timing::system::{Ticks, TimedSystem, Yield};
 use dotgen_timing::verify::Prepared;
 use serde::Serialize;
@@ -25,7 +25,7 @@ pub trait ProgressReceiver {
 #[serde(rename_all = "kebab-case")]
 pub struct Progress {
     /// Unit of all times.
-    pub unit: String,
+    pub unit: TimeUnit,
     /// Time since the start of the run.
     pub time: Value,
     /// Tasks, in order of declaration.
@@ -120,7 +120,7 @@ impl ActivityStates {
                 })
             });
         Progress {
-            unit: prepared.report.unit.clone(),
+            unit: prepared.report.unit,
             time: Value::Time(prepared.time(stepper.now())),
             tasks: tasks(prepared, tally, bounds, stepper.now()),
             machines: machines(prepared, tally),

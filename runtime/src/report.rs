@@ -1,7 +1,8 @@
 //! The report of a run, as data. The JSON form is part of the interface of `dotgen run`.
 
+use dotgen_analysis::model::Seconds;
 use dotgen_timing::property::PropertyKind;
-use dotgen_timing::report::Value;
+use dotgen_timing::report::{TimeUnit, Value};
 use dotgen_timing::system::Ticks;
 use dotgen_timing::verify::Prepared;
 use serde::Serialize;
@@ -27,7 +28,7 @@ pub struct RunReport {
     /// Semantics of the model.
     pub semantics: String,
     /// Unit of all times.
-    pub unit: String,
+    pub unit: TimeUnit,
     /// Seed of the random choices.
     pub seed: u64,
     /// Choice of execution times.
@@ -212,7 +213,7 @@ impl RunReport {
         });
         let codels = system.codels.iter().zip(&outcome.tally.codels);
         let codels = codels.map(|(it, counted)| CodelCounts {
-            codel: it.path.clone(),
+            codel: it.path.to_string(),
             runs: counted.runs.count,
             greatest: make.value(counted.runs.greatest),
             waited: make.value(counted.waits.greatest),
@@ -226,7 +227,7 @@ impl RunReport {
             format: FORMAT,
             scenario: prepared.report.scenario.clone(),
             semantics: prepared.report.semantics.clone(),
-            unit: prepared.report.unit.clone(),
+            unit: prepared.report.unit,
             seed: plan.seed,
             durations: plan.durations,
             runs: outcome.runs,
@@ -261,8 +262,8 @@ impl ReportBuilder<'_> {
     }
 
     fn nanos(&self, nanos: u64) -> Value {
-        let unit = *self.prepared.unit.numer() as f64 / *self.prepared.unit.denom() as f64;
-        Value::Time(nanos as f64 / 1e9 / unit)
+        let unit = self.prepared.report.unit;
+        Value::Time(unit.from_seconds(Seconds::new(i128::from(nanos), 1_000_000_000)))
     }
 
     fn at(&self, it: Moment) -> RunMoment {

@@ -201,7 +201,7 @@ type Change = (&'static str, &'static [Rule], fn(&mut TimedSystem));
 
 fn codel<'s>(system: &'s mut TimedSystem, path: &str) -> &'s mut dotgen_timing::system::Codel {
     let mut all = system.codels.iter_mut();
-    all.find(|it| it.path == path).expect("it is there")
+    all.find(|it| *it.path == *path).expect("it is there")
 }
 
 /// Systems with one changed rule.

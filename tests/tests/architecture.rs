@@ -434,14 +434,98 @@ fn a_look_into_a_message_is_seen() {
     }
 }
 
-/// The sources below a folder.
+/// Ways to take a name of a codel or thread, a time or a title apart again, in Rust and in TypeScript. Blanks
+/// are left out, also those in quotes.
+const PARTS_OF_TEXT: [&str; 13] = [
+    "rsplit('.')",
+    "rsplit_once('.')",
+    "rsplit_once('')",
+    "unit.split",
+    "codel.rsplit",
+    "thread.split",
+    "codel.strip_prefix(",
+    "thread.strip_prefix(",
+    "task.strip_prefix(&",
+    "\"us\"=>1.0",
+    "exec(run.title)",
+    "title.match(",
+    "title.split(",
+];
+
+/// Places of a source that take such a text apart, by line.
+fn taken_apart(source: &str) -> Vec<usize> {
+    let code = |line: &str| {
+        let code = line.split("//").next().unwrap_or_default();
+        code.chars().filter(|it| !it.is_whitespace()).collect()
+    };
+    let has_parts = |line: &str| {
+        let code: String = code(line);
+        PARTS_OF_TEXT.iter().any(|it| code.contains(it))
+    };
+    let lines = (1..).zip(source.lines());
+    lines.filter(|it| has_parts(it.1)).map(|it| it.0).collect()
+}
+
+/// The parts of a run are data: `CodelName`, `ThreadName`, `TimeUnit`.
+#[test]
+fn names_and_times_are_not_taken_apart() {
+    let mut sources = Vec::new();
+    for (folder, _) in ALLOWED {
+        let folder = workspace_root().join(folder).join("src");
+        sources.extend(files(&folder, "rs"));
+    }
+    let rust = sources.len();
+    sources.extend(files(&workspace_root().join("vscode-extension/src"), "ts"));
+    assert!(rust > 0 && sources.len() > rust, "no sources");
+    let mut bad = Vec::new();
+    for path in sources {
+        let name = path.to_string_lossy().replace('\\', "/");
+        // Endings of names of files, and times that users write.
+        let other = ["codegen/src/codels/source.rs", "codegen/src/component.rs"];
+        let is_other = other.iter().any(|it| name.ends_with(it));
+        if name.contains("/tests/") || name.ends_with("tests.rs") || is_other {
+            continue;
+        }
+        let source = std::fs::read_to_string(&path).expect("a source");
+        let lines = taken_apart(&source);
+        bad.extend(lines.iter().map(|line| format!("{name}:{line}")));
+    }
+    assert!(
+        bad.is_empty(),
+        "a name or time is read back; pass the data: {bad:#?}"
+    );
+}
+
+#[test]
+fn a_name_or_time_that_is_taken_apart_is_seen() {
+    for source in [
+        "let last = codel.path.rsplit('.').next();",
+        "let (number, unit) = value.rsplit_once(' ')?;",
+        "match unit.split_once(' ') {}",
+        "\"us\" => 1.0,",
+        "task.strip_prefix(&*event.component)",
+        "const [, what] = /: (an? .*)$/.exec(run.title) ?? [];",
+    ] {
+        assert_eq!(taken_apart(source), [1], "{source}");
+    }
+    for source in ["codel.path.own()", "// path.rsplit('.')", "run.shows"] {
+        assert!(taken_apart(source).is_empty(), "{source}");
+    }
+}
+
+/// The Rust sources below a folder.
 fn walk(folder: &std::path::Path) -> Vec<std::path::PathBuf> {
+    files(folder, "rs")
+}
+
+/// The files below a folder whose names have an ending.
+fn files(folder: &std::path::Path, ending: &str) -> Vec<std::path::PathBuf> {
     let mut out = Vec::new();
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         let path = entry.path();
         if path.is_dir() {
-            out.extend(walk(&path));
-        } else if path.extension().is_some_and(|it| it == "rs") {
+            out.extend(files(&path, ending));
+        } else if path.extension().is_some_and(|it| it == ending) {
             out.push(path);
         }
     }

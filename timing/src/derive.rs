@@ -10,7 +10,6 @@ mod sensitivity;
 
 use std::sync::{PoisonError, RwLock};
 
-use dotgen_analysis::model::Seconds;
 use num_rational::Ratio;
 use serde::Serialize;
 
@@ -18,15 +17,15 @@ use crate::analytic::{meets_deadlines, response_bounds};
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::explore::{Findings, Limits, Stop, Watch, explore};
 use crate::property::resolve;
-use crate::report::{Value, Verdict};
-use crate::scn::ast::{CheckKind, Durations, Path, Scenario, Unit};
+use crate::report::{TimeUnit, Value, Verdict};
+use crate::scn::ast::{CheckKind, Durations, Path, Scenario};
 use crate::scn::names::{Names, Target};
 use crate::system::TimedSystem;
 use crate::system::build::build;
 use crate::system::indexed::not_a;
 use crate::system::settings::Settings;
 use crate::verify::tasks_with_jobs::tasks_with_jobs;
-use crate::verify::{Cancel, Options, SystemInput, settings, to_f64};
+use crate::verify::{Cancel, Options, SystemInput, settings};
 pub use sensitivity::{InterimResult, NextToBreak, Progress, Quantity, Sensitivity, sensitivity};
 
 /// The fewest cores that suffice.
@@ -210,7 +209,7 @@ impl<'a> DerivationContext<'a> {
         let path = codel.text();
         let unit = built.system.unit;
         let current = built.system.codels.iter().find(|it| {
-            it.path == path
+            *it.path == *path
                 || it
                     .site
                     .is_some_and(|site| same_codel(&target, site, &it.path, &path))
@@ -231,8 +230,8 @@ impl<'a> DerivationContext<'a> {
             variation.settings.upper_bound = Some((codel.clone(), of_ticks(ticks)));
             variation.schedulable()
         };
-        let report_unit = report_unit(self.scenario);
-        let value = |ticks: u32| Value::Time(to_f64(of_ticks(ticks) / report_unit));
+        let report_unit = TimeUnit::of(&Settings::new(self.scenario));
+        let value = |ticks: u32| Value::Time(report_unit.from_seconds(of_ticks(ticks)));
         let mut out = Extreme {
             of: path,
             now: if upper == crate::system::FOREVER {
@@ -311,8 +310,8 @@ impl<'a> DerivationContext<'a> {
             variation.settings.period = Some((task.clone(), of_ticks(ticks)));
             variation.schedulable()
         };
-        let report_unit = report_unit(self.scenario);
-        let value = |ticks: u32| Value::Time(to_f64(of_ticks(ticks) / report_unit));
+        let report_unit = TimeUnit::of(&Settings::new(self.scenario));
+        let value = |ticks: u32| Value::Time(report_unit.from_seconds(of_ticks(ticks)));
         let mut out = Extreme {
             of: task.text(),
             now: value(period),
@@ -388,13 +387,6 @@ fn same_codel(
         }
         _ => path == wanted,
     }
-}
-
-fn report_unit(scenario: &Scenario) -> Seconds {
-    let (count, unit) = Settings::new(scenario)
-        .unit
-        .unwrap_or((1, Unit::Milliseconds));
-    unit.seconds() * Ratio::from_integer(i128::from(count))
 }
 
 /// The settings to vary, and the tasks that must stay schedulable.

@@ -1,6 +1,8 @@
 //! The report of a verification, as data and as text. The JSON form is part of the interface of `dotgen
 //! verify`.
 
+mod time_unit;
+
 use dotgen_analysis::model::Src;
 use serde::Serialize;
 use serde::ser::Serializer;
@@ -11,6 +13,9 @@ use crate::explore::Stop;
 use crate::explore::{Action, MomentKind};
 use crate::property::PropertyKind;
 use crate::reduction_use::ReductionUse;
+use crate::system::{CodelName, ThreadName};
+pub use time_unit::TimeUnit;
+pub(crate) use time_unit::to_f64;
 
 /// Version of the JSON form: raised when a field changes its meaning or is removed. Its schema is
 /// `docs/verify.schema.json`.
@@ -23,8 +28,8 @@ pub struct Report {
     pub scenario: String,
     /// Semantics of the model: `servers` or `published`, with the single points that differ.
     pub semantics: String,
-    /// Unit of all times: `ms`, `10 us`, …
-    pub unit: String,
+    /// Unit of all times.
+    pub unit: TimeUnit,
     /// Checks, in order of the scenario; `*` gives one per task.
     pub checks: Vec<CheckReport>,
     /// Number of states kept.
@@ -153,6 +158,9 @@ pub struct CheckReport {
     pub kind: PropertyKind,
     /// Task, or predicates, in words.
     pub of: String,
+    /// Task, if the check is about one.
+    #[serde(skip)]
+    pub task: Option<ThreadName>,
     /// Limit of the value.
     #[serde(skip)]
     pub limit: Option<Limit>,
@@ -220,9 +228,9 @@ pub struct Delay {
     /// Resource.
     #[serde(rename = "for")]
     pub awaited: Awaited,
-    /// Codel that waits for its locks: `component.owner.state`.
+    /// Codel that waits for its locks.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub codel: Option<String>,
+    pub codel: Option<CodelName>,
     /// Start of the wait, in the unit of the report.
     #[serde(serialize_with = "serialize_time")]
     pub from: f64,
@@ -239,9 +247,9 @@ pub struct Delay {
 pub struct Holder {
     /// Codel, if the resource is a lock.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub codel: Option<String>,
-    /// Task, `component.task`, or the component for its control task.
-    pub by: String,
+    pub codel: Option<CodelName>,
+    /// Thread.
+    pub by: ThreadName,
     /// Start, in the unit of the report.
     #[serde(serialize_with = "serialize_time")]
     pub from: f64,
@@ -334,11 +342,9 @@ pub struct Event {
     /// Time, in the unit of the report.
     #[serde(serialize_with = "serialize_time")]
     pub time: f64,
-    /// Component.
-    pub component: String,
-    /// Task, without its component; `None` for the control task.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub task: Option<String>,
+    /// Thread: a task, the control task of a component, or a client.
+    #[serde(flatten, serialize_with = "ThreadName::serialize_parts")]
+    pub thread: ThreadName,
     /// Description.
     pub what: String,
     /// Kind of event: the rule that acted.
@@ -346,9 +352,9 @@ pub struct Event {
     /// From this event on, the task waits for a core.
     #[serde(skip)]
     pub for_core: bool,
-    /// Codel: `component.owner.state`.
+    /// Codel.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub codel: Option<String>,
+    pub codel: Option<CodelName>,
     /// Codels that keep the codel waiting from this event on: first those that execute, then those ahead in
     /// the queue.
     #[serde(rename = "waits-for", skip_serializing_if = "Vec::is_empty")]
@@ -356,12 +362,12 @@ pub struct Event {
     /// Client whose request the control task takes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub client: Option<String>,
-    /// Task whose activity a control task allows to go on: `component.task`.
+    /// Task whose activity a control task allows to go on.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub releases: Option<String>,
-    /// Thread that is preempted: `component.task`, or the component for its control task.
+    pub releases: Option<ThreadName>,
+    /// Thread that is preempted.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub preempts: Option<String>,
+    pub preempts: Option<ThreadName>,
     /// Action of the run.
     #[serde(skip)]
     pub action: Option<Action>,
@@ -373,30 +379,20 @@ pub struct Event {
 /// A codel that keeps another codel waiting.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Blocking {
-    /// Codel: `component.owner.state`.
-    pub codel: String,
-    /// Thread that executes it: `component.task`, or the component for its control task.
-    pub by: String,
+    /// Codel.
+    pub codel: CodelName,
+    /// Thread that executes it.
+    pub by: ThreadName,
     /// The blocking codel waits as well, ahead in the queue of the component.
     pub ahead: bool,
 }
 
 impl Event {
-    /// Returns the path of the thread: a task (`component.task`), the control task of a component, or a
-    /// client.
-    pub fn thread(&self) -> String {
-        match &self.task {
-            Some(task) => format!("{}.{task}", self.component),
-            None => self.component.clone(),
-        }
-    }
-
-    /// Returns an event of a component or a client as a whole, at a time in the unit of the report.
-    pub fn of_component(time: f64, component: String, kind: MomentKind, what: String) -> Event {
+    /// Returns an event of a thread, at a time in the unit of the report.
+    pub fn of_thread(time: f64, thread: ThreadName, kind: MomentKind, what: String) -> Event {
         Event {
             time,
-            component,
-            task: None,
+            thread,
             what,
             kind,
             for_core: false,

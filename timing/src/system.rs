@@ -10,6 +10,7 @@ pub(crate) mod flow;
 pub mod indexed;
 mod locks;
 pub(crate) mod loops;
+mod name;
 mod program;
 pub mod settings;
 pub(crate) mod units;
@@ -21,6 +22,7 @@ use crate::scn::semantics::Semantics;
 
 pub use locks::{SharedPorts, sources};
 pub use loops::{loop_contradictions, pauseless_cycles};
+pub use name::{CodelName, ThreadName};
 
 /// A number of base units.
 pub type Ticks = u32;
@@ -200,8 +202,8 @@ pub struct Automaton {
 /// A codel in one place of use.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Codel {
-    /// `component.owner.state`, or `component.service.codel`.
-    pub path: String,
+    /// Name, with its component and owner.
+    pub path: CodelName,
     /// Component.
     pub component: usize,
     /// Least time from the grant of its locks to their release, in base units.
@@ -408,8 +410,13 @@ pub enum ClientAction {
 impl TimedSystem {
     /// Returns `component.task`.
     pub fn task_path(&self, task: usize) -> String {
+        self.task_name(task).to_string()
+    }
+
+    /// Returns the name of a task, with its component.
+    pub fn task_name(&self, task: usize) -> ThreadName {
         let task = &self.tasks[task];
-        format!("{}.{}", self.components[task.component].name, task.name)
+        ThreadName::of_task(&self.components[task.component].name, &task.name)
     }
 
     /// Returns `component.service`.
@@ -516,12 +523,12 @@ impl TimedSystem {
         self.codels[other].conflicts.insert(one);
     }
 
-    /// Ends the mutual exclusion of the codels with these paths.
-    pub(crate) fn separate(&mut self, one: &str, other: &str) {
+    /// Ends the mutual exclusion of the codels with these names.
+    pub(crate) fn separate(&mut self, one: &CodelName, other: &CodelName) {
         for (from, to) in [(one, other), (other, one)] {
-            let to = (0..self.codels.len()).filter(|&it| self.codels[it].path == to);
+            let to = (0..self.codels.len()).filter(|&it| self.codels[it].path == *to);
             let to: Vec<usize> = to.collect();
-            let from = self.codels.iter_mut().filter(|it| it.path == from);
+            let from = self.codels.iter_mut().filter(|it| it.path == *from);
             from.for_each(|it| to.iter().for_each(|&to| it.conflicts.remove(to)));
         }
     }

@@ -17,21 +17,19 @@ mod watch;
 
 use std::time::Instant;
 
-use dotgen_analysis::model::{Seconds, Spec};
-use num_rational::Ratio;
+use dotgen_analysis::model::Spec;
 
 use self::bounds::ResponseBounds;
 use self::checks::{Single, What, expand};
 use self::groups::groups;
 pub use self::prepared::{Prepared, PreparedCheck, Question, prepare};
 use self::quick::Seen;
-pub(crate) use self::units::to_f64;
 pub use crate::cancel::{Cancel, Effort, Interrupt};
 use crate::diagnostic::Diagnostic;
 use crate::diagnostic::remark::Sighting;
 use crate::explore::{Findings, Kind, Limits, Stop, Watch, explore, explore_with_reports};
-use crate::report::Report;
-use crate::scn::ast::{Check, Durations, Policy, Scenario, Unit};
+use crate::report::{Report, TimeUnit};
+use crate::scn::ast::{Check, Durations, Policy, Scenario};
 use crate::scn::names::Names;
 use crate::scn::semantics::Preset;
 use crate::system::build::build;
@@ -112,15 +110,11 @@ pub(crate) fn verify_settings(
     tell: &(dyn Fn(&Report) + Sync),
 ) -> Report {
     let start = Instant::now();
-    let (count, unit) = settings.unit.unwrap_or((1, Unit::Milliseconds));
+    let unit = TimeUnit::of(settings);
     let mut report = Report {
         scenario: settings.name.clone(),
         semantics: settings.semantics().text(),
-        unit: if count == 1 {
-            unit.name().to_owned()
-        } else {
-            format!("{count} {}", unit.name())
-        },
+        unit,
         ..Report::default()
     };
     let whole = build(names, settings, &|_| true);
@@ -146,7 +140,7 @@ pub(crate) fn verify_settings(
     let of_whole = Group {
         names,
         built: &whole,
-        unit: unit.seconds() * Ratio::from_integer(i128::from(count)),
+        unit,
         settings,
         limits,
         cancel,
@@ -202,8 +196,8 @@ pub(crate) fn verify_settings(
 struct Group<'g> {
     names: &'g Names<'g>,
     built: &'g Built,
-    /// Unit of the report, in seconds.
-    unit: Seconds,
+    /// Unit of the report.
+    unit: TimeUnit,
     settings: &'g Settings,
     limits: Limits,
     cancel: &'g Cancel,

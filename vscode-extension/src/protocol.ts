@@ -236,7 +236,8 @@ export interface VerificationAnswer {
   notes: string[];
   blocking: { codel: string; location: Place | null; by: { codel: string; location: Place | null; time: string; through: string }[] }[];
   codels: { path: string; wcet: number | null; location: Place | null }[];
-  run: { check: number; title: string; events: { text: string; location: Place | null }[] } | null;
+  /** `shows` says what the run is to its check; `title` names the check first. */
+  run: { check: number; title: string; shows: string; events: { text: string; location: Place | null }[] } | null;
   states: number;
   seconds: number;
   whatIf: boolean;

@@ -26,7 +26,7 @@ pub(crate) fn named(db: &dyn Db, names: &[&str]) -> Vec<NamedDeclaration> {
     });
     let mut found: Vec<NamedDeclaration> = found.into_iter().flatten().collect();
     let mut seen = FxHashSet::default();
-    found.retain(|it| seen.insert((it.path.clone(), it.range.start, it.name.clone())));
+    found.retain(|it| seen.insert((it.path.clone(), it.range.start, it.names.clone())));
     found.sort_by(|a, b| (&a.path, a.range.start).cmp(&(&b.path, b.range.start)));
     found
 }
@@ -44,7 +44,7 @@ fn of_unit(db: &dyn Db, root: SourceFile, names: &[&str], units: usize) -> Vec<N
             continue;
         };
         found.push(NamedDeclaration {
-            name: qualified(all, declaration),
+            names: names_of(all, declaration),
             kind: declaration.kind.into(),
             path: file.path(db).clone(),
             range: bytes(range),
@@ -66,16 +66,16 @@ fn has_name(all: &[Definition], declaration: &Definition, names: &[&str]) -> boo
     true
 }
 
-/// The names of a declaration and of those that contain it, outermost first, with dots between them.
-fn qualified(all: &[Definition], declaration: &Definition) -> String {
-    let mut names = vec![declaration.name.as_str()];
+/// The names of a declaration and of those that contain it, outermost first.
+fn names_of(all: &[Definition], declaration: &Definition) -> Vec<String> {
+    let mut names = vec![declaration.name.to_string()];
     let mut container = declaration.container;
     while let Some(it) = container.and_then(|it| at(all, it)) {
-        names.push(&it.name);
+        names.push(it.name.to_string());
         container = it.container;
     }
     names.reverse();
-    names.join(".")
+    names
 }
 
 fn at(all: &[Definition], id: DefId) -> Option<&Definition> {

@@ -170,7 +170,7 @@ impl Context<'_, '_> {
             let simulated = codels.filter(|(number, codel)| {
                 codel.site.is_some() && measured.is_some_and(|is_executed| !is_executed(*number))
             });
-            let simulated = simulated.map(|(_, codel)| codel.path.as_str());
+            let simulated = simulated.map(|(_, codel)| &*codel.path);
             recorder.say(&origins(measured.is_some(), simulated))?;
         }
         let runs = Runs {

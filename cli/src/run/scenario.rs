@@ -171,7 +171,7 @@ impl Answer {
     ) -> anyhow::Result<usize> {
         let recorded = trace::RecordedRun {
             title: format!("a run of {}, seed {seed}", self.report.scenario),
-            unit: &self.report.unit,
+            unit: self.report.unit,
             events: &run.events,
             ending: Ending::Fine,
             cycle: None,

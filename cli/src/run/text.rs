@@ -7,12 +7,12 @@ use dotgen_analysis::terminal;
 use dotgen_runtime::checker::Verdict;
 use dotgen_runtime::engine::End;
 use dotgen_runtime::report::{CheckOutcome, RunMoment, RunReport, Violated};
-use dotgen_timing::report::Value;
+use dotgen_timing::report::{TimeUnit, Value};
 use dotgen_timing::verify::settings;
 
 use super::{Answer, Contents};
 use crate::session;
-use dotgen_views::verification::summary::{self, Scale};
+use dotgen_views::verification::summary;
 
 const TITLE: Style = Style::new().bold();
 const FAINT: Style = Style::new().dimmed();
@@ -36,7 +36,7 @@ pub(super) fn print(answers: &[Answer]) -> anyhow::Result<()> {
 
 fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
     let settings = settings(&answer.problem.scenario, &answer.options);
-    let scale = Scale::of(&settings);
+    let unit = TimeUnit::of(&settings);
     let report = &answer.report;
     writeln!(
         out,
@@ -53,16 +53,16 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
         out,
         "{} clock, {} in {runs}, {}{} durations, seed {}",
         answer.clock.word(),
-        scale.show_value(report.time),
+        unit.show_value(report.time),
         executed(answer),
         durations(report),
         report.seed,
     )?;
-    tasks(out, report, scale)?;
+    tasks(out, report, unit)?;
     services(out, report)?;
     transitions(out, report)?;
-    checks(out, report, scale)?;
-    violations(out, report, scale)?;
+    checks(out, report, unit)?;
+    violations(out, report, unit)?;
     if !report.assumptions.is_empty() {
         writeln!(out, "\n{TITLE}assuming{TITLE:#}")?;
         for it in &report.assumptions {
@@ -135,11 +135,11 @@ fn ended(end: End) -> Option<&'static str> {
     }
 }
 
-fn value(it: Option<Value>, scale: Scale) -> String {
-    it.map_or_else(String::new, |it| scale.show_value(it))
+fn value(it: Option<Value>, unit: TimeUnit) -> String {
+    it.map_or_else(String::new, |it| unit.show_value(it))
 }
 
-fn tasks(out: &mut impl Write, report: &RunReport, scale: Scale) -> std::io::Result<()> {
+fn tasks(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::io::Result<()> {
     let rows = report.tasks.iter().map(|it| {
         let missed = if it.period.is_some() {
             it.missed.to_string()
@@ -148,11 +148,11 @@ fn tasks(out: &mut impl Write, report: &RunReport, scale: Scale) -> std::io::Res
         };
         vec![
             it.task.clone(),
-            value(it.period, scale),
+            value(it.period, unit),
             it.jobs.to_string(),
-            value(it.mean, scale),
-            value(it.greatest, scale),
-            value(it.bound, scale),
+            value(it.mean, unit),
+            value(it.greatest, unit),
+            value(it.bound, unit),
             missed,
         ]
     });
@@ -217,13 +217,13 @@ fn word(it: &CheckOutcome) -> &'static str {
     }
 }
 
-fn checks(out: &mut impl Write, report: &RunReport, scale: Scale) -> std::io::Result<()> {
+fn checks(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::io::Result<()> {
     let rows = report.checks.iter().map(|it| {
         vec![
             word(it).to_owned(),
             title(it),
-            value(it.greatest, scale),
-            value(it.limit, scale),
+            value(it.greatest, unit),
+            value(it.limit, unit),
         ]
     });
     let rows: Vec<_> = rows.collect();
@@ -242,9 +242,9 @@ fn title(it: &CheckOutcome) -> String {
     format!("{named}{}{of}", it.check)
 }
 
-fn violations(out: &mut impl Write, report: &RunReport, scale: Scale) -> std::io::Result<()> {
+fn violations(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::io::Result<()> {
     for it in &report.violations {
-        let at = moment(&it.at, report, scale);
+        let at = moment(&it.at, report, unit);
         let (what, more) = match &it.what {
             Violated::Check { check } => {
                 let check = &report.checks[*check];
@@ -257,8 +257,8 @@ fn violations(out: &mut impl Write, report: &RunReport, scale: Scale) -> std::io
             } => {
                 let what = format!(
                     "the proved bound of {task}: {} is more than {}",
-                    scale.show_value(*response),
-                    scale.show_value(*bound)
+                    unit.show_value(*response),
+                    unit.show_value(*bound)
                 );
                 (what, String::new())
             }
@@ -295,8 +295,8 @@ fn violations(out: &mut impl Write, report: &RunReport, scale: Scale) -> std::io
             } => {
                 let what = format!(
                     "the execution time of {codel}: `{function}` took {}, more than {}",
-                    scale.show_value(*took),
-                    scale.show_value(*limit)
+                    unit.show_value(*took),
+                    unit.show_value(*limit)
                 );
                 (what, String::new())
             }
@@ -314,8 +314,8 @@ fn times(count: u64) -> String {
 }
 
 /// Returns the time of an event, and the options that repeat it.
-fn moment(at: &RunMoment, report: &RunReport, scale: Scale) -> String {
-    let time = scale.show_value(at.time);
+fn moment(at: &RunMoment, report: &RunReport, unit: TimeUnit) -> String {
+    let time = unit.show_value(at.time);
     match report.runs {
         1 => format!("first at {time}"),
         _ => format!("first at {time} of run {} (`--seed {}`)", at.run, at.seed),

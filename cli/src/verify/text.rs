@@ -5,7 +5,7 @@ use std::io::Write;
 use clap::builder::styling::{AnsiColor, Style};
 use dotgen_timing::derive::{Extreme, MinimumCores, Sensitivity};
 use dotgen_timing::explore::MomentKind;
-use dotgen_timing::report::Event;
+use dotgen_timing::report::{Event, TimeUnit};
 
 use super::{Answer, explain};
 use crate::width::wrapped;
@@ -14,7 +14,7 @@ use dotgen_views::verification::blocking;
 use dotgen_views::verification::changes::{Repair, Repairs};
 use dotgen_views::verification::first::FirstAnswer;
 use dotgen_views::verification::fold_repetitions::{Part, fold_repetitions, words as again};
-use dotgen_views::verification::summary::{self, Scale};
+use dotgen_views::verification::summary;
 use dotgen_views::verification::view::{CheckView, Outcome};
 
 const TITLE: Style = Style::new().bold();
@@ -27,7 +27,7 @@ pub(super) fn head(answer: &Answer, is_first: bool, explained: bool) -> anyhow::
         writeln!(out)?;
     }
     let settings = answer.settings();
-    let scale = Scale::of(&settings);
+    let unit = TimeUnit::of(&settings);
     let report = &answer.report;
     writeln!(
         out,
@@ -83,7 +83,7 @@ pub(super) fn head(answer: &Answer, is_first: bool, explained: bool) -> anyhow::
         let style = style(it.outcome);
         let word = it.outcome.word();
         writeln!(out, "\n{style}{word}{style:#} {}{remark}", it.title())?;
-        run(out, events, check.cycle, scale, explained)?;
+        run(out, events, check.cycle, unit, explained)?;
         let requests = events.iter().filter(|it| it.kind == MomentKind::Request);
         let requests: Vec<&str> = requests.map(|it| it.what.as_str()).collect();
         if !requests.is_empty() {
@@ -158,7 +158,7 @@ pub(super) fn tail(answer: &Answer, explained: bool) -> anyhow::Result<()> {
 
 /// Prints the lines of `--sensitivity`, each when it is found.
 pub(super) struct Limits {
-    scale: Scale,
+    unit: TimeUnit,
     width: usize,
 }
 
@@ -167,7 +167,7 @@ impl Limits {
         let table = blocking::table(&answer.problem, &answer.options);
         let width = table.iter().map(|it| it.codel.path.len()).max();
         Limits {
-            scale: Scale::of(&answer.settings()),
+            unit: TimeUnit::of(&answer.settings()),
             width: width.unwrap_or_default(),
         }
     }
@@ -206,8 +206,8 @@ impl Limits {
         what: &str,
         it: &Extreme,
     ) -> std::io::Result<()> {
-        let (extreme, remark) = summary::extreme(it, self.scale);
-        let now = self.scale.show_value(it.now);
+        let (extreme, remark) = summary::extreme(it, self.unit);
+        let now = self.unit.show_value(it.now);
         let remark = match remark {
             "" => String::new(),
             remark => format!(", {remark}"),
@@ -222,7 +222,7 @@ impl Limits {
     /// Prints the most critical value, and a note if something is missing.
     pub(super) fn ending(&self, out: &mut dyn Write, it: &Sensitivity) -> std::io::Result<()> {
         if let Some(next) = &it.next_to_break {
-            let next = summary::next_to_break(next, self.scale);
+            let next = summary::next_to_break(next, self.unit);
             writeln!(out, "  next to break: {next}")?;
         }
         match it.incomplete {
@@ -392,10 +392,10 @@ fn run(
     out: &mut impl Write,
     events: &[Event],
     cycle: Option<usize>,
-    scale: Scale,
+    unit: TimeUnit,
     explained: bool,
 ) -> std::io::Result<()> {
-    let time = |step: usize| scale.show(events[step].time);
+    let time = |step: usize| unit.show(events[step].time);
     let lines = lines(events, cycle);
     let left_out = match lines.len() > MAX_LINES {
         true => HEAD_LINES..lines.len() - TAIL_LINES,
@@ -409,7 +409,7 @@ fn run(
         Line::Step(step) => Some(*step),
         Line::Again(..) => None,
     });
-    let widths = steps.map(|step| (time(step).len(), events[step].thread().len()));
+    let widths = steps.map(|step| (time(step).len(), events[step].thread.to_string().len()));
     let (time_width, who_width) = widths.fold((0, 0), |a, b| (a.0.max(b.0), a.1.max(b.1)));
     let mut before = None;
     for (i, line) in lines.iter().enumerate() {
@@ -461,8 +461,7 @@ fn run(
         writeln!(
             out,
             "  {at:>time_width$}  {:<who_width$}  {style}{}{style:#}{rule}",
-            it.thread(),
-            it.what
+            it.thread, it.what
         )?;
     }
     Ok(())

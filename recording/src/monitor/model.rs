@@ -140,12 +140,12 @@ impl<'s> Model<'s> {
 
     pub(super) fn path(&self, codel: usize) -> String {
         let it = self.system.codels.get(codel);
-        it.map_or(String::new(), |it| it.path.clone())
+        it.map_or(String::new(), |it| it.path.to_string())
     }
 
     pub(super) fn last_name(&self, codel: usize) -> String {
-        let path = self.path(codel);
-        path.rsplit('.').next().unwrap_or_default().to_owned()
+        let it = self.system.codels.get(codel);
+        it.map_or(String::new(), |it| it.path.own().to_owned())
     }
 
     pub(super) fn state_name(&self, machine: usize, state: usize) -> String {

@@ -4,6 +4,7 @@ use dotgen_analysis::model::{Seconds, Src};
 use serde::Serialize;
 
 use crate::scn::ast::Policy;
+use crate::system::CodelName;
 
 /// A single change, with everything else unchanged. Times are in the unit of the report; those skipped in
 /// JSON are in seconds.
@@ -12,8 +13,8 @@ use crate::scn::ast::Policy;
 pub enum Change {
     /// The execution time of a codel.
     Wcet {
-        /// `component.owner.state`
-        codel: String,
+        /// Codel.
+        codel: CodelName,
         /// Present longest execution time.
         now: f64,
         /// Longest execution time with which the checks hold.
@@ -62,10 +63,10 @@ pub enum Change {
     /// A codel that works on a copy of the data it shares with another codel, so that neither waits for the
     /// other.
     Lock {
-        /// Codel that takes the copy: `component.owner.state`
-        codel: String,
+        /// Codel that takes the copy.
+        codel: CodelName,
         /// Other codel.
-        other: String,
+        other: CodelName,
         /// Data and ports that both use, in words. The copy separates the codel from all other codels with
         /// which it shares nothing else.
         through: Vec<String>,

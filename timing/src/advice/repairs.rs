@@ -13,7 +13,7 @@ use crate::questions;
 use crate::report::{CheckReport, Report, Verdict};
 use crate::scn::ast::{Policy, Scenario};
 use crate::scn::names::Names;
-use crate::system::FOREVER;
+use crate::system::{CodelName, FOREVER};
 use crate::verify::{Cancel, Options, SystemInput, settings};
 
 /// Policies to try. The other policies leave the order open, and prove nothing that these do not.
@@ -44,8 +44,8 @@ pub struct RepairProgress {
 enum Candidate {
     Policy(Policy),
     Cores,
-    Wcet(String),
-    Lock(String, String),
+    Wcet(CodelName),
+    Lock(CodelName, CodelName),
     Period(usize),
     Delay(usize),
 }
@@ -163,7 +163,7 @@ fn candidates(trial: &Trial, missed: &[&CheckReport]) -> Vec<Candidate> {
         .map(|it| it.0)
         .collect();
     codels.sort_by_key(|it| std::cmp::Reverse(it.upper));
-    let of_system = |path: &String| codels.iter().any(|it| it.path == *path);
+    let of_system = |path: &CodelName| codels.iter().any(|it| it.path == *path);
     let blamed = missed.iter().flat_map(|it| suspects(it)).filter(of_system);
     let others = codels.iter().map(|it| it.path.clone());
     let blamed_tasks = distinct(missed.iter().flat_map(|it| tasks(it)));
@@ -171,7 +171,7 @@ fn candidates(trial: &Trial, missed: &[&CheckReport]) -> Vec<Candidate> {
         .filter(|&it| system.tasks[it].period.is_some())
         .collect();
     let place = |it: &usize| {
-        let path = system.task_path(*it);
+        let path = system.task_name(*it);
         let place = blamed_tasks.iter().position(|it| *it == path);
         place.unwrap_or(usize::MAX)
     };
@@ -183,7 +183,8 @@ fn candidates(trial: &Trial, missed: &[&CheckReport]) -> Vec<Candidate> {
     out.extend(codels.into_iter().map(Candidate::Wcet));
     // Either the holder of the lock takes a copy, or the codel that waits.
     out.extend(pairs.into_iter().flat_map(|(waits, holds)| {
-        let pair = |copies: &String, other: &String| Candidate::Lock(copies.clone(), other.clone());
+        let pair =
+            |copies: &CodelName, other: &CodelName| Candidate::Lock(copies.clone(), other.clone());
         [pair(&holds, &waits), pair(&waits, &holds)]
     }));
     out.extend(tasks.iter().map(|&it| Candidate::Delay(it)));

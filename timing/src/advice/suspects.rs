@@ -2,13 +2,14 @@
 
 use crate::explore::MomentKind;
 use crate::report::{CheckReport, Delay, Event};
+use crate::system::{CodelName, ThreadName};
 
 /// Returns codels whose execution times delay the job at the end of a run, the longest first.
-pub(super) fn suspects(check: &CheckReport) -> Vec<String> {
+pub(super) fn suspects(check: &CheckReport) -> Vec<CodelName> {
     let length = |it: &Delay| it.until - it.from;
     let longest = check.reason.iter();
     let longest = longest.max_by(|a, b| length(a).total_cmp(&length(b)));
-    let mut all: Vec<(f64, String)> = Vec::new();
+    let mut all: Vec<(f64, CodelName)> = Vec::new();
     match longest {
         Some(delay) => {
             for holder in &delay.held {
@@ -21,14 +22,17 @@ pub(super) fn suspects(check: &CheckReport) -> Vec<String> {
             }
         }
         None => {
-            let begins = |it: &&Event| it.kind == MomentKind::Release && it.thread() == check.of;
+            let Some(task) = &check.task else {
+                return Vec::new();
+            };
+            let begins = |it: &&Event| it.kind == MomentKind::Release && it.thread == *task;
             let job = check
                 .run()
                 .iter()
                 .rev()
                 .find(begins)
                 .map_or(0.0, |it| it.time);
-            all.extend(executed(check.run(), &check.of, job, f64::INFINITY));
+            all.extend(executed(check.run(), task, job, f64::INFINITY));
         }
     }
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -36,7 +40,7 @@ pub(super) fn suspects(check: &CheckReport) -> Vec<String> {
 }
 
 /// Returns pairs of codels, of which the first waited for a lock held by the second.
-pub(super) fn waited_for(check: &CheckReport) -> Vec<(String, String)> {
+pub(super) fn waited_for(check: &CheckReport) -> Vec<(CodelName, CodelName)> {
     let pairs = check.reason.iter().flat_map(|it| {
         let held = it.held.iter().filter_map(|held| held.codel.as_ref());
         held.filter_map(|held| Some((it.codel.clone()?, held.clone())))
@@ -45,8 +49,8 @@ pub(super) fn waited_for(check: &CheckReport) -> Vec<(String, String)> {
 }
 
 /// Returns the tasks most concerned by a run: the late one, then those that kept it waiting.
-pub(super) fn tasks(check: &CheckReport) -> Vec<String> {
-    let own = check.id.task.map(|_| check.of.clone());
+pub(super) fn tasks(check: &CheckReport) -> Vec<ThreadName> {
+    let own = check.task.clone();
     let held = check.reason.iter().flat_map(|it| &it.held);
     distinct(own.into_iter().chain(held.map(|it| it.by.clone())))
 }
@@ -63,12 +67,12 @@ pub(super) fn distinct<T: PartialEq>(all: impl IntoIterator<Item = T>) -> Vec<T>
 }
 
 /// Returns the codels that a thread executes between two times of a run, with their execution times.
-fn executed(run: &[Event], by: &str, from: f64, until: f64) -> Vec<(f64, String)> {
-    let mut begun: Vec<(f64, &str)> = Vec::new();
+fn executed(run: &[Event], by: &ThreadName, from: f64, until: f64) -> Vec<(f64, CodelName)> {
+    let mut begun: Vec<(f64, &CodelName)> = Vec::new();
     let mut out = Vec::new();
     let end = run.last().map_or(0.0, |it| it.time).min(until);
-    for it in run.iter().filter(|it| it.thread() == by) {
-        let Some(codel) = it.codel.as_deref().filter(|_| it.time <= until) else {
+    for it in run.iter().filter(|it| it.thread == *by) {
+        let Some(codel) = it.codel.as_ref().filter(|_| it.time <= until) else {
             continue;
         };
         match it.kind {
@@ -77,7 +81,7 @@ fn executed(run: &[Event], by: &str, from: f64, until: f64) -> Vec<(f64, String)
                 if let Some(at) = begun.iter().position(|begun| begun.1 == codel) {
                     let (since, _) = begun.remove(at);
                     if it.time > from {
-                        out.push((it.time - since, codel.to_owned()));
+                        out.push((it.time - since, codel.clone()));
                     }
                 }
             }
@@ -87,7 +91,7 @@ fn executed(run: &[Event], by: &str, from: f64, until: f64) -> Vec<(f64, String)
     out.extend(
         begun
             .into_iter()
-            .map(|(since, codel)| (end - since, codel.to_owned())),
+            .map(|(since, codel)| (end - since, codel.clone())),
     );
     out
 }

@@ -8,14 +8,14 @@ use num_rational::Ratio;
 use super::change::Change;
 use crate::derive::bisect;
 use crate::explore::Limits;
-use crate::report::Verdict;
-use crate::scn::ast::{Durations, Path, Policy, Unit};
+use crate::report::{TimeUnit, Verdict};
+use crate::scn::ast::{Durations, Path, Policy};
 use crate::scn::names::Names;
 use crate::system::build::build;
 use crate::system::indexed::Built;
 use crate::system::settings::Settings;
-use crate::system::{Codel, FOREVER, SharedPorts, Ticks};
-use crate::verify::{Cancel, to_f64, verify_settings};
+use crate::system::{Codel, CodelName, FOREVER, SharedPorts, Ticks};
+use crate::verify::{Cancel, verify_settings};
 
 /// Number of additional cores that are tried.
 const MORE_CORES: u32 = 3;
@@ -29,7 +29,7 @@ pub(super) struct Trial<'t> {
     /// Settings of the unchanged system, with the checks that must hold.
     settings: Settings,
     built: Built,
-    report_unit: Seconds,
+    report_unit: TimeUnit,
     limits: Limits,
     cancel: &'t Cancel,
     /// Time after which no further change is tried.
@@ -44,12 +44,11 @@ impl<'t> Trial<'t> {
         cancel: &'t Cancel,
         end: Option<Instant>,
     ) -> Self {
-        let (count, unit) = settings.unit.unwrap_or((1, Unit::Milliseconds));
         Trial {
             built: build(names, &settings, &|_| true),
             names,
+            report_unit: TimeUnit::of(&settings),
             settings,
-            report_unit: unit.seconds() * Ratio::from_integer(i128::from(count)),
             limits,
             cancel,
             end,
@@ -91,13 +90,13 @@ impl<'t> Trial<'t> {
     }
 
     fn shown(&self, seconds: Seconds) -> f64 {
-        to_f64(seconds / self.report_unit)
+        self.report_unit.from_seconds(seconds)
     }
 
     /// Finds the longest execution time of a codel with which the checks hold.
-    pub(super) fn wcet(&self, path: &str) -> Option<Change> {
+    pub(super) fn wcet(&self, path: &CodelName) -> Option<Change> {
         let system = &self.built.system;
-        let codel = system.codels.iter().find(|it| it.path == path)?;
+        let codel = system.codels.iter().find(|it| it.path == *path)?;
         let (lower, upper) = (codel.lower, codel.upper);
         let fixed = self.settings.durations == Durations::Fixed;
         // A codel must take time, and its greatest time cannot be below its least time.
@@ -190,9 +189,9 @@ impl<'t> Trial<'t> {
 
     /// Tests a copy of the data that a codel shares with another one. A copy also separates the codel from
     /// all other codels with which it shares nothing else.
-    pub(super) fn apart(&self, codel: &str, other: &str) -> Option<Change> {
+    pub(super) fn apart(&self, codel: &CodelName, other: &CodelName) -> Option<Change> {
         let codels = &self.built.system.codels;
-        let find = |path: &str| codels.iter().find(|it| it.path == path);
+        let find = |path: &CodelName| codels.iter().find(|it| it.path == *path);
         let ports = SharedPorts::new(self.names, &self.settings);
         let (copies, through) = (find(codel)?, ports.through(find(codel)?, find(other)?));
         let shares_less = |it: &&Codel| {
@@ -200,11 +199,11 @@ impl<'t> Trial<'t> {
             !words.is_empty() && words.iter().all(|it| through.contains(it))
         };
         let others = codels.iter().filter(shares_less);
-        let others: Vec<String> = others.map(|it| it.path.clone()).collect();
-        self.with(|it| it.apart = Some((codel.to_owned(), others)))
+        let others: Vec<CodelName> = others.map(|it| it.path.clone()).collect();
+        self.with(|it| it.apart = Some((codel.clone(), others)))
             .then(|| Change::Lock {
-                codel: codel.to_owned(),
-                other: other.to_owned(),
+                codel: codel.clone(),
+                other: other.clone(),
                 through,
             })
     }

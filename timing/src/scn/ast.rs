@@ -3,6 +3,7 @@
 use std::ops::{Range, RangeInclusive};
 
 use dotgen_analysis::model::Seconds;
+use serde::{Deserialize, Serialize};
 
 use super::semantics::{LockRule, PauseRule, PortRule, Preset, TickRule, TurnRule};
 
@@ -70,13 +71,16 @@ impl Path {
 }
 
 /// A unit of time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Unit {
     /// `s`
+    #[serde(rename = "s")]
     Seconds,
     /// `ms`
+    #[serde(rename = "ms")]
     Milliseconds,
     /// `us`
+    #[serde(rename = "us")]
     Microseconds,
 }
 

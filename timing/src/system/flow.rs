@@ -364,8 +364,7 @@ impl Flow<'_> {
             }
             Target::Service(of, s) => *of == c && site.owner == Owner::Service(*s),
             Target::State(of, owner, _, state) => {
-                let last = codel.path.rsplit('.').next();
-                *of == c && site.owner == *owner && last == Some(state.as_str())
+                *of == c && site.owner == *owner && codel.path.own() == *state
             }
             Target::Codel(of, s, index) => {
                 *of == c && site.owner == Owner::Service(*s) && site.index == *index

@@ -6,6 +6,7 @@ use dotgen_analysis::model::Seconds;
 
 use crate::scn::ast::{Check, Client, Durations, Interval, Item, Path, Policy, Scenario, Unit};
 use crate::scn::semantics::{Points, Preset, Semantics};
+use crate::system::CodelName;
 
 /// The settings of a scenario, with the options that override it.
 #[derive(Debug, Clone)]
@@ -55,7 +56,7 @@ pub struct Settings {
     /// A delay that replaces that of one task, for derived questions.
     pub delay: Option<(Path, Seconds)>,
     /// A codel (`component.owner.state`) and the codels that it no longer excludes, for derived questions.
-    pub apart: Option<(String, Vec<String>)>,
+    pub apart: Option<(CodelName, Vec<CodelName>)>,
 }
 
 impl Settings {

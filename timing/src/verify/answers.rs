@@ -4,13 +4,14 @@ use num_rational::Ratio;
 
 use super::Group;
 use super::checks::{Single, What};
-use super::units::{limit_text, seconds, to_f64};
+use super::units::{limit_text, seconds};
 use crate::explore::{Bound, Findings, Found, LivenessQuery, Measured, Stop, liveness};
 use crate::property::{Atom, Predicate, resolve};
 use crate::report::{
     CheckId, CheckReport, Event, GaveUp, Limit, Report, Soundness, TaskId, Value, Verdict,
 };
 use crate::scn::ast::{Durations, Pred};
+use crate::system::ThreadName;
 use crate::system::loops::{can_be_limited, pauseless_cycles};
 
 /// The note for a `within` check whose first predicate is never true.
@@ -18,13 +19,11 @@ const NEVER_TRUE: &str = "the first predicate never becomes true";
 
 impl Group<'_> {
     pub(super) fn blank(&self, check: &Single) -> CheckReport {
-        let task = |it: &(usize, u32)| {
-            let (component, task) = self.task_names(*it);
-            format!("{component}.{task}")
-        };
         let arrow = |p: &Pred, q: &[Pred]| format!("{} => {}", p.text(), sequence(q));
         let of = match &check.what {
-            What::Schedulable(it) | What::NoOverdue(it) | What::Response(it, _) => task(it),
+            What::Schedulable(it) | What::NoOverdue(it) | What::Response(it, _) => {
+                self.task_name(*it).to_string()
+            }
             What::Within(p, list, _) => arrow(p, list),
             What::Chain(it) => it.path.text(),
             What::LeadsTo(p, q) => arrow(p, std::slice::from_ref(q)),
@@ -37,12 +36,12 @@ impl Group<'_> {
             What::Chain(it) => it.bound,
             _ => None,
         };
-        let stated = bound.map(|it| Limit::Stated(to_f64(seconds(it) / self.unit)));
+        let stated = bound.map(|it| Limit::Stated(self.unit.from_seconds(seconds(it))));
         let period = || match check.what {
             What::Response((c, t), _) => {
                 let task = &self.names.components[c].component.tasks[t as usize];
                 let period = task.period.as_ref()?.value;
-                Some(Limit::Period(to_f64(period / self.unit)))
+                Some(Limit::Period(self.unit.from_seconds(period)))
             }
             _ => None,
         };
@@ -56,6 +55,7 @@ impl Group<'_> {
             name: check.check.name.as_ref().map(|it| it.value.clone()),
             kind: check.what.kind(),
             of,
+            task: check.what.task().map(|it| self.task_name(it)),
             limit: stated.or_else(period),
             bound: stated.map(|it| Value::Time(it.time())),
             verdict: Verdict::Unknown,
@@ -129,12 +129,10 @@ impl Group<'_> {
                 }
                 if let (Some(end), Some(it)) = (exceeded(&found.response[place]), bound) {
                     let what = format!("the job has taken more than {}", limit_text(it));
-                    let (component, name) = self.task_names(task);
                     let src = self.built.system.tasks[self.built.tasks[&task]].src;
                     self.run_of_refutation(&mut out).push(Event {
-                        task: Some(name),
                         src: src.map(|(c, src)| (self.names.components[c].spec_index, src)),
-                        ..self.excess_event(end, component, what)
+                        ..self.excess_event(end, self.task_name(task), what)
                     });
                 }
             }
@@ -146,11 +144,7 @@ impl Group<'_> {
                         sequence(list),
                         limit_text(it)
                     );
-                    let about = check.components.last();
-                    let component = about.map_or(String::new(), |&it| {
-                        self.names.components[it].component.name.to_string()
-                    });
-                    let event = self.excess_event(end, component, what);
+                    let event = self.excess_event(end, self.last_component(check), what);
                     self.run_of_refutation(&mut out).push(event);
                 }
             }
@@ -218,7 +212,7 @@ impl Group<'_> {
         let time = |ticks| base * Ratio::from_integer(i128::from(ticks));
         out.value = Some(match it.bound {
             Bound::Unbounded => Value::Unbounded,
-            Bound::Finite(ticks) => Value::Time(to_f64(time(ticks) / self.unit)),
+            Bound::Finite(ticks) => Value::Time(self.unit.from_seconds(time(ticks))),
         });
         if let Some(excess) = &it.excess {
             if matches!(it.bound, Bound::Finite(_)) {
@@ -350,10 +344,15 @@ impl Group<'_> {
         }
     }
 
-    fn task_names(&self, (c, t): (usize, u32)) -> (String, String) {
+    /// Returns the component at which the subject of a check ends.
+    pub(super) fn last_component(&self, check: &Single) -> ThreadName {
+        let name = |&it: &usize| &*self.names.components[it].component.name;
+        ThreadName::of_component(check.components.last().map_or("", name))
+    }
+
+    fn task_name(&self, (c, t): TaskId) -> ThreadName {
         let component = self.names.components[c].component;
-        let task = &component.tasks[t as usize].name;
-        (component.name.to_string(), task.to_string())
+        ThreadName::of_task(&component.name, &component.tasks[t as usize].name)
     }
 }
 

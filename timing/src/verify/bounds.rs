@@ -217,7 +217,9 @@ impl Group<'_> {
             out.by = Some(by);
         } else {
             let reached = match out.value {
-                Some(it @ Value::Time(_)) => format!(", and {} is reached", self.with_unit(it)),
+                Some(it @ Value::Time(_)) => {
+                    format!(", and {} is reached", self.unit.show_value(it))
+                }
                 _ => String::new(),
             };
             out.note = Some(format!(
@@ -286,7 +288,7 @@ impl Group<'_> {
         }
         let why = out.gave_up.map_or(String::new(), |it| format!(": {it}"));
         let reached = match out.value {
-            Some(it @ Value::Time(_)) => format!(", and {} is reached", self.with_unit(it)),
+            Some(it @ Value::Time(_)) => format!(", and {} is reached", self.unit.show_value(it)),
             _ => String::new(),
         };
         out.note = Some(format!(

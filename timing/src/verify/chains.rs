@@ -33,11 +33,7 @@ impl Group<'_> {
                 }
                 ChainKind::Age => format!("`{to}` depends on a `{from}` of more than {limit} ago"),
             };
-            let about = check.components.last();
-            let component = about.map_or(String::new(), |&it| {
-                self.names.components[it].component.name.to_string()
-            });
-            let event = self.excess_event(end, component, what);
+            let event = self.excess_event(end, self.last_component(check), what);
             self.run_of_refutation(&mut out).push(event);
         }
         if measured.is_some_and(|value| !is_exact(system, &it.chain, value.bound)) {

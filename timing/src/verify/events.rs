@@ -1,14 +1,12 @@
 //! Conversion of runs to the events of a report.
 
-use dotgen_analysis::model::Seconds;
 use num_rational::Ratio;
 
 use super::Group;
-use super::units::to_f64;
 use crate::explore::{Blocker, Executing, Moment, MomentDetails, MomentKind, Run};
-use crate::report::{Blocking, CheckReport, Event, Verdict};
+use crate::report::{Blocking, CheckReport, Event, TimeUnit, Verdict};
 use crate::scn::names::Names;
-use crate::system::TimedSystem;
+use crate::system::{ThreadName, TimedSystem};
 
 impl Group<'_> {
     /// Sets the run that shows the failure of a check.
@@ -47,21 +45,26 @@ impl Group<'_> {
     }
 
     /// Returns the final event of a run that exceeds a limit.
-    pub(super) fn excess_event(&self, end: u64, component: String, what: String) -> Event {
-        let factor = self.built.system.unit / self.unit;
-        let time = to_f64(factor * Ratio::from_integer(i128::from(end)));
-        Event::of_component(time, component, MomentKind::Excess, what)
+    pub(super) fn excess_event(&self, end: u64, thread: ThreadName, what: String) -> Event {
+        let time = self.built.system.unit * Ratio::from_integer(i128::from(end));
+        let time = self.unit.from_seconds(time);
+        Event::of_thread(time, thread, MomentKind::Excess, what)
     }
 }
 
 /// Returns a run of a system in words, with times in `unit`.
-pub(super) fn told(names: &Names, system: &TimedSystem, unit: Seconds, run: &Run) -> Vec<Event> {
-    let factor = system.unit / unit;
+pub(super) fn told(names: &Names, system: &TimedSystem, unit: TimeUnit, run: &Run) -> Vec<Event> {
     let spec_of = |c: usize| names.components[c].spec_index;
     let path = |codel: usize| system.codels[codel].path.clone();
     let name = |it: Executing| match it {
-        Executing::Task(task) => system.task_path(task),
-        Executing::Control(component) => system.components[component].name.clone(),
+        Executing::Task(task) => system.task_name(task),
+        Executing::Control(component) => {
+            ThreadName::of_component(&system.components[component].name)
+        }
+    };
+    let thread = |it: &Moment| match it.task {
+        Some(task) => system.task_name(task),
+        None => ThreadName::of_component(&it.component),
     };
     let event = |it: Moment| {
         let src = match (it.codel, it.task) {
@@ -72,14 +75,13 @@ pub(super) fn told(names: &Names, system: &TimedSystem, unit: Seconds, run: &Run
             (None, Some(task)) => system.tasks[task].src.map(|(c, src)| (spec_of(c), src)),
             (None, None) => None,
         };
-        let time = to_f64(factor * Ratio::from_integer(i128::from(it.time)));
+        let time = unit.from_seconds(system.unit * Ratio::from_integer(i128::from(it.time)));
         let mut event = Event {
-            task: it.task.map(|task| system.tasks[task].name.clone()),
             for_core: it.about == MomentDetails::AwaitsCore,
             codel: it.codel.map(path),
             action: it.action,
             src,
-            ..Event::of_component(time, it.component, it.kind, it.what)
+            ..Event::of_thread(time, thread(&it), it.kind, it.what)
         };
         match it.about {
             MomentDetails::Nothing | MomentDetails::AwaitsCore => {}
@@ -94,7 +96,7 @@ pub(super) fn told(names: &Names, system: &TimedSystem, unit: Seconds, run: &Run
             MomentDetails::Requested { client, .. } => {
                 event.client = Some(system.clients[client].name.clone());
             }
-            MomentDetails::Released { task } => event.releases = Some(system.task_path(task)),
+            MomentDetails::Released { task } => event.releases = Some(system.task_name(task)),
             MomentDetails::Preempted(it) => event.preempts = Some(name(it)),
         }
         event

@@ -79,7 +79,7 @@ impl Group<'_> {
                 let of_task = |at: CodelRef| matches!(at.owner, Owner::Task(_)) || fsm(at);
                 it.site.is_some_and(|it| of_task(it.1))
             })
-            .map(|it| it.path.as_str())
+            .map(|it| &*it.path)
             .collect();
         if executed.is_empty() {
             // No time is missing: the jobs take no time.

@@ -3,13 +3,12 @@
 use num_rational::Ratio;
 
 use super::checks::{Single, What, expand};
-use super::units::to_f64;
 use super::{Cancel, Group, Options, SystemInput, events, rounding, settings};
 use crate::diagnostic::Diagnostic;
 use crate::explore::{Run, Watched};
 use crate::property::{Predicate, resolve};
-use crate::report::{CheckReport, Event, Report};
-use crate::scn::ast::{Pred, Scenario, Unit};
+use crate::report::{CheckReport, Event, Report, TimeUnit, to_f64};
+use crate::scn::ast::{Pred, Scenario};
 use crate::scn::names::Names;
 use crate::system::Ticks;
 use crate::system::build::build;
@@ -23,8 +22,6 @@ pub struct Prepared {
     pub built: Built,
     /// Checks, in order of the scenario; `*` gives one per task.
     pub checks: Vec<PreparedCheck>,
-    /// Unit of the report, in seconds.
-    pub unit: Seconds,
     /// The report before any answer: names, assumptions, diagnostics. If one of the diagnostics is an error,
     /// the system must not be run.
     pub report: Report,
@@ -66,7 +63,7 @@ pub enum Question {
 pub fn prepare(input: &SystemInput, scenario: &Scenario, options: &Options) -> Prepared {
     let names = Names::new(&input.specs);
     let settings = settings(scenario, options);
-    let (count, unit) = settings.unit.unwrap_or((1, Unit::Milliseconds));
+    let unit = TimeUnit::of(&settings);
     let built = build(&names, &settings, &|_| true);
     let mut diagnostics = built.diagnostics.clone();
     let singles = expand(&names, &built, &settings, &mut diagnostics);
@@ -78,7 +75,7 @@ pub fn prepare(input: &SystemInput, scenario: &Scenario, options: &Options) -> P
     let group = Group {
         names: &names,
         built: &built,
-        unit: unit.seconds() * Ratio::from_integer(i128::from(count)),
+        unit,
         settings: &settings,
         limits: options.limits,
         cancel: &cancel,
@@ -94,10 +91,7 @@ pub fn prepare(input: &SystemInput, scenario: &Scenario, options: &Options) -> P
     let report = Report {
         scenario: settings.name.clone(),
         semantics: settings.semantics().text(),
-        unit: match count {
-            1 => unit.name().to_owned(),
-            _ => format!("{count} {}", unit.name()),
-        },
+        unit,
         assumptions: built.assumptions.clone(),
         notes: (rounding::note(&built).into_iter())
             .chain(not_followed(&group, &singles))
@@ -106,7 +100,6 @@ pub fn prepare(input: &SystemInput, scenario: &Scenario, options: &Options) -> P
         ..Report::default()
     };
     Prepared {
-        unit: group.unit,
         checks,
         report,
         built,
@@ -157,12 +150,13 @@ impl Prepared {
     /// system.
     pub fn told(&self, input: &SystemInput, run: &Run) -> Vec<Event> {
         let names = Names::new(&input.specs);
-        events::told(&names, &self.built.system, self.unit, run)
+        events::told(&names, &self.built.system, self.report.unit, run)
     }
 
     /// Converts a time from base units to the unit of the report.
     pub fn time(&self, ticks: u64) -> f64 {
-        to_f64(self.built.system.unit * Ratio::from_integer(i128::from(ticks)) / self.unit)
+        let time = self.built.system.unit * Ratio::from_integer(i128::from(ticks));
+        self.report.unit.from_seconds(time)
     }
 
     /// Converts a time from base units to seconds.

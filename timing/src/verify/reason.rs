@@ -3,10 +3,9 @@
 use num_rational::Ratio;
 
 use super::Group;
-use super::units::to_f64;
 use crate::explore::{Moment, MomentKind, Run};
 use crate::report::{Awaited, Delay, Holder, TaskId};
-use crate::system::TimedSystem;
+use crate::system::{ThreadName, TimedSystem};
 
 /// A wait for the locks of a codel, or for a core.
 struct Wait {
@@ -17,7 +16,7 @@ struct Wait {
 /// The possession of a core, or of the locks of a codel.
 struct Possession {
     codel: Option<usize>,
-    by: String,
+    by: ThreadName,
     from: u64,
     until: u64,
 }
@@ -30,8 +29,8 @@ impl Group<'_> {
         };
         let system = &self.built.system;
         let followed = Intervals::new(system, &run.moments(system), *task, run.end);
-        let factor = system.unit / self.unit;
-        let time = |at: u64| to_f64(factor * Ratio::from_integer(i128::from(at)));
+        let seconds = |at: u64| system.unit * Ratio::from_integer(i128::from(at));
+        let time = |at: u64| self.unit.from_seconds(seconds(at));
         let path = |codel: usize| system.codels[codel].path.clone();
         let delay = |(wait, until): &(Wait, u64)| {
             let has = |it: &&Possession| match (wait.codel, it.codel) {
@@ -83,8 +82,8 @@ impl Intervals {
             let own = it.task == Some(task);
             // The thread: a task, or the control task of a component.
             let by = match it.task {
-                Some(task) => system.task_path(task),
-                None => it.component.clone(),
+                Some(task) => system.task_name(task),
+                None => ThreadName::of_component(&it.component),
             };
             match it.kind {
                 MomentKind::Release if own => {

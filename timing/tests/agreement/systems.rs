@@ -7,8 +7,9 @@ pub(crate) mod requests;
 use dotgen_timing::property::{Atom, Predicate, StatePhase, TaskState};
 use dotgen_timing::scn::semantics::Semantics;
 use dotgen_timing::system::{
-    Automaton, Client, ClientAction, ClientStep, Codel, CodelSet, Component, FOREVER, LockOrder,
-    Machine, Platform, Policy, Service, State, Task, TimedSystem, Yield, loop_contradictions,
+    Automaton, Client, ClientAction, ClientStep, Codel, CodelName, CodelSet, Component, FOREVER,
+    LockOrder, Machine, Platform, Policy, Service, State, Task, TimedSystem, Yield,
+    loop_contradictions,
 };
 use proptest::prelude::Rng;
 use proptest::test_runner::{RngAlgorithm, TestRng};
@@ -348,7 +349,7 @@ fn codel(system: &mut TimedSystem, dice: &mut Dice, component: usize, path: Stri
     let forever = dice.below(40) == 0;
     system.codels.push(Codel {
         throws: false,
-        path,
+        path: CodelName::of_service(&format!("c{component}"), &path),
         component,
         lower,
         upper: if forever { FOREVER } else { upper },

@@ -6,6 +6,7 @@ mod beside;
 mod chains;
 mod codes;
 mod findings;
+mod json;
 mod language;
 mod quick;
 mod requests;
@@ -23,9 +24,9 @@ use dotgen_timing::scn::ast::{Path, Spanned};
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::scn::parse;
 use dotgen_timing::scn::semantics::Preset;
-use dotgen_timing::system::SharedPorts;
 use dotgen_timing::system::build::build;
 use dotgen_timing::system::settings::Settings;
+use dotgen_timing::system::{SharedPorts, ThreadName};
 use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 
 /// The options of these tests: the published models.
@@ -114,16 +115,14 @@ fn runs_in_words(report: &Report) -> String {
     for it in &report.checks {
         out += &format!("{:?} {} {}\n", it.verdict, it.kind, it.of);
         for event in it.run() {
-            let task = event.task.as_deref().unwrap_or_default();
-            out += &format!(
-                "{:>4}  {}.{task}  {}\n",
-                event.time, event.component, event.what
-            );
+            let ThreadName { component, task } = &event.thread;
+            let task = task.as_deref().unwrap_or_default();
+            out += &format!("{:>4}  {component}.{task}  {}\n", event.time, event.what);
         }
         for delay in &it.reason {
             let codel = delay.codel.as_deref().unwrap_or("the job");
             let held = delay.held.iter().map(|it| {
-                let codel = it.codel.as_deref().unwrap_or(&it.by);
+                let codel = it.codel.as_deref().map_or(it.by.to_string(), str::to_owned);
                 format!("{codel} {}-{}", it.from, it.until)
             });
             let held: Vec<String> = held.collect();
@@ -322,7 +321,7 @@ fn connections_that_make_codels_wait_are_named() {
         let built = build(&names, &settings, &|_| true);
         let site = |path: &str| {
             let mut codels = built.system.codels.iter();
-            codels.find(|it| it.path == path).unwrap().site.unwrap()
+            codels.find(|it| *it.path == *path).unwrap().site.unwrap()
         };
         let (publish, step) = (site("sensor.acquire.publish"), site("control.move.step"));
         let ports = SharedPorts::new(&names, &settings);

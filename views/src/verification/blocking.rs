@@ -3,12 +3,12 @@
 use dotgen_analysis::model::Src;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::build::build;
-use dotgen_timing::system::{Codel, FOREVER, SharedPorts};
+use dotgen_timing::system::{Codel, CodelName, FOREVER, SharedPorts};
 use dotgen_timing::verify::{Options, settings};
 use num_rational::Ratio;
 
 use super::Problem;
-use super::summary::Scale;
+use dotgen_timing::report::TimeUnit;
 
 /// A codel and the codels that can block it.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,8 +31,8 @@ pub struct Blocker {
 /// A codel of the system.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CodelLocation {
-    /// `component.owner.state`
-    pub path: String,
+    /// Name, with its component and owner.
+    pub path: CodelName,
     /// Its function; for an attribute, the path.
     pub function: String,
     /// Longest execution time, in the unit of the report; `None`: unbounded.
@@ -53,7 +53,7 @@ pub fn table(problem: &Problem, options: &Options) -> Vec<Row> {
         return Vec::new();
     }
     let ports = SharedPorts::new(&names, &settings);
-    let (scale, system) = (Scale::of(&settings), &built.system);
+    let (unit, system) = (TimeUnit::of(&settings), &built.system);
     let at = |codel: &Codel| {
         let time = system.unit * Ratio::from_integer(i128::from(codel.upper));
         let finite = codel.upper != FOREVER;
@@ -61,9 +61,9 @@ pub fn table(problem: &Problem, options: &Options) -> Vec<Row> {
             path: codel.path.clone(),
             function: match codel.site {
                 Some((c, it)) => names.components[c].component.codel(it).name.to_string(),
-                None => codel.path.clone(),
+                None => codel.path.to_string(),
             },
-            upper: finite.then(|| scale.from_seconds(time)),
+            upper: finite.then(|| unit.from_seconds(time)),
             micros: finite.then(|| *time.numer() as f64 * 1e6 / *time.denom() as f64),
             src: codel
                 .site

@@ -11,12 +11,13 @@ use dotgen_analysis::model::{Seconds, Src};
 use dotgen_timing::advice::{self, Change, RepairCallbacks};
 use dotgen_timing::report::Report;
 use dotgen_timing::scn::edit;
+use dotgen_timing::system::CodelName;
 use dotgen_timing::verify::{Cancel, Options, SystemInput, settings};
 use num_rational::Ratio;
 
 use super::Problem;
 use super::blocking;
-use super::summary::Scale;
+use dotgen_timing::report::TimeUnit;
 
 /// A change with which every deadline and limit is met.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,13 +50,13 @@ pub fn repairs(
         specs: problem.specs(),
     };
     let table = blocking::table(problem, options);
-    let scale = Scale::of(&settings(&problem.scenario, options));
-    let function = |codel: &str| {
-        let row = table.iter().find(|it| it.codel.path == codel);
-        row.map_or(codel, |it| &it.codel.function).to_owned()
+    let unit = TimeUnit::of(&settings(&problem.scenario, options));
+    let function = |codel: &CodelName| {
+        let row = table.iter().find(|it| it.codel.path == *codel);
+        row.map_or(&**codel, |it| &it.codel.function).to_owned()
     };
     let repair = |change: &Change| Repair {
-        words: in_words(change, scale, &function),
+        words: in_words(change, unit, &function),
         change: change.clone(),
     };
     let tell = |it: &Change| tell(&repair(it));
@@ -68,7 +69,11 @@ pub fn repairs(
 }
 
 /// `` it holds if `report_start` takes at most 4 ms ``, with the functions of codels as names.
-pub(crate) fn in_words(change: &Change, scale: Scale, function: &dyn Fn(&str) -> String) -> String {
+pub(crate) fn in_words(
+    change: &Change,
+    unit: TimeUnit,
+    function: &dyn Fn(&CodelName) -> String,
+) -> String {
     match change {
         Change::Wcet {
             codel,
@@ -77,19 +82,19 @@ pub(crate) fn in_words(change: &Change, scale: Scale, function: &dyn Fn(&str) ->
             ..
         } => {
             let most = if *or_less { "at most " } else { "" };
-            let (name, time) = (function(codel), scale.show(*at_most));
+            let (name, time) = (function(codel), unit.show(*at_most));
             format!("it holds if `{name}` takes {most}{time}")
         }
         Change::Period { task, needed, .. } => {
             format!(
                 "it holds with a period of {} for `{task}`",
-                scale.show(*needed)
+                unit.show(*needed)
             )
         }
         Change::Delay { task, needed, .. } => {
             format!(
                 "it holds with a delay of {} for `{task}`",
-                scale.show(*needed)
+                unit.show(*needed)
             )
         }
         Change::Lock {

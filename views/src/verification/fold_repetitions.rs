@@ -35,7 +35,7 @@ pub fn fold_repetitions(events: &[Event], cycle: Option<usize>) -> Vec<Part> {
         .iter()
         .map(|it| {
             let next = ids.len();
-            let about = (&it.component, &it.task, &it.codel);
+            let about = (&it.thread, &it.codel);
             // A codel begins in the same way whatever caused it, but its end is a choice.
             let is_choice = matches!(it.kind, MomentKind::End | MomentKind::Request);
             let choice = it.action.filter(|_| is_choice);
@@ -97,12 +97,15 @@ pub fn words(steps: usize, times: usize) -> String {
 
 #[cfg(test)]
 mod tests {
+    use dotgen_timing::system::{CodelName, ThreadName};
+
     use super::*;
 
     fn parts(text: &str, cycle: Option<usize>) -> Vec<Part> {
         let event = |(i, what): (usize, char)| {
-            let it = Event::of_component(i as f64, "c".into(), MomentKind::Begin, String::new());
-            let codel = Some(what.to_string());
+            let thread = ThreadName::of_component("c");
+            let it = Event::of_thread(i as f64, thread, MomentKind::Begin, String::new());
+            let codel = Some(CodelName::of_service("c", &what.to_string()));
             Event { codel, ..it }
         };
         let events: Vec<Event> = text.chars().enumerate().map(event).collect();

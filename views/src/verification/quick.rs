@@ -9,7 +9,7 @@ use dotgen_timing::verify::{Options, settings};
 use num_rational::Ratio;
 
 use super::Problem;
-use super::summary::Scale;
+use dotgen_timing::report::TimeUnit;
 
 /// An upper bound on the response time of a task.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,14 +31,14 @@ pub fn quick_bounds(problem: &Problem, options: &Options) -> Vec<TaskBound> {
     if built.has_errors() {
         return Vec::new();
     }
-    let (scale, system) = (Scale::of(&settings), &built.system);
+    let (unit, system) = (TimeUnit::of(&settings), &built.system);
     let bounds = response_bounds(system);
     let of_task = |(&id, &task): (&TaskId, &usize)| {
         let bound: Seconds = system.unit * Ratio::from_integer(i128::from(bounds[task]?));
         Some(TaskBound {
             id,
             task: system.task_path(task),
-            bound: scale.from_seconds(bound),
+            bound: unit.from_seconds(bound),
         })
     };
     let mut out: Vec<TaskBound> = built.tasks.iter().filter_map(of_task).collect();

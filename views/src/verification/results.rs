@@ -10,10 +10,10 @@ use dotgen_timing::verify::{Cancel, Options, settings};
 use serde::{Deserialize, Serialize};
 
 use super::changes::Repairs;
-use super::summary::Scale;
 use super::view::View;
 use super::why::FailureCause;
 use super::{Problem, TaskBound};
+use dotgen_timing::report::TimeUnit;
 
 /// Verifications by their document.
 pub type Results = BTreeMap<Utf8PathBuf, Entry>;
@@ -105,9 +105,9 @@ impl Answer {
         View::new(&self.problem, &self.options, &self.report, &self.why)
     }
 
-    /// The scale of its times.
-    pub fn scale(&self) -> Scale {
-        Scale::of(&settings(&self.problem.scenario, &self.options))
+    /// The unit of its times.
+    pub fn unit(&self) -> TimeUnit {
+        TimeUnit::of(&settings(&self.problem.scenario, &self.options))
     }
 
     /// The status of the results.

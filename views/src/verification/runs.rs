@@ -2,12 +2,13 @@
 
 use dotgen_timing::explore::MomentKind;
 use dotgen_timing::report::{CheckReport, Report, Verdict};
+use dotgen_timing::system::ThreadName;
 
 /// The end of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ending<'t> {
-    /// This task (`component.task`) is late, and the events do not show it.
-    Miss(&'t str),
+    /// This task is late, and the events do not show it.
+    Miss(&'t ThreadName),
     /// A valid end.
     Fine,
 }
@@ -24,26 +25,29 @@ pub fn chosen(report: &Report, wanted: Option<usize>) -> Option<usize> {
         .or_else(|| position(&has_run))
 }
 
-/// The title of the run of a check.
-pub fn title(check: &CheckReport) -> String {
-    let what = match (check.verdict == Verdict::Refuted, check.kind.is_time()) {
+/// What the run of a check shows: `a run that refutes it`.
+pub fn shows(check: &CheckReport) -> &'static str {
+    match (check.verdict == Verdict::Refuted, check.kind.is_time()) {
         _ if !check.possible_run.is_empty() => {
             "a run with rounded durations; it may not be possible"
         }
         (true, _) => "a run that refutes it",
         (false, true) => "the longest run found",
         (false, false) => "a run that shows it",
-    };
-    format!("{} {}: {what}", check.kind, check.of)
+    }
+}
+
+/// The title of the run of a check.
+pub fn title(check: &CheckReport) -> String {
+    format!("{} {}: {}", check.kind, check.of, shows(check))
 }
 
 /// The end of the run of a check.
 pub fn ending(check: &CheckReport) -> Ending<'_> {
     let last = check.run().last();
     let says_so = last.is_some_and(|it| it.kind == MomentKind::Excess);
-    let late = check.id.task.is_some();
-    match check.verdict == Verdict::Refuted && late && !says_so {
-        true => Ending::Miss(&check.of),
-        false => Ending::Fine,
+    match &check.task {
+        Some(task) if check.verdict == Verdict::Refuted && !says_so => Ending::Miss(task),
+        _ => Ending::Fine,
     }
 }

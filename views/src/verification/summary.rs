@@ -1,50 +1,10 @@
 //! Results as text: times with units, deadlines, slack.
 
-use dotgen_analysis::model::Seconds;
-use dotgen_analysis::quantity;
 pub use dotgen_analysis::quantity::percent;
 use dotgen_timing::derive::{Extreme, NextToBreak, Quantity};
-use dotgen_timing::report::Value;
-use dotgen_timing::scn::ast::{Durations, Unit};
+use dotgen_timing::report::{TimeUnit, Value};
+use dotgen_timing::scn::ast::Durations;
 use dotgen_timing::system::settings::Settings;
-
-/// The unit of a report.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Scale {
-    count: u64,
-    unit: Unit,
-}
-
-impl Scale {
-    /// The unit of the reports with these settings.
-    pub fn of(settings: &Settings) -> Scale {
-        let (count, unit) = settings.unit.unwrap_or((1, Unit::Milliseconds));
-        Scale { count, unit }
-    }
-
-    /// A time of the report, in a suitable unit.
-    pub fn show(self, time: f64) -> String {
-        quantity::time_of(time * self.count as f64 * to_f64(self.unit.seconds()))
-    }
-
-    /// A value of the report, in a suitable unit.
-    pub fn show_value(self, value: Value) -> String {
-        match value {
-            Value::Time(it) => self.show(it),
-            Value::Unbounded => "unbounded".to_owned(),
-        }
-    }
-
-    /// Seconds in the unit of the report.
-    pub fn from_seconds(self, seconds: Seconds) -> f64 {
-        let unit = self.unit.seconds() * Seconds::from_integer(i128::from(self.count));
-        to_f64(seconds / unit)
-    }
-}
-
-fn to_f64(it: Seconds) -> f64 {
-    *it.numer() as f64 / *it.denom() as f64
-}
 
 /// `4 cores, edf, durations interval`
 pub fn platform(settings: &Settings) -> String {
@@ -72,12 +32,12 @@ fn side(it: &Extreme) -> &'static str {
 }
 
 /// The extreme of a value as text, and its restriction if it is not exact.
-pub fn extreme(it: &Extreme, scale: Scale) -> (String, &'static str) {
+pub fn extreme(it: &Extreme, unit: TimeUnit) -> (String, &'static str) {
     let extreme = match it.extreme {
         Some(extreme) if it.fails_now => {
-            format!("holds {} {}", side(it), scale.show_value(extreme))
+            format!("holds {} {}", side(it), unit.show_value(extreme))
         }
-        Some(extreme) => scale.show_value(extreme),
+        Some(extreme) => unit.show_value(extreme),
         None if it.fails_now => "missed already".to_owned(),
         None => "not known".to_owned(),
     };
@@ -91,11 +51,11 @@ pub fn extreme(it: &Extreme, scale: Scale) -> (String, &'static str) {
 }
 
 /// `the WCET of lift.report.start, above 5 ms (now 4 ms)`
-pub fn next_to_break(it: &NextToBreak, scale: Scale) -> String {
+pub fn next_to_break(it: &NextToBreak, unit: TimeUnit) -> String {
     let (what, side) = match it.quantity {
         Quantity::Wcet => ("WCET", "above"),
         Quantity::Period => ("period", "below"),
     };
-    let (now, extreme) = (scale.show_value(it.now), scale.show_value(it.extreme));
+    let (now, extreme) = (unit.show_value(it.now), unit.show_value(it.extreme));
     format!("the {what} of {}, {side} {extreme} (now {now})", it.of)
 }

@@ -8,6 +8,7 @@ mod rules;
 
 use std::collections::BTreeMap;
 
+use dotgen_timing::scn::ast::Unit;
 use serde::{Deserialize, Serialize};
 
 pub use make::{TraceInput, of_run};
@@ -24,7 +25,7 @@ pub struct Trace<P> {
     /// The title.
     pub title: String,
     /// The unit of all times: `us` or `ms`.
-    pub unit: String,
+    pub unit: Unit,
     /// Time of the beginning.
     pub start: f64,
     /// Time of the end.

@@ -4,13 +4,13 @@ use std::ops::Range;
 
 use dotgen_timing::property::PropertyKind;
 use dotgen_timing::report::{
-    Awaited, CheckReport, Delay, Report, Soundness, TaskId, Value, Verdict,
+    Awaited, CheckReport, Delay, Report, Soundness, TaskId, TimeUnit, Value, Verdict,
 };
 use dotgen_timing::scn::ast::{Check, CheckKind, Item, Scenario};
 use dotgen_timing::verify::{Options, settings};
 
 use super::Problem;
-use super::summary::{Scale, percent};
+use super::summary::percent;
 use super::why::FailureCause;
 
 /// The outcome of a check.
@@ -105,6 +105,8 @@ pub struct CheckView<'r> {
     pub value: Option<String>,
     /// `10 ms`: the stated limit, or the period.
     pub limit: Option<String>,
+    /// `≤ 5 of 10 ms`: the value and the limit; the value alone without a limit.
+    pub share: Option<String>,
     /// `≥ 30 %`
     pub slack: Option<String>,
     /// A restriction of the verdict, if it is not exact.
@@ -137,7 +139,7 @@ impl<'r> View<'r> {
         report: &'r Report,
         why: &'r [Option<FailureCause>],
     ) -> View<'r> {
-        let scale = Scale::of(&settings(&problem.scenario, options));
+        let unit = TimeUnit::of(&settings(&problem.scenario, options));
         // Checks of the command line are not in the scenario.
         let written = options.checks.is_empty() && problem.is_written();
         let scenario = written.then_some(&problem.scenario);
@@ -145,7 +147,7 @@ impl<'r> View<'r> {
         let why = |i: usize| why.get(i).and_then(Option::as_ref);
         View {
             checks: checks
-                .map(|(i, it)| CheckView::new(it, scale, scenario, why(i)))
+                .map(|(i, it)| CheckView::new(it, unit, scenario, why(i)))
                 .collect(),
         }
     }
@@ -160,7 +162,7 @@ impl<'r> View<'r> {
 impl<'r> CheckView<'r> {
     fn new(
         report: &'r CheckReport,
-        scale: Scale,
+        unit: TimeUnit,
         scenario: Option<&Scenario>,
         why: Option<&'r FailureCause>,
     ) -> CheckView<'r> {
@@ -177,10 +179,20 @@ impl<'r> CheckView<'r> {
             outcome,
             // An infinite bound is not shown.
             value: report.value.map(|it| match it {
-                Value::Unbounded => scale.show_value(it),
-                Value::Time(_) => format!("{sign}{}", scale.show_value(it)),
+                Value::Unbounded => unit.show_value(it),
+                Value::Time(_) => format!("{sign}{}", unit.show_value(it)),
             }),
-            limit: report.limit.map(|it| scale.show(it.time())),
+            share: report.value.map(|it| match (it, report.limit) {
+                (Value::Time(time), Some(limit)) => {
+                    format!("{sign}{}", unit.show_share(time, limit.time()))
+                }
+                (Value::Time(time), None) => format!("{sign}{}", unit.show(time)),
+                (Value::Unbounded, Some(limit)) => {
+                    format!("{} of {}", unit.show_value(it), unit.show(limit.time()))
+                }
+                (Value::Unbounded, None) => unit.show_value(it),
+            }),
+            limit: report.limit.map(|it| unit.show(it.time())),
             slack: report.slack().map(|it| format!("{least}{}", percent(it))),
             worth: match report.soundness {
                 _ if report.rounded => Some("durations are rounded"),
@@ -191,9 +203,9 @@ impl<'r> CheckView<'r> {
                 Soundness::WholeUnits => Some("shown for ends at whole units of time"),
                 Soundness::Neither => Some("for worst-case durations only, indicative"),
             },
-            reason: report.reason.iter().map(|it| sentence(it, scale)).collect(),
-            cause: why.map(|it| it.cause_in_words(scale)),
-            remedy: why.and_then(|it| it.remedy_in_words(scale)),
+            reason: report.reason.iter().map(|it| sentence(it, unit)).collect(),
+            cause: why.map(|it| it.cause_in_words(unit)),
+            remedy: why.and_then(|it| it.remedy_in_words(unit)),
             why,
             written: written.map(|it| it.range.clone()),
             is_one_of_all: written.is_some_and(is_of_all),
@@ -224,21 +236,17 @@ fn is_of_all(check: &Check) -> bool {
 }
 
 /// `waits for a lock from 4 ms to 9 ms (b.u.main): c.v.main of c.v has it until 7 ms, then …`
-fn sentence(it: &Delay, scale: Scale) -> String {
+fn sentence(it: &Delay, unit: TimeUnit) -> String {
     let what = match (&it.codel, it.awaited) {
         (Some(codel), _) => format!("{codel} waits for its locks"),
         (None, Awaited::Core | Awaited::Lock) => "the job waits for a core".to_owned(),
     };
     let held = it.held.iter().map(|it| {
         let who = match &it.codel {
-            Some(codel) => codel.clone(),
-            None => it.by.clone(),
+            Some(codel) => codel.to_string(),
+            None => it.by.to_string(),
         };
-        format!(
-            "{who} ({} to {})",
-            scale.show(it.from),
-            scale.show(it.until)
-        )
+        format!("{who} ({} to {})", unit.show(it.from), unit.show(it.until))
     });
     let held: Vec<String> = held.collect();
     let by = match &held[..] {
@@ -249,6 +257,6 @@ fn sentence(it: &Delay, scale: Scale) -> String {
             all.join(", then ")
         ),
     };
-    let (from, until) = (scale.show(it.from), scale.show(it.until));
+    let (from, until) = (unit.show(it.from), unit.show(it.until));
     format!("{what} from {from} to {until}{by}")
 }

@@ -66,7 +66,7 @@ impl WhatIf {
         let mut out = problem.clone();
         for (codel, &micros) in &self.wcet {
             if !(micros.is_finite() && (0.0..=1e9).contains(&micros)) {
-                return Err(format!("`{codel}` cannot take {micros} us"));
+                return Err(format!("`{codel}` cannot take {micros} µs"));
             }
             let upper = micros.ceil() as u64;
             // A lower bound in the scenario remains, but at most the new upper bound.

@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use dotgen_timing::advice::{Change, remedy};
 use dotgen_timing::report::{Awaited, CheckReport, Delay, Holder, Report, Verdict};
+use dotgen_timing::system::{CodelName, ThreadName};
 use dotgen_timing::verify::{Cancel, Options, SystemInput};
 use rustc_hash::FxHashMap;
 use serde::Serialize;
@@ -11,7 +12,7 @@ use serde::Serialize;
 use super::Problem;
 use super::blocking::{self, Row};
 use super::changes;
-use super::summary::Scale;
+use dotgen_timing::report::TimeUnit;
 
 /// Maximum duration of a verification, in seconds, after which remedies are searched: each needs several
 /// verifications.
@@ -39,8 +40,8 @@ pub struct FailureCause {
 /// See [`FailureCause::cause`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct Cause {
-    /// The late task: `component.task`.
-    pub(crate) task: String,
+    /// The late task.
+    pub(crate) task: ThreadName,
     /// The awaited lock or core; none if the job was never blocked.
     #[serde(rename = "waits-for", skip_serializing_if = "Option::is_none")]
     pub(crate) awaited: Option<Awaited>,
@@ -51,10 +52,20 @@ pub(crate) struct Cause {
     pub(crate) through: Vec<String>,
     /// The holder: a codel, or a task.
     #[serde(rename = "held-by", skip_serializing_if = "Option::is_none")]
-    pub(crate) held_by: Option<String>,
+    pub(crate) held_by: Option<HolderName>,
     /// The holder's name for users: the function of a codel.
     #[serde(skip)]
     holder: Option<String>,
+}
+
+/// The holder of an awaited lock or core. In JSON its name alone.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub(crate) enum HolderName {
+    /// A codel holds the lock.
+    Codel(CodelName),
+    /// A thread has the core.
+    Thread(ThreadName),
 }
 
 /// The causes of all checks of a report that fail for a task; if `remedies` is set, also the remedies.
@@ -64,8 +75,11 @@ pub fn of_report(
     report: &Report,
     remedies: Option<&Cancel>,
 ) -> Vec<Option<FailureCause>> {
-    let refuted = |it: &&CheckReport| it.verdict == Verdict::Refuted && it.id.task.is_some();
-    if !report.checks.iter().any(|it| refuted(&it)) {
+    let late = |it: &'_ CheckReport| match it.verdict {
+        Verdict::Refuted => it.task.clone(),
+        _ => None,
+    };
+    if !report.checks.iter().any(|it| late(it).is_some()) {
         return vec![None; report.checks.len()];
     }
     let table = blocking::table(problem, options);
@@ -75,24 +89,24 @@ pub fn of_report(
     let remedies = remedies.filter(|_| report.seconds <= QUICK_SECONDS);
     let remedies = remedies.map(|it| it.part(REMEDIES_TIME));
     // A remedy makes all checks of a task hold.
-    let mut known: FxHashMap<&str, Change> = FxHashMap::default();
+    let mut known: FxHashMap<ThreadName, Change> = FxHashMap::default();
     let why = |check| {
-        refuted(&check).then(|| {
+        late(check).map(|task| {
             let remedy = remedies.as_ref().and_then(|cancel| {
                 let cancel = cancel.part(REMEDY_TIME);
                 let of_task =
                     || remedy(&input, &problem.scenario, options, (report, check), &cancel);
-                known.get(check.of.as_str()).cloned().or_else(of_task)
+                known.get(&task).cloned().or_else(of_task)
             });
             if let Some(remedy) = &remedy {
-                known.insert(&check.of, remedy.clone());
+                known.insert(task.clone(), remedy.clone());
             }
             let function = match &remedy {
                 Some(Change::Wcet { codel, .. }) => Some(function(&table, codel)),
                 _ => None,
             };
             FailureCause {
-                cause: cause(check, &table),
+                cause: cause(task, check, &table),
                 remedy,
                 function,
             }
@@ -101,14 +115,14 @@ pub fn of_report(
     report.checks.iter().map(why).collect()
 }
 
-fn function(table: &[Row], codel: &str) -> String {
-    let row = table.iter().find(|it| it.codel.path == codel);
-    row.map_or(codel, |it| &it.codel.function).to_owned()
+fn function(table: &[Row], codel: &CodelName) -> String {
+    let row = table.iter().find(|it| it.codel.path == *codel);
+    row.map_or(&**codel, |it| &it.codel.function).to_owned()
 }
 
-fn cause(check: &CheckReport, table: &[Row]) -> Cause {
+fn cause(task: ThreadName, check: &CheckReport, table: &[Row]) -> Cause {
     let mut out = Cause {
-        task: check.of.clone(),
+        task,
         awaited: None,
         time: 0.0,
         through: Vec::new(),
@@ -127,10 +141,13 @@ fn cause(check: &CheckReport, table: &[Row]) -> Cause {
     let Some(holder) = holders.max_by(|a, b| had(a).total_cmp(&had(b))) else {
         return out;
     };
-    out.held_by = Some(holder.codel.clone().unwrap_or_else(|| holder.by.clone()));
+    out.held_by = Some(match &holder.codel {
+        Some(codel) => HolderName::Codel(codel.clone()),
+        None => HolderName::Thread(holder.by.clone()),
+    });
     out.holder = Some(match &holder.codel {
         Some(codel) => function(table, codel),
-        None => own_name(&holder.by).to_owned(),
+        None => holder.by.own().to_owned(),
     });
     if let (Some(waiting), Some(codel)) = (&longest.codel, &holder.codel) {
         let row = table.iter().find(|it| it.codel.path == *waiting);
@@ -140,17 +157,12 @@ fn cause(check: &CheckReport, table: &[Row]) -> Cause {
     out
 }
 
-/// The task in `component.task`.
-fn own_name(path: &str) -> &str {
-    path.rsplit('.').next().unwrap_or(path)
-}
-
 impl FailureCause {
     /// `` `control` waits 6 ms for `level` of the ids, held by `report_start` ``
-    pub(crate) fn cause_in_words(&self, scale: Scale) -> String {
+    pub(crate) fn cause_in_words(&self, unit: TimeUnit) -> String {
         let it = &self.cause;
-        let task = own_name(&it.task);
-        let time = scale.show(it.time);
+        let task = it.task.own();
+        let time = unit.show(it.time);
         let what = match (it.awaited, &it.through[..]) {
             (None, _) => {
                 return format!(
@@ -167,15 +179,15 @@ impl FailureCause {
     }
 
     /// `` it holds if `report_start` takes at most 4 ms ``
-    pub(crate) fn remedy_in_words(&self, scale: Scale) -> Option<String> {
-        let name = |codel: &str| self.function.as_deref().unwrap_or(codel).to_owned();
-        Some(changes::in_words(self.remedy.as_ref()?, scale, &name))
+    pub(crate) fn remedy_in_words(&self, unit: TimeUnit) -> Option<String> {
+        let name = |codel: &CodelName| self.function.as_deref().unwrap_or(codel).to_owned();
+        Some(changes::in_words(self.remedy.as_ref()?, unit, &name))
     }
 
     /// The cause and the remedy.
-    pub fn in_words(&self, scale: Scale) -> String {
-        let cause = self.cause_in_words(scale);
-        match self.remedy_in_words(scale) {
+    pub fn in_words(&self, unit: TimeUnit) -> String {
+        let cause = self.cause_in_words(unit);
+        match self.remedy_in_words(unit) {
             Some(remedy) => format!("{cause}; {remedy}"),
             None => cause,
         }

@@ -1,7 +1,9 @@
-// Units of time as people write them. Data have `us`.
+// Units of time as people write them. Data have `us` and `10 us`.
 
+/** The unit after a number of such units: `µs`, `× 10 µs`. */
 export function shownUnit(unit: string): string {
-  return unit === 'us' ? 'µs' : unit;
+  const shown = unit.replace(/\bus$/, 'µs');
+  return /^\d/.test(shown) ? `× ${shown}` : shown;
 }
 
 /** A time in the unit of the trace, with as many digits as are told apart. */

@@ -175,8 +175,7 @@ function showRun(it: VerificationAnswer, pinned: boolean): void {
   if (run === null) return;
   element('dismiss').hidden = !pinned;
   // The row of its check is marked: what the run is of is said there.
-  const [, what = run.title] = /: (an? .*)$/.exec(run.title) ?? [];
-  element('runTitle').textContent = pinned ? `${run.title} (of an earlier text)` : what.charAt(0).toUpperCase() + what.slice(1);
+  element('runTitle').textContent = pinned ? `${run.title} (of an earlier text)` : run.shows.charAt(0).toUpperCase() + run.shows.slice(1);
   const check = it.checks[run.check];
   update(element('reasons'), (check?.cause == null ? [] : check.reason).map((reason) => node('li', rich(reason))));
   update(element('events'), run.events.map(({ text, location }, i) => node('div', [link(text, location, undefined, `event ${i}`)])));

@@ -7,6 +7,7 @@ use std::time::Duration;
 use dotgen_analysis::host::Cancellable;
 use dotgen_timing::diagnostic::Severity;
 use dotgen_timing::diagnostic::remark::together;
+use dotgen_timing::report::TimeUnit;
 use dotgen_timing::verify::{Cancel, Options, settings};
 use serde::{Deserialize, Serialize};
 
@@ -169,6 +170,8 @@ struct CodelResult {
 struct RunResult {
     check: usize,
     title: String,
+    /// What the run is to its check: `a run that refutes it`.
+    shows: String,
     /// The run as text: a line for each event, or for a part that is repeated.
     events: Vec<EventResult>,
 }
@@ -373,32 +376,32 @@ pub(crate) fn present(
     let options = answer.as_ref().map_or(&prepared.options, |it| &it.options);
     let problem = answer.as_ref().map_or(&prepared.problem, |it| &it.problem);
     let settings = settings(&problem.scenario, options);
-    let scale = summary::Scale::of(&settings);
+    let unit = TimeUnit::of(&settings);
     let location = |at: &CodelLocation| locate(snapshot, &prepared.places, at.src);
     let table = blocking::table(problem, options);
     let mut blocked = Vec::new();
     let mut codels = Vec::new();
     for row in &table {
         codels.push(CodelResult {
-            path: row.codel.path.clone(),
+            path: row.codel.path.to_string(),
             wcet: row.codel.micros,
             location: location(&row.codel)?,
         });
         let mut by = Vec::new();
         for it in &row.by {
             by.push(BlockerResult {
-                codel: it.codel.path.clone(),
+                codel: it.codel.path.to_string(),
                 location: location(&it.codel)?,
                 time: it
                     .codel
                     .upper
-                    .map_or("no end".to_owned(), |it| scale.show(it)),
+                    .map_or("no end".to_owned(), |it| unit.show(it)),
                 through: it.through.join(", "),
             });
         }
         if !by.is_empty() {
             blocked.push(BlockedResult {
-                codel: row.codel.path.clone(),
+                codel: row.codel.path.to_string(),
                 location: location(&row.codel)?,
                 by,
             });
@@ -419,7 +422,7 @@ pub(crate) fn present(
         bounds: (prepared.bounds.iter())
             .map(|it| BoundResult {
                 task: it.task.clone(),
-                bound: scale.show(it.bound),
+                bound: unit.show(it.bound),
             })
             .collect(),
         blocking: blocked,
@@ -513,7 +516,7 @@ fn shown_run(
     number: usize,
 ) -> Cancellable<RunResult> {
     let check = &answer.report.checks[number];
-    let scale = answer.scale();
+    let unit = answer.unit();
     let omitted = check.run().len().saturating_sub(MAX_EVENTS);
     let events = &check.run()[omitted..];
     let cycle = check.cycle.and_then(|it| it.checked_sub(omitted));
@@ -530,13 +533,13 @@ fn shown_run(
                         line("from here on for ever:".to_owned(), None);
                     }
                     let event = &events[step];
-                    let at = scale.show(event.time);
-                    let text = format!("{at}  {}  {}", event.thread(), event.what);
+                    let at = unit.show(event.time);
+                    let text = format!("{at}  {}  {}", event.thread, event.what);
                     line(text, locate(snapshot, &prepared.places, event.src)?);
                 }
             }
             Part::Again { steps, times, last } => {
-                let until = scale.show(events[last].time);
+                let until = unit.show(events[last].time);
                 line(format!("… {}, until {until} …", again(steps, times)), None);
             }
         }
@@ -544,6 +547,7 @@ fn shown_run(
     Ok(RunResult {
         check: number,
         title: runs::title(check),
+        shows: runs::shows(check).to_owned(),
         events: lines,
     })
 }

@@ -208,7 +208,7 @@ fn diagnostic(
     path: &Utf8Path,
     range: &Range<usize>,
 ) -> Option<Diagnostic> {
-    let scale = answer.scale();
+    let unit = answer.unit();
     let check = view.report;
     let of = &check.of;
     let (code, mut message) = match (view.outcome, check.kind) {
@@ -237,7 +237,7 @@ fn diagnostic(
         }),
         (_, PropertyKind::Schedulable) => {
             let last = check.run().last();
-            let at = last.map_or(String::new(), |it| format!("at {} ", scale.show(it.time)));
+            let at = last.map_or(String::new(), |it| format!("at {} ", unit.show(it.time)));
             let what = format!("{at}its next period begins before the job has ended");
             (MISS, format!("`{of}` can miss its deadline: {what}"))
         }
@@ -250,8 +250,8 @@ fn diagnostic(
                 (Value::Unbounded, _) => format!("{what} has no bound"),
                 (value, Some(bound)) => format!(
                     "{what} can be {}, more than {}",
-                    scale.show_value(value),
-                    scale.show_value(bound)
+                    unit.show_value(value),
+                    unit.show_value(bound)
                 ),
                 (_, None) => return None,
             };
@@ -260,7 +260,7 @@ fn diagnostic(
         (_, kind) => (FAILED, format!("`{kind} {of}` does not hold")),
     };
     if let Some(why) = view.why {
-        message += &format!("; {}", why.in_words(scale));
+        message += &format!("; {}", why.in_words(unit));
     } else if let Some(why) = view.reason.last() {
         message += &format!("; {why}");
     }
@@ -292,14 +292,14 @@ fn severity(snapshot: &Snapshot, code: &str) -> Option<Severity> {
 
 /// The last places of the run.
 fn related(entry: &Entry, answer: &Answer, check: &CheckReport) -> Vec<Related> {
-    let scale = answer.scale();
+    let unit = answer.unit();
     let mut related: Vec<Related> = Vec::new();
     for event in check.run().iter().rev() {
         if related.len() < RELATED
             && matches!(event.kind, MomentKind::Wait | MomentKind::Begin)
             && let Some((path, range)) = place(entry.places(), event.src)
         {
-            let message = format!("{}: {}", scale.show(event.time), event.what);
+            let message = format!("{}: {}", unit.show(event.time), event.what);
             related.push(Related {
                 path,
                 range,

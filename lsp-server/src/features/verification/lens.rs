@@ -16,9 +16,9 @@ use super::{TaskLocation, argument, has_refuting_run, refuting_run, tasks};
 use crate::features::commands::SHOW_VERIFICATION;
 use crate::protocol::types::{CodeLens, CodeLensParams, Command};
 use crate::workspace::snapshot::{Snapshot, Subject};
+use dotgen_timing::report::TimeUnit;
 use dotgen_views::verification::advice;
 use dotgen_views::verification::results::{Answer, Entry, Status};
-use dotgen_views::verification::summary::Scale;
 use dotgen_views::verification::view::{CheckView, Outcome};
 
 /// Shown until there is an answer.
@@ -259,7 +259,7 @@ fn verdict(entry: &Entry, task: TaskId) -> Option<(Mark, String)> {
     let response = all
         .iter()
         .find(|it| it.report.kind == PropertyKind::Response);
-    let measured = response.and_then(|it| share(it));
+    let measured = response.and_then(|it| it.share.clone());
     let and_measured = |text: &str| match &measured {
         Some(it) => format!("{text}: {it}"),
         None => text.to_owned(),
@@ -314,18 +314,6 @@ fn undecided_causes(answer: &Answer, check: &CheckView) -> String {
     text
 }
 
-/// `8 of 10 ms`: one unit if both are equal.
-fn share(check: &CheckView) -> Option<String> {
-    let value = check.value.as_ref()?;
-    let Some(limit) = &check.limit else {
-        return Some(value.clone());
-    };
-    Some(match (value.rsplit_once(' '), limit.rsplit_once(' ')) {
-        (Some((number, unit)), Some((_, same))) if unit == same => format!("{number} of {limit}"),
-        _ => format!("{value} of {limit}"),
-    })
-}
-
 /// The longest delay of the job of a run.
 fn cause(delays: &[Delay]) -> Option<String> {
     let length = |it: &&Delay| it.until - it.from;
@@ -337,7 +325,10 @@ fn cause(delays: &[Delay]) -> Option<String> {
         length(a).total_cmp(&length(b))
     });
     Some(match (longest.awaited, holder) {
-        (Awaited::Lock, Some(it)) => format!("waits for {}", it.codel.as_ref().unwrap_or(&it.by)),
+        (Awaited::Lock, Some(it)) => match &it.codel {
+            Some(codel) => format!("waits for {codel}"),
+            None => format!("waits for {}", it.by),
+        },
         (Awaited::Lock, None) => "waits for a lock".to_owned(),
         (Awaited::Core, Some(it)) => format!("waits for a core, held by {}", it.by),
         (Awaited::Core, None) => "waits for a core".to_owned(),
@@ -371,7 +362,7 @@ fn details(entry: &Entry, task: TaskId) -> Vec<String> {
 fn of_task(entry: &Entry, task: TaskId) -> Option<String> {
     let bound = entry.bounds.iter().find(|it| it.id == task);
     let bound = bound.filter(|_| entry.status == Status::Running);
-    let bound = bound.map(|it| format!("R ≤ {}", scale_of(entry).show(it.bound)));
+    let bound = bound.map(|it| format!("R ≤ {}", unit_of(entry).show(it.bound)));
     let Some(answer) = entry.known().filter(|_| entry.status != Status::Blocked) else {
         let what = match entry.status {
             Status::Blocked => "not verified: there are errors",
@@ -451,8 +442,8 @@ fn measured(check: &CheckView) -> Vec<String> {
     }
 }
 
-fn scale_of(entry: &Entry) -> Scale {
-    Scale::of(&settings(&entry.problem.scenario, &Default::default()))
+fn unit_of(entry: &Entry) -> TimeUnit {
+    TimeUnit::of(&settings(&entry.problem.scenario, &Default::default()))
 }
 
 fn outcome(check: &CheckView) -> String {

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::model::Src;
 use dotgen_timing::derive::{Extreme, InterimResult, Sensitivity};
+use dotgen_timing::report::TimeUnit;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::build::build;
 use dotgen_timing::verify::{Cancel, Options, settings};
@@ -20,7 +21,7 @@ use crate::protocol::types::{
 };
 use crate::workspace::snapshot::{Snapshot, Subject};
 use dotgen_views::verification::Problem;
-use dotgen_views::verification::summary::{self, Scale};
+use dotgen_views::verification::summary;
 use dotgen_views::verification::what_if::WhatIf;
 
 /// Parameters of `dotgen/sensitivity`.
@@ -154,15 +155,15 @@ pub(crate) fn shown(
     let specs = asked.problem.specs();
     let names = Names::new(&specs);
     let settings = settings(&asked.problem.scenario, &asked.options);
-    let (scale, system) = (
-        Scale::of(&settings),
+    let (unit, system) = (
+        TimeUnit::of(&settings),
         build(&names, &settings, &|_| true).system,
     );
     let spec = |c: usize| names.components[c].spec_index;
     let codels = system.codels.iter();
     let codels = codels.map(|it| {
         let src = it.site.and_then(|(c, _)| Some((spec(c), it.src?)));
-        (it.path.clone(), src)
+        (it.path.to_string(), src)
     });
     let tasks = system.tasks.iter();
     let tasks = tasks.map(|it| {
@@ -172,11 +173,11 @@ pub(crate) fn shown(
     });
     let places: Vec<(String, Option<(usize, Src)>)> = codels.chain(tasks).collect();
     let show = |it: &Extreme| -> Cancellable<ExtremeResult> {
-        let (extreme, remark) = summary::extreme(it, scale);
+        let (extreme, remark) = summary::extreme(it, unit);
         let place = places.iter().find(|(path, _)| *path == it.of);
         Ok(ExtremeResult {
             of: it.of.clone(),
-            now: scale.show_value(it.now),
+            now: unit.show_value(it.now),
             extreme,
             remark: remark.to_owned(),
             location: locate(snapshot, &asked.problem, place.and_then(|it| it.1))?,
@@ -184,7 +185,7 @@ pub(crate) fn shown(
     };
     out.cores = found.minimum_cores.cores;
     let next = found.next_to_break.as_ref();
-    out.next_to_break = next.map(|it| summary::next_to_break(it, scale));
+    out.next_to_break = next.map(|it| summary::next_to_break(it, unit));
     out.wcet = found.wcet.iter().map(show).collect::<Cancellable<_>>()?;
     out.period = found.period.iter().map(show).collect::<Cancellable<_>>()?;
     Ok(out)

@@ -28,7 +28,7 @@ pub(crate) fn trace(
     let check = &report.checks[number];
     let mut trace = of_run(&TraceInput {
         title: title(check),
-        unit: &report.unit,
+        unit: report.unit,
         events: check.run(),
         ending: ending(check),
         cycle: check.cycle,

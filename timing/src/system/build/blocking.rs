@@ -93,9 +93,9 @@ impl Builder<'_> {
         let (other, task, period) = self.shortest(waiting, time)?;
         let system = &self.out.system;
         Some(Remark::PortHold {
-            codel: system.codels[long.codel].path.clone(),
+            codel: system.codels[long.codel].path.to_string(),
             time: self.seconds(time),
-            other: system.codels[other.codel].path.clone(),
+            other: system.codels[other.codel].path.to_string(),
             task: system.task_path(task),
             period: self.seconds(period),
         })
@@ -123,9 +123,9 @@ impl Builder<'_> {
         let (_, task, period) = self.shortest(behind, time)?;
         let system = &self.out.system;
         Some(Remark::LockQueue {
-            codel: system.codels[long.codel].path.clone(),
+            codel: system.codels[long.codel].path.to_string(),
             time: self.seconds(time),
-            head: system.codels[heads.first()?.codel].path.clone(),
+            head: system.codels[heads.first()?.codel].path.to_string(),
             task: system.task_path(task),
             period: self.seconds(period),
         })

@@ -8,7 +8,7 @@ use crate::diagnostic::remark::Remark;
 use crate::scn::ast::{self, Ending, Path, StepKind, Unit};
 use crate::scn::names::Target;
 use crate::system::indexed::not_a;
-use crate::system::{Builtin, Client, Codel, FOREVER, Service, program, units};
+use crate::system::{Builtin, Client, Codel, CodelName, FOREVER, Service, program, units};
 
 impl Builder<'_> {
     pub(super) fn find_requested(&mut self) {
@@ -81,11 +81,11 @@ impl Builder<'_> {
 
     fn builtin(&mut self, number: usize, which: Builtin) {
         let system = &mut self.out.system;
-        let path = format!("{}.{}", system.components[number].name, which.name());
+        let component = system.components[number].name.clone();
         let mut simple = Vec::new();
-        let mut codel = |path: String, system: &mut crate::system::TimedSystem| {
+        let mut codel = |service: &str, system: &mut crate::system::TimedSystem| {
             system.codels.push(Codel {
-                path,
+                path: CodelName::of_service(&component, service),
                 component: number,
                 lower: 0,
                 upper: 0,
@@ -97,9 +97,9 @@ impl Builder<'_> {
             simple.push(system.codels.len() - 1);
             system.codels.len() - 1
         };
-        codel(path.clone(), system);
+        codel(which.name(), system);
         if which == Builtin::Connect {
-            let all = codel(format!("{path} (all tasks at rest)"), system);
+            let all = codel(&format!("{} (all tasks at rest)", which.name()), system);
             let executed = system.automata.iter();
             let executed = executed.filter(|it| system.tasks[it.task].component == number);
             let states = executed.flat_map(|it| &system.machines[it.machine].states);

@@ -124,10 +124,10 @@ impl Builder<'_> {
                 match codel.kind {
                     CodelKind::Fsm => {}
                     CodelKind::Validate => {
-                        validate = Some(self.codel(c, number, owner, index, "", &path, codel));
+                        validate = Some(self.codel(c, number, owner, index, "", codel));
                     }
                     CodelKind::Simple => {
-                        simple.push(self.codel(c, number, owner, index, "", &path, codel));
+                        simple.push(self.codel(c, number, owner, index, "", codel));
                     }
                 }
             }

@@ -5,7 +5,7 @@ use dotgen_analysis::model::{Codel as ModelCodel, CodelKind, CodelRef, Owner, Se
 use super::Builder;
 use super::times::TimeOf;
 use crate::diagnostic::remark::Remark;
-use crate::system::{Codel, CodelSet, FOREVER, Machine, State, Yield};
+use crate::system::{Codel, CodelName, CodelSet, FOREVER, Machine, State, Yield};
 
 impl Builder<'_> {
     /// Adds the state machine of a task or activity; returns `None` if it has no `start` codel.
@@ -46,7 +46,7 @@ impl Builder<'_> {
                 if yields.is_empty() {
                     yields.push(Yield::End);
                 }
-                let codel_id = self.codel(c, number, owner, *index, name, path, codel);
+                let codel_id = self.codel(c, number, owner, *index, name, codel);
                 // In the published models, an exception is an ordinary end.
                 if self.settings.semantics().is_published()
                     && self.out.system.codels[codel_id].throws
@@ -77,7 +77,6 @@ impl Builder<'_> {
         Some(id)
     }
 
-    #[expect(clippy::too_many_arguments, reason = "the coordinates of a codel")]
     pub(super) fn codel(
         &mut self,
         c: usize,
@@ -85,7 +84,6 @@ impl Builder<'_> {
         owner: Owner,
         index: u32,
         state: &str,
-        path: &str,
         codel: &ModelCodel,
     ) -> usize {
         let name = if state.is_empty() {
@@ -93,7 +91,8 @@ impl Builder<'_> {
         } else {
             state
         };
-        let path = format!("{path}.{name}");
+        let component = self.names.components[c].component;
+        let path = CodelName::new(&component.name, component.owner_name(owner), name);
         let given = self
             .durations
             .get(&(c, owner, index, state.to_owned()))
@@ -101,13 +100,13 @@ impl Builder<'_> {
         if codel.wcet.is_none() && given.is_none() {
             let remark = Remark::NoWcet {
                 codel: codel.name.to_string(),
-                path: path.clone(),
+                path: path.to_string(),
             };
             let place = self.place(c, codel.src, "no `wcet`");
             self.report(remark.warning(0..0, vec![place]));
         }
         let time_of = TimeOf {
-            what: path.clone(),
+            what: path.to_string(),
             range: given.unwrap_or_default(),
             place: self.place(c, codel.src, "this codel"),
         };
@@ -133,13 +132,14 @@ impl Builder<'_> {
             range: given.unwrap_or_default(),
             place: self.place(c, service.src, "this attribute"),
         };
-        self.push_codel(number, path.to_owned(), times, None, &time_of)
+        let path = CodelName::of_service(&self.names.components[c].component.name, &service.name);
+        self.push_codel(number, path, times, None, &time_of)
     }
 
     fn push_codel(
         &mut self,
         number: usize,
-        path: String,
+        path: CodelName,
         (lower, upper): (Seconds, Option<Seconds>),
         site: Option<(usize, CodelRef)>,
         time_of: &TimeOf,

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use dotgen_timing::system::{CodelName, ThreadName};
+
 use super::{Lane, LaneKind, Span, SpanKind};
 
 /// A lane, in the order in which lanes are shown.
@@ -39,9 +41,9 @@ impl Key {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Of {
     /// A codel that executes, waits or holds locks.
-    Codel(String),
+    Codel(CodelName),
     /// A job that waits for a core, or has one.
-    Core(String),
+    Core(ThreadName),
 }
 
 /// The beginning of a span, without lane and row.
@@ -51,14 +53,14 @@ pub(super) struct SpanStart {
     pub(super) kind: SpanKind,
     pub(super) label: String,
     pub(super) step: usize,
-    pub(super) ahead: Vec<String>,
+    pub(super) ahead: Vec<CodelName>,
 }
 
 #[derive(Debug, Default)]
 struct LaneBuilder {
     /// The open spans, by row.
     open: Vec<Option<(f64, SpanStart)>>,
-    ended: Vec<(Span, Vec<String>)>,
+    ended: Vec<(Span, Vec<CodelName>)>,
 }
 
 /// All lanes.
@@ -126,10 +128,10 @@ impl Lanes {
     }
 
     /// The core on which a job runs.
-    pub(super) fn core_of(&self, who: &str) -> Option<Key> {
+    pub(super) fn core_of(&self, thread: &ThreadName) -> Option<Key> {
         let has = |it: &(&Key, &LaneBuilder)| {
             let mut rows = it.1.open.iter().flatten();
-            matches!(it.0, Key::Core(_)) && rows.any(|it| it.1.of == Of::Core(who.to_owned()))
+            matches!(it.0, Key::Core(_)) && rows.any(|it| it.1.of == Of::Core(thread.clone()))
         };
         self.all.iter().find(has).map(|it| it.0.clone())
     }
@@ -164,12 +166,12 @@ pub(super) struct BuiltLanes {
     pub(super) lanes: Vec<Lane>,
     pub(super) spans: Vec<Span>,
     /// The codels ahead in the queue, by span.
-    pub(super) ahead: Vec<Vec<String>>,
+    pub(super) ahead: Vec<Vec<CodelName>>,
     pub(super) at: BTreeMap<Key, usize>,
 }
 
 /// A span, or `None` for waiting without duration. Execution without duration is a span.
-fn span((from, it): (f64, SpanStart), row: usize, to: f64) -> Option<(Span, Vec<String>)> {
+fn span((from, it): (f64, SpanStart), row: usize, to: f64) -> Option<(Span, Vec<CodelName>)> {
     let waits = matches!(it.kind, SpanKind::WaitLock | SpanKind::WaitCore);
     (to > from || !waits).then_some((
         Span {
@@ -180,7 +182,7 @@ fn span((from, it): (f64, SpanStart), row: usize, to: f64) -> Option<(Span, Vec<
             kind: it.kind,
             label: it.label,
             codel: match it.of {
-                Of::Codel(codel) => Some(codel),
+                Of::Codel(codel) => Some(codel.to_string()),
                 Of::Core(_) => None,
             },
             by: Vec::new(),

@@ -4,7 +4,9 @@ use std::collections::{BTreeMap, HashMap};
 
 use dotgen_analysis::model::Src;
 use dotgen_timing::explore::MomentKind;
-use dotgen_timing::report::Event;
+use dotgen_timing::report::{Event, TimeUnit};
+use dotgen_timing::scn::ast::Unit;
+use dotgen_timing::system::{CodelName, ThreadName};
 
 use super::lanes::{BuiltLanes, Key, Lanes, Of, Part, SpanStart};
 use super::rules::rule;
@@ -16,8 +18,8 @@ use crate::verification::runs::Ending;
 pub struct TraceInput<'e> {
     /// The title.
     pub title: String,
-    /// The unit of the times of events: `ms`, `10 us`, …
-    pub unit: &'e str,
+    /// The unit of the times of events.
+    pub unit: TimeUnit,
     /// The events.
     pub events: &'e [Event],
     /// The end of the run.
@@ -33,7 +35,8 @@ pub(super) type SourceRef = (usize, Src);
 
 /// The trace of a run. Codels and tasks without a place get none.
 pub fn of_run(told: &TraceInput) -> Trace<SourceRef> {
-    let (unit, factor) = time_unit(told.unit, told.events);
+    let unit = base_unit(told.unit, told.events);
+    let time = |it: &Event| clean(told.unit.in_base(it.time, unit));
     let mut reading = TraceBuilder {
         excludes: Exclusions::of(told.blocking),
         lanes: Lanes::default(),
@@ -44,42 +47,25 @@ pub fn of_run(told: &TraceInput) -> Trace<SourceRef> {
         rules: BTreeMap::new(),
     };
     for (step, event) in told.events.iter().enumerate() {
-        reading.read(step, event, clean(event.time * factor));
+        reading.read(step, event, time(event));
     }
-    let end = told.events.last().map_or(0.0, |it| clean(it.time * factor));
+    let end = told.events.last().map_or(0.0, time);
     if let Ending::Miss(task) = told.ending {
-        let owner = told.events.iter().rev().find(|it| is_of(it, task));
-        if let Some(key) = owner.map(key_of) {
+        let owner = told.events.iter().rev().find(|it| it.thread == *task);
+        if let Some(key) = owner.map(|it| key_of(&it.thread)) {
             reading.marks.push((key, end, MarkKind::Miss, None));
         }
     }
     let repeats = told.cycle.and_then(|it| told.events.get(it));
-    let repeats = repeats.map(|it| clean(it.time * factor));
-    reading.finish(told.title.clone(), unit, end, repeats)
+    reading.finish(told.title.clone(), unit, end, repeats.map(time))
 }
 
-/// True if an event is of a task, named `component.task`.
-fn is_of(event: &Event, task: &str) -> bool {
-    let name = event.task.as_deref();
-    name.is_some_and(|it| task.strip_prefix(&*event.component) == Some(&format!(".{it}")))
-}
-
-/// The unit of all times of a trace, and the factor from the unit of a report (`ms`, `10 us`).
-fn time_unit(unit: &str, events: &[Event]) -> (&'static str, f64) {
-    let (count, unit) = match unit.split_once(' ') {
-        Some((count, unit)) => (count.parse().unwrap_or(1.0), unit),
-        None => (1.0, unit),
-    };
-    let micros = count
-        * match unit {
-            "s" => 1e6,
-            "us" => 1.0,
-            _ => 1e3,
-        };
-    let end = events.last().map_or(0.0, |it| it.time * micros);
-    match end < 1000.0 {
-        true => ("us", micros),
-        false => ("ms", micros / 1000.0),
+/// The unit of all times of a trace: microseconds for a run of less than a millisecond.
+fn base_unit(unit: TimeUnit, events: &[Event]) -> Unit {
+    let end = events.last().map_or(0.0, |it| it.time);
+    match unit.in_base(end, Unit::Milliseconds) < 1.0 {
+        true => Unit::Microseconds,
+        false => Unit::Milliseconds,
     }
 }
 
@@ -130,56 +116,41 @@ struct TraceBuilder<'e> {
     lanes: Lanes,
     steps: Vec<(Key, Step)>,
     marks: Vec<(Key, f64, MarkKind, Option<usize>)>,
-    /// Each arrow: its sender, its receiver (a lane, or the name of a task), its time and its step.
-    arrows: Vec<(Key, Target, f64, usize)>,
+    /// Each arrow: the lane of its sender, that of its receiver, its time and its step.
+    arrows: Vec<(Key, Key, f64, usize)>,
     places: Vec<SourceRef>,
     rules: BTreeMap<String, String>,
 }
 
-enum Target {
-    Lane(Key),
-    Named(String),
-}
-
-/// The lane of an event.
-fn key_of(event: &Event) -> Key {
-    let part = match &event.task {
+/// The lane of a task or of the control task of a component.
+fn key_of(thread: &ThreadName) -> Key {
+    let part = match &thread.task {
         Some(task) => Part::Task(task.clone()),
         None => Part::Control,
     };
-    Key::Of(event.component.clone(), part)
-}
-
-fn last_name(path: &str) -> String {
-    path.rsplit('.').next().unwrap_or_default().to_owned()
-}
-
-/// The path of a codel without its component: `report.start`.
-fn short(path: &str) -> String {
-    let from = path.find('.').map_or(0, |it| it + 1);
-    path[from..].to_owned()
+    Key::Of(thread.component.clone(), part)
 }
 
 impl TraceBuilder<'_> {
     fn read(&mut self, step: usize, event: &Event, now: f64) {
-        let mut key = key_of(event);
+        let thread = &event.thread;
+        let mut key = key_of(thread);
         // The awaited reply of a client can be late.
-        let client = Key::Client(event.component.clone());
-        if event.kind == MomentKind::Excess && event.task.is_none() && self.lanes.has(&client) {
+        let client = Key::Client(thread.component.clone());
+        if event.kind == MomentKind::Excess && thread.task.is_none() && self.lanes.has(&client) {
             key = client;
         }
         self.lanes.touch(&key);
-        let locks = Key::Of(event.component.clone(), Part::Locks);
-        let name = event.thread();
+        let locks = Key::Of(thread.component.clone(), Part::Locks);
         if let Some(victim) = &event.preempts {
-            self.take_core(victim, &name, step, now);
+            self.take_core(victim, thread, step, now);
         }
         let codel = event.codel.clone();
         let of = codel.clone().map(Of::Codel);
-        let begun = |kind, path: &str| SpanStart {
-            of: Of::Codel(path.to_owned()),
+        let begun = |kind, codel: &CodelName| SpanStart {
+            of: Of::Codel(codel.clone()),
             kind,
-            label: short(path),
+            label: codel.inside().to_owned(),
             step,
             ahead: Vec::new(),
         };
@@ -189,7 +160,7 @@ impl TraceBuilder<'_> {
         match (event.kind, &codel, &of) {
             (MomentKind::Release, ..) if event.for_core => {
                 let waits = SpanStart {
-                    of: Of::Core(name.clone()),
+                    of: Of::Core(thread.clone()),
                     kind: SpanKind::WaitCore,
                     label: "waits for a core".to_owned(),
                     step,
@@ -198,14 +169,14 @@ impl TraceBuilder<'_> {
                 self.lanes.begin(&key, now, waits);
             }
             (MomentKind::Grant, ..) if event.preempts.is_none() => {
-                let core = Of::Core(name.clone());
+                let core = Of::Core(thread.clone());
                 self.lanes.end(&key, now, &core, SpanKind::WaitCore);
                 let free = Key::Core(self.lanes.free_core());
-                self.has_core(&free, name.clone(), step, now);
+                self.has_core(&free, thread.clone(), step, now);
             }
             (MomentKind::Wait, Some(path), Some(of)) => {
                 let ahead = event.waits_for.iter().filter(|it| it.ahead);
-                let ahead: Vec<String> = ahead.map(|it| it.codel.clone()).collect();
+                let ahead: Vec<CodelName> = ahead.map(|it| it.codel.clone()).collect();
                 for lane in [&key, &locks] {
                     match self.lanes.open(lane, of, SpanKind::WaitLock) {
                         Some(it) => it.ahead.extend(ahead.iter().cloned()),
@@ -230,9 +201,9 @@ impl TraceBuilder<'_> {
                 self.lanes.end(&locks, now, of, SpanKind::Hold);
             }
             (MomentKind::Complete, ..) => {
-                if let Some(core) = self.lanes.core_of(&name) {
+                if let Some(core) = self.lanes.core_of(thread) {
                     self.lanes
-                        .end(&core, now, &Of::Core(name.clone()), SpanKind::Run);
+                        .end(&core, now, &Of::Core(thread.clone()), SpanKind::Run);
                 }
             }
             _ => {}
@@ -240,12 +211,10 @@ impl TraceBuilder<'_> {
         if let Some(client) = &event.client {
             let from = Key::Client(client.clone());
             self.lanes.touch(&from);
-            self.arrows
-                .push((from, Target::Lane(key.clone()), now, step));
+            self.arrows.push((from, key.clone(), now, step));
         }
         if let Some(task) = &event.releases {
-            let to = Target::Named(task.clone());
-            self.arrows.push((key.clone(), to, now, step));
+            self.arrows.push((key.clone(), key_of(task), now, step));
         }
         let mark = match event.kind {
             MomentKind::Tick => Some(MarkKind::Tick),
@@ -277,17 +246,17 @@ impl TraceBuilder<'_> {
                 lane: 0,
                 rule: rule.to_owned(),
                 what: event.what.clone(),
-                codel,
+                codel: codel.map(|it| it.to_string()),
                 locks: codel_locks.unwrap_or_default(),
                 place,
             },
         ));
     }
 
-    fn has_core(&mut self, core: &Key, who: String, step: usize, now: f64) {
+    fn has_core(&mut self, core: &Key, thread: ThreadName, step: usize, now: f64) {
         let has = SpanStart {
-            label: last_name(&who),
-            of: Of::Core(who),
+            label: thread.own().to_owned(),
+            of: Of::Core(thread),
             kind: SpanKind::Run,
             step,
             ahead: Vec::new(),
@@ -296,16 +265,16 @@ impl TraceBuilder<'_> {
     }
 
     /// A job takes the core of another job.
-    fn take_core(&mut self, victim: &str, by: &str, step: usize, now: f64) {
+    fn take_core(&mut self, victim: &ThreadName, by: &ThreadName, step: usize, now: f64) {
         let Some(core) = self.lanes.core_of(victim) else {
             return;
         };
         self.lanes
-            .end(&core, now, &Of::Core(victim.to_owned()), SpanKind::Run);
-        self.has_core(&core, by.to_owned(), step, now);
+            .end(&core, now, &Of::Core(victim.clone()), SpanKind::Run);
+        self.has_core(&core, by.clone(), step, now);
     }
 
-    fn finish(self, title: String, unit: &str, end: f64, repeats: Option<f64>) -> Trace<SourceRef> {
+    fn finish(self, title: String, unit: Unit, end: f64, repeats: Option<f64>) -> Trace<SourceRef> {
         let BuiltLanes {
             lanes,
             mut spans,
@@ -313,7 +282,6 @@ impl TraceBuilder<'_> {
             at,
         } = self.lanes.finish(end);
         let lane = |key: &Key| at.get(key).copied().unwrap_or(0);
-        let named: HashMap<&str, usize> = (0..).zip(&lanes).map(|(i, it)| (&*it.name, i)).collect();
         let core = |it: &Span| it.codel.is_none() && it.kind == SpanKind::Run;
         let holds = SpanIndex::of(spans.iter().filter(|it| it.kind == SpanKind::Hold));
         let cores = SpanIndex::of(spans.iter().filter(|it| core(it)));
@@ -336,7 +304,7 @@ impl TraceBuilder<'_> {
                         })
                     });
                     for other in &ahead[i] {
-                        let name = short(other);
+                        let name = other.inside().to_owned();
                         if by.iter().all(|it: &Holder| it.name != name) {
                             by.push(Holder {
                                 name,
@@ -367,15 +335,11 @@ impl TraceBuilder<'_> {
         for (i, by) in waits {
             spans[i].by = by;
         }
-        let arrows = self.arrows.iter().filter_map(|(from, to, at, step)| {
-            let to = match to {
-                Target::Lane(key) => lane(key),
-                Target::Named(name) => *named.get(&**name)?,
-            };
+        let arrows = self.arrows.iter().filter_map(|(from, to, time, step)| {
             Some(Arrow {
                 from: lane(from),
-                to,
-                at: *at,
+                to: *at.get(to)?,
+                at: *time,
                 step: *step,
             })
         });
@@ -391,7 +355,7 @@ impl TraceBuilder<'_> {
         Trace {
             format: FORMAT,
             title,
-            unit: unit.to_owned(),
+            unit,
             start: 0.0,
             end,
             focus: Focus {
