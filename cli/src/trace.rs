@@ -46,6 +46,7 @@ pub(super) fn write(
         title: recorded.title,
         unit: recorded.unit,
         events: recorded.events,
+        end: None,
         ending: recorded.ending,
         cycle: recorded.cycle,
         blocking: &blocking::table(problem, options),

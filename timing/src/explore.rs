@@ -7,6 +7,7 @@
 //! (see `explore::store`), and jump to their next moment. If no task is periodic and some time is long, zones
 //! are tried as well (see `search::zones`).
 
+mod continued;
 mod details;
 mod findings;
 mod liveness;
@@ -24,13 +25,14 @@ mod store;
 mod token;
 mod watch;
 
+pub use continued::{Continued, NextStep};
 pub use details::{Blocker, Executing, MomentDetails};
 pub use findings::{Bound, Findings, Found, Measured};
 pub use liveness::{Liveness, LivenessQuery, liveness};
 pub use never_observed::{NeverObserved, TaskWithoutJob};
 pub use reductions::{Activity, Kind, Kinds, Reason};
 pub use rules::{Action, Moment, MomentKind, Work};
-pub use run::Run;
+pub use run::{Run, SystemRun};
 pub use search::{ZoneFindings, explore, explore_with_reports, search_once, search_zones};
 pub use stepper::{Possible, Seen, Stepper, Watched};
 

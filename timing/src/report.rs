@@ -3,14 +3,16 @@
 
 mod time_unit;
 
+use std::sync::Arc;
+
 use dotgen_analysis::model::Src;
 use serde::Serialize;
 use serde::ser::Serializer;
 
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::explore::Findings;
-use crate::explore::Stop;
 use crate::explore::{Action, MomentKind};
+use crate::explore::{Stop, SystemRun};
 use crate::property::PropertyKind;
 use crate::reduction_use::ReductionUse;
 use crate::system::{CodelName, ThreadName};
@@ -206,6 +208,9 @@ pub struct CheckReport {
     /// A run exists, but there was no time to find its steps.
     #[serde(skip)]
     pub left_out: bool,
+    /// The run, to be continued with other steps.
+    #[serde(skip)]
+    pub kept: Option<Arc<SystemRun>>,
     /// Durations that matter to the check were rounded: the value is an upper bound, and a failure may be a
     /// false alarm.
     #[serde(skip_serializing_if = "std::ops::Not::not")]

@@ -79,8 +79,8 @@ pub struct PictureRequest {
     /// Systems: offsets of moved nodes from their layout, to the right and down, in pixels. A port moves with
     /// its component.
     pub moved: BTreeMap<String, (i32, i32)>,
-    /// Systems: width of the pane, in pixels. A picture that is wider, with letters of 9 pixels, is drawn from
-    /// top to bottom in rows of that width.
+    /// Systems: width of the pane, in pixels. A picture that is wider, with letters of 9 pixels, is drawn
+    /// from top to bottom in rows of that width.
     pub width: Option<u32>,
 }
 

@@ -275,8 +275,18 @@ export const verification = new RequestType<
   void
 >('dotgen/verification');
 
-/** The run of a check as data (docs/trace.md); null when there is none. */
-export const trace = new RequestType<{ textDocument: TextDocumentIdentifier; check?: number; whatIf?: WhatIf }, Trace | null, void>('dotgen/trace');
+/** The steps that may follow a run, as texts, and the number of its steps before each chosen one. */
+export interface NextSteps {
+  choices: string[];
+  taken: number[];
+}
+
+/** The run of a check as data (docs/trace.md); null when there is none. With `after`, that run up to a step, continued by chosen steps. */
+export const trace = new RequestType<
+  { textDocument: TextDocumentIdentifier; check?: number; whatIf?: WhatIf; after?: number; take?: number[] },
+  (Trace & { next?: NextSteps }) | null,
+  void
+>('dotgen/trace');
 
 /** An interface of the workspace that a new component can provide or use. */
 export interface InterfaceInfo {

@@ -1,5 +1,9 @@
 //! The rank of each node.
 
+/// The minimum length of an edge in ranks. Every edge spans an even number of ranks, so that its label has a
+/// rank of its own.
+pub(super) const EDGE_LENGTH: usize = 2;
+
 /// An edge of the acyclic graph: both ends, minimum length in ranks, weight.
 pub(super) type Arc = (usize, usize, usize, i64);
 

@@ -2,12 +2,8 @@
 
 use crate::graph::{Graph, Shape};
 
-use super::rank::{Arc, ranks};
+use super::rank::{Arc, EDGE_LENGTH, ranks};
 use super::{acyclic, rows, size::Loops};
-
-/// The minimum length of an edge in ranks. Every edge spans an even number of ranks, so that its label has a
-/// rank of its own.
-pub(super) const EDGE_LENGTH: usize = 2;
 
 /// A graph whose edges join neighbouring ranks only. Real nodes come first and keep their index.
 pub(super) struct RankedGraph {

@@ -7,8 +7,7 @@
 
 use crate::graph::Shape;
 
-use super::rank::Arc;
-use super::ranked::EDGE_LENGTH;
+use super::rank::{Arc, EDGE_LENGTH};
 
 /// Space beside each node, in pixels: the distance of nodes, and of a passing edge.
 const BESIDE: f64 = 30.0;

@@ -189,3 +189,31 @@ async fn the_run_comes_as_data_with_its_places() {
     );
     client.finish_ignoring(STATUS).await;
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_run_goes_on_with_chosen_steps() {
+    let (mut client, _folder, uri) = start().await;
+    let whole = client.ok("dotgen/trace", document(&uri)).await;
+    assert!(whole.get("next").is_none());
+    let asked = |take: &[usize]| {
+        let mut it = document(&uri);
+        it["after"] = json!(3);
+        it["take"] = json!(take);
+        it
+    };
+    let first = client.ok("dotgen/trace", asked(&[])).await;
+    let steps = |it: &Value| it["steps"].as_array().expect("a list").clone();
+    assert!(steps(&first).len() < steps(&whole).len());
+    assert_eq!(steps(&whole)[..4], steps(&first)[..4]);
+    let choices = first["next"]["choices"].as_array().expect("a list");
+    assert!(choices.iter().all(|it| it.is_string()) && !choices.is_empty());
+    let taken = client.ok("dotgen/trace", asked(&[choices.len() - 1])).await;
+    assert_eq!(taken["next"]["taken"], json!([steps(&first).len()]));
+    assert!(
+        taken["title"]
+            .as_str()
+            .expect("a title")
+            .ends_with("with chosen steps")
+    );
+    client.finish_ignoring(STATUS).await;
+}

@@ -23,9 +23,7 @@ use smallvec::SmallVec;
 
 use self::facts::Facts;
 pub use self::kind::{Activity, Kind, Kinds, Reason};
-pub(crate) use self::symmetry::{
-    Exchangeable, Label, Names, Orbits, Part, Parts, Renaming, UnitPlaces,
-};
+pub(crate) use self::symmetry::{Label, Orbits, Renaming};
 use super::rules::{Action, Enabled, Rules};
 use super::state::State;
 use super::store::Encoded;

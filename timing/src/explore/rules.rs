@@ -46,16 +46,18 @@
 //! 1. A folder next to `published`, with a type that implements [`Rules`]. Actions that it needs are variants
 //!    of [`Action`], with their lines in [`Action::renamed`](super::reductions::Renaming::action) and
 //!    [`Rules::task_of`].
-//! 2. Its reductions: [`Reduced`](super::reductions::Reduced), each with its proof for these rules or the reason against
-//!    it. Symmetry is the same for all rules, which say where a state names parts of the system
-//!    ([`Exchangeable`](super::reductions::Exchangeable)).
+//! 2. Its reductions: [`Reduced`](super::reductions::Reduced), each with its proof for these rules or the
+//!    reason against it. Symmetry is the same for all rules, which say where a state names parts of the
+//!    system ([`Exchangeable`]).
 //! 3. A line in `with_rules!`, which chooses the rules of a system.
 
+mod exchange;
 mod moment;
 pub(crate) mod published;
 pub(crate) mod servers;
 mod work;
 
+pub(crate) use self::exchange::{Exchangeable, Names, Part, Parts, UnitPlaces};
 pub use self::moment::{Moment, MomentKind};
 pub use self::work::Work;
 use super::state::{Clocks, Frame, State, TaskStatus};

@@ -25,6 +25,13 @@ pub struct Run {
     pub left_out: bool,
 }
 
+/// A run, and the system that it is a run of: the components that were explored together.
+#[derive(Debug, Clone)]
+pub struct SystemRun {
+    pub(crate) system: TimedSystem,
+    pub(crate) run: Run,
+}
+
 impl Run {
     pub(crate) fn extend(&mut self, time: u64, actions: Vec<Action>) {
         self.steps
@@ -160,14 +167,20 @@ impl Run {
 
     /// Returns the run in words.
     pub fn moments(&self, system: &TimedSystem) -> Vec<Moment> {
+        self.moments_by_step(system).0
+    }
+
+    /// Returns the run in words, and the number of moments before the first step and after each step.
+    pub fn moments_by_step(&self, system: &TimedSystem) -> (Vec<Moment>, Vec<usize>) {
         with_rules!(system, told(self))
     }
 }
 
-fn told<R: Rules>(rules: &R, run: &Run) -> Vec<Moment> {
+fn told<R: Rules>(rules: &R, run: &Run) -> (Vec<Moment>, Vec<usize>) {
     let mut s = rules.initial();
     let mut out = Vec::new();
     rules.tell((&rules.frame().blank(), &s), None, 0, &mut out);
+    let mut ends = vec![out.len()];
     let mut now = 0;
     for &(time, action) in &run.steps {
         if time > now {
@@ -181,12 +194,13 @@ fn told<R: Rules>(rules: &R, run: &Run) -> Vec<Moment> {
         for it in &mut out[told..] {
             it.action = Some(action);
         }
+        ends.push(out.len());
     }
-    out
+    (out, ends)
 }
 
 /// Lets time pass although windows may end early: only the outcome of executions matters here.
-fn advance<R: Rules>(rules: &R, s: &mut State, time: Ticks) {
+pub(super) fn advance<R: Rules>(rules: &R, s: &mut State, time: Ticks) {
     let l = rules.frame();
     for e in 0..l.executors() {
         let (a, b) = l.window(s, e);

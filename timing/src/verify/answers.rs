@@ -84,6 +84,7 @@ impl Group<'_> {
             witness: Vec::new(),
             cycle: None,
             left_out: false,
+            kept: None,
             rounded,
         }
     }

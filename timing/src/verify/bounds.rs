@@ -231,6 +231,7 @@ impl Group<'_> {
             out.by = Some(by);
             out.witness.clear();
             out.left_out = false;
+            out.kept = None;
         }
     }
 
@@ -299,6 +300,7 @@ impl Group<'_> {
         out.soundness = Soundness::UpperBound;
         out.witness.clear();
         out.left_out = false;
+        out.kept = None;
     }
 }
 

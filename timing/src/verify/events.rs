@@ -15,6 +15,7 @@ impl Group<'_> {
         out.reason = self.reason(run, out.id.task);
         *self.run_of_refutation(out) = self.events(run);
         out.left_out = run.left_out;
+        out.kept = self.kept(run);
         out.cycle = run.cycle.map(|at| {
             let prefix = Run {
                 steps: run.steps[..at].to_vec(),
@@ -37,6 +38,7 @@ impl Group<'_> {
     pub(super) fn witness(&self, run: &Run, out: &mut CheckReport) {
         out.witness = self.events(run);
         out.left_out = run.left_out;
+        out.kept = self.kept(run);
     }
 
     /// Returns a run in words, in the unit of the report.

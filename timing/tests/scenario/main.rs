@@ -10,6 +10,7 @@ mod json;
 mod language;
 mod quick;
 mod requests;
+mod simulate;
 mod told;
 mod vacuous;
 

@@ -160,14 +160,16 @@ fn cause(task: ThreadName, check: &CheckReport, table: &[Row]) -> Cause {
 impl FailureCause {
     /// `` `control` waits 6 ms for `level` of the ids, held by `report_start` ``
     pub(crate) fn cause_in_words(&self, unit: TimeUnit) -> String {
+        format!("`{}` {}", self.cause.task.own(), self.wait_in_words(unit))
+    }
+
+    /// `` waits 6 ms for `level` of the ids, held by `report_start` ``
+    pub fn wait_in_words(&self, unit: TimeUnit) -> String {
         let it = &self.cause;
-        let task = it.task.own();
         let time = unit.show(it.time);
         let what = match (it.awaited, &it.through[..]) {
             (None, _) => {
-                return format!(
-                    "`{task}` is never blocked: its own codels take longer than the limit"
-                );
+                return "never waits: its own codels take longer than the limit".to_owned();
             }
             (Some(Awaited::Core), _) => "a core".to_owned(),
             (Some(Awaited::Lock), []) => "a lock".to_owned(),
@@ -175,7 +177,7 @@ impl FailureCause {
         };
         let held = it.holder.as_ref();
         let held = held.map_or(String::new(), |it| format!(", held by `{it}`"));
-        format!("`{task}` waits {time} for {what}{held}")
+        format!("waits {time} for {what}{held}")
     }
 
     /// `` it holds if `report_start` takes at most 4 ms ``

@@ -10,7 +10,10 @@ export interface Machine {
 }
 
 export type ToPage =
-  | { type: 'trace'; trace: Trace }
+  /** `simulates`: other steps can be chosen. */
+  | { type: 'trace'; trace: Trace; simulates: boolean }
+  /** The steps that may follow a step. */
+  | { type: 'next'; step: number; choices: string[] }
   /** There is nothing to show, and why. */
   | { type: 'nothing'; text: string }
   /** Said above the picture; empty: nothing. */
@@ -24,6 +27,10 @@ export type FromPage =
   | { type: 'step'; step: number }
   /** To its codel in the text. */
   | { type: 'go'; step: number }
+  /** What may follow this step is wanted. */
+  | { type: 'choices'; step: number }
+  /** The run goes on with one of these choices. */
+  | { type: 'take'; choice: number }
   /** A recorded run is to be opened. */
   | { type: 'open' }
   /** The run of the present text is wanted. */

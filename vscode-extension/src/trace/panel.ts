@@ -4,7 +4,7 @@ import * as vscode from 'vscode';
 import type { Server } from '../client';
 import { notRunning } from '../commands/server';
 import { range, reveal } from '../panel/reveal';
-import { diagram, LANGUAGE, SCENARIO, trace as traceRequest, type DiagramAnswer, type Place, type WhatIf } from '../protocol';
+import { diagram, LANGUAGE, SCENARIO, trace as traceRequest, type DiagramAnswer, type NextSteps, type Place, type WhatIf } from '../protocol';
 import { parse, type Trace } from './form';
 import type { FromPage, Machine, ToPage } from './messages';
 import { page } from './page';
@@ -25,6 +25,8 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
   private trace: Trace | undefined;
   /** What the trace was asked with; undefined for a file. */
   private target: TraceTarget | undefined;
+  /** The chosen steps: the step of the original run before them, and the number of steps before each. */
+  private chosen: { after: number; take: number[]; before: number[] } | undefined;
   private ready = false;
   // Answers to older questions are dropped.
   private asked = 0;
@@ -88,6 +90,7 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
       return;
     }
     const asked = ++this.asked;
+    this.chosen = undefined;
     await vscode.commands.executeCommand(`${VIEW}.focus`);
     let trace: Trace | null;
     try {
@@ -127,7 +130,7 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
     this.trace = trace;
     this.machines.clear();
     this.send({ type: 'notice', text: '' });
-    this.send(trace === undefined ? { type: 'nothing', text: otherwise } : { type: 'trace', trace });
+    this.send(trace === undefined ? { type: 'nothing', text: otherwise } : { type: 'trace', trace, simulates: this.target !== undefined });
     if (trace === undefined) this.highlight(undefined);
   }
 
@@ -139,8 +142,12 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
     switch (message.type) {
       case 'ready':
         this.ready = true;
-        if (this.trace !== undefined) this.send({ type: 'trace', trace: this.trace });
+        if (this.trace !== undefined) this.send({ type: 'trace', trace: this.trace, simulates: this.target !== undefined });
         return;
+      case 'choices':
+        return this.choices(message.step);
+      case 'take':
+        return this.take(message.choice);
       case 'open':
         return this.open();
       case 'refresh':
@@ -155,6 +162,52 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
         const machine = place === undefined ? null : await this.machine(place);
         this.send({ type: 'machine', step: message.step, machine });
       }
+    }
+  }
+
+  /** Lists the steps that may follow a step. */
+  private async choices(step: number): Promise<void> {
+    const last = (this.trace?.steps.length ?? 0) - 1;
+    const { after, take, before } = this.chosen ?? { after: step, take: [], before: [] };
+    // The choices that led to the step are kept.
+    const kept = before.filter((it) => it <= step || step === last).length;
+    const chosen = kept > 0 || step > after ? { after, take: take.slice(0, kept), before: before.slice(0, kept) } : { after: step, take: [], before: [] };
+    const answer = await this.simulate(chosen);
+    if (answer?.next === undefined) return;
+    this.chosen = chosen;
+    this.send({ type: 'next', step, choices: answer.next.choices });
+  }
+
+  /** Goes on with one of the listed steps. */
+  private async take(choice: number): Promise<void> {
+    if (this.chosen === undefined) return;
+    const { after, take } = this.chosen;
+    const answer = await this.simulate({ after, take: [...take, choice] });
+    if (answer?.next === undefined) return;
+    this.chosen = { after, take: [...take, choice], before: answer.next.taken };
+    this.present(answer, NOTHING);
+    this.send({ type: 'next', step: answer.steps.length - 1, choices: answer.next.choices });
+  }
+
+  /** The run with chosen steps; undefined after an edit. */
+  private async simulate({ after, take }: { after: number; take: number[] }): Promise<(Trace & { next?: NextSteps }) | undefined> {
+    const { running: client } = this.server;
+    const { target } = this;
+    if (client === undefined || target === undefined) return undefined;
+    const asked = ++this.asked;
+    const { uri, check, whatIf } = target;
+    try {
+      const answer = await client.sendRequest(traceRequest, {
+        textDocument: { uri },
+        ...(typeof check === 'number' ? { check } : {}),
+        ...(whatIf === undefined ? {} : { whatIf }),
+        after,
+        take,
+      });
+      return asked === this.asked ? (answer ?? undefined) : undefined;
+    } catch {
+      this.send({ type: 'notice', text: OLD });
+      return undefined;
     }
   }
 

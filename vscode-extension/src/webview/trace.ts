@@ -31,6 +31,10 @@ const overview = new Overview(element<HTMLCanvasElement>('overview'), (at) => {
   shown?.centre(at);
   redraw();
 });
+/** Other steps can be chosen. */
+let simulates = false;
+/** The steps that may follow a step. */
+let next: { step: number; choices: string[] } | undefined;
 let size = { width: 0, height: 0 };
 /** What was drawn, for tests. */
 const drawn: { frames: number; last: Work; window: { from: number; to: number } | undefined } = { frames: 0, last: { spans: 0, marks: 0, arrows: 0 }, window: undefined };
@@ -197,6 +201,7 @@ function choose(to: number, reveal = true): void {
     node('p', [node('strong', [it.rule]), ` ${trace.rules[it.rule] ?? ''}`], 'what-rule'),
     details,
   );
+  showNext();
   element<HTMLButtonElement>('go').disabled = place(to) === null;
   if (reveal) {
     shown?.reveal(it.at);
@@ -204,6 +209,25 @@ function choose(to: number, reveal = true): void {
   }
   host.postMessage({ type: 'step', step: to });
   redraw();
+}
+
+/** The steps that may follow, or the button that asks for them. */
+function showNext(): void {
+  const section = element('next');
+  section.hidden = !simulates;
+  if (next?.step !== step) {
+    const ask = node('button', ['Choose the next step']);
+    ask.title = 'Lists the steps that the rules allow here, to go on with another one (C)';
+    ask.addEventListener('click', () => ACTIONS['choose']?.());
+    section.replaceChildren(ask);
+    return;
+  }
+  const choices = next.choices.map((text, i) => {
+    const button = node('button', rich(text));
+    button.addEventListener('click', () => host.postMessage({ type: 'take', choice: i }));
+    return node('li', [button]);
+  });
+  section.replaceChildren(node('h3', [choices.length === 0 ? 'Nothing can follow' : 'What follows?']), node('ol', choices));
 }
 
 /** Scrolls no further than needed for a lane to be seen. */
@@ -442,12 +466,15 @@ const ACTIONS: Record<string, () => void> = {
     if (shown !== undefined) select(span !== undefined && span.to > span.from ? [span.from, span.to] : [shown.from, shown.to]);
   },
   deselect: () => select(undefined),
+  choose: () => {
+    if (simulates) host.postMessage({ type: 'choices', step });
+  },
   find: () => search.focus(),
   go: () => {
     if (place(step) !== null) host.postMessage({ type: 'go', step });
   },
 };
-const KEYS: Record<string, string> = { ArrowLeft: 'previous', ArrowRight: 'next', Home: 'first', End: 'last', '-': 'out', '+': 'in', '=': 'in', '0': 'fit', f: 'focus', F: 'focus', Enter: 'go', w: 'in', s: 'out', a: 'left', d: 'right', m: 'select', Escape: 'deselect', '/': 'find' };
+const KEYS: Record<string, string> = { ArrowLeft: 'previous', ArrowRight: 'next', Home: 'first', End: 'last', '-': 'out', '+': 'in', '=': 'in', '0': 'fit', f: 'focus', F: 'focus', Enter: 'go', w: 'in', s: 'out', a: 'left', d: 'right', m: 'select', c: 'choose', Escape: 'deselect', '/': 'find' };
 
 function key(event: KeyboardEvent): void {
   if (event.ctrlKey || event.metaKey || event.altKey || model === undefined || shown === undefined) return;
@@ -474,7 +501,14 @@ function key(event: KeyboardEvent): void {
 window.addEventListener('message', ({ data }: MessageEvent<ToPage>) => {
   switch (data.type) {
     case 'trace':
+      simulates = data.simulates;
+      next = undefined;
       return show(data.trace);
+    case 'next':
+      next = data;
+      if (data.step !== step) choose(data.step);
+      else showNext();
+      return element('next').querySelector<HTMLElement>('ol button')?.focus({ preventScroll: true });
     case 'nothing':
       return nothing(data.text);
     case 'notice': {

@@ -19,19 +19,19 @@ const core = [span(4, 2, 9, 'wait-core', [holder('other', 3, 2, 9)]), span(4, 20
 
 test('the longest wait of the late job, not of an earlier one, and who is waited for longest', () => {
   const cause = causeOf(run(core));
-  assert.equal(cause?.text, 'waits 6 ms for the core: `report`');
+  assert.equal(cause?.text, 'waits 6 ms for a core, held by report');
   assert.deepEqual([cause?.from, cause?.to], [20, 26]);
   assert.deepEqual(cause?.lanes, [4, 2, 3, 0], 'the late one, those it waits for, the core');
   const two = run(core);
   two.lanes.push({ name: 'core 2', kind: 'core', rows: 1 });
-  assert.equal(causeOf({ ...two, unit: 'us' })?.text, 'waits 6 µs for a core: `report`');
+  assert.equal(causeOf({ ...two, unit: 'us' })?.text, 'waits 6 µs for a core, held by report');
 });
 
 test('a wait for a lock says what is shared; who is waited for may wait too', () => {
   const wait = span(4, 12, 16, 'wait-lock', [holder('report.main', 2, 12, 16, ['`x` of the ids'])], 1);
   const spans = [wait, { ...wait, lane: 5 }, span(2, 13, 15, 'wait-lock', [holder('other.main', 3, 13, 15)], 1), span(4, 16, 30, 'run')];
   const cause = causeOf(run(spans, { arrows: [{ from: 1, to: 4, at: 11, step: 0 }] }));
-  assert.equal(cause?.text, 'waits 4 ms for `x` of the ids: `report.main`');
+  assert.equal(cause?.text, 'waits 4 ms for x of the ids, held by report.main');
   assert.deepEqual(cause?.lanes, [4, 2, 3, 1, 5], 'with the client that sends the request, and the locks, without the core');
 });
 

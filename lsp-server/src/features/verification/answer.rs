@@ -35,6 +35,12 @@ pub(crate) struct VerificationParams {
     /// Number of the check whose run is shown. The default is the first refuted check.
     #[serde(default)]
     check: Option<usize>,
+    /// The event of the run after which the chosen steps follow.
+    #[serde(default)]
+    pub(super) after: Option<usize>,
+    /// The chosen steps, each an index into the list of possible steps at that point.
+    #[serde(default)]
+    pub(super) take: Vec<usize>,
     /// A variation.
     #[serde(default)]
     what_if: WhatIf,
@@ -46,6 +52,8 @@ impl VerificationParams {
         VerificationParams {
             text_document,
             check: None,
+            after: None,
+            take: Vec::new(),
             what_if,
         }
     }

@@ -7,7 +7,7 @@ use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::markdown;
 use dotgen_timing::explore::Stop;
 use dotgen_timing::property::PropertyKind;
-use dotgen_timing::report::{Awaited, Delay, TaskId, Verdict};
+use dotgen_timing::report::{TaskId, Verdict};
 use dotgen_timing::verify::settings;
 use serde_json::Value;
 
@@ -269,7 +269,11 @@ fn verdict(entry: &Entry, task: TaskId) -> Option<(Mark, String)> {
             refuted.report.kind,
             PropertyKind::Schedulable | PropertyKind::Response | PropertyKind::NoOverdue
         );
-        return match (late, cause(&refuted.report.reason)) {
+        let unit = answer.report.unit;
+        let cause = refuted
+            .why
+            .map(|it| it.wait_in_words(unit).replace('`', ""));
+        return match (late, cause) {
             (true, Some(cause)) => say(Mark::Fails, &format!("can be late: {cause}")),
             (true, None) => say(Mark::Fails, &and_measured("can be late")),
             (false, _) => say(Mark::Fails, &format!("{} fails", refuted.report.kind)),
@@ -312,27 +316,6 @@ fn undecided_causes(answer: &Answer, check: &CheckView) -> String {
         text += ", any client";
     }
     text
-}
-
-/// The longest delay of the job of a run.
-fn cause(delays: &[Delay]) -> Option<String> {
-    let length = |it: &&Delay| it.until - it.from;
-    let longest = delays
-        .iter()
-        .max_by(|a, b| length(a).total_cmp(&length(b)))?;
-    let holder = longest.held.iter().max_by(|a, b| {
-        let length = |it: &&dotgen_timing::report::Holder| it.until - it.from;
-        length(a).total_cmp(&length(b))
-    });
-    Some(match (longest.awaited, holder) {
-        (Awaited::Lock, Some(it)) => match &it.codel {
-            Some(codel) => format!("waits for {codel}"),
-            None => format!("waits for {}", it.by),
-        },
-        (Awaited::Lock, None) => "waits for a lock".to_owned(),
-        (Awaited::Core, Some(it)) => format!("waits for a core, held by {}", it.by),
-        (Awaited::Core, None) => "waits for a core".to_owned(),
-    })
 }
 
 /// Every result of a task, a line each.

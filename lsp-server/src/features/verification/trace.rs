@@ -2,15 +2,38 @@
 
 use dotgen_analysis::host::Cancellable;
 
+use dotgen_timing::report::CheckReport;
+use dotgen_timing::verify::{Choice, Simulation, SystemInput};
+use dotgen_views::verification::blocking;
+use dotgen_views::verification::results::Answer;
+use dotgen_views::verification::runs::{Ending, chosen, ending, title};
+use dotgen_views::verification::trace::{Trace, TraceInput, of_run};
+use serde::{Deserialize, Serialize};
+
 use super::answer::{Question, locate};
 use crate::protocol::types::Location;
 use crate::workspace::snapshot::{Snapshot, Subject};
-use dotgen_views::verification::blocking;
-use dotgen_views::verification::runs::{chosen, ending, title};
-use dotgen_views::verification::trace::{Trace, TraceInput, of_run};
+
+/// Maximum number of chosen steps.
+const MAX_TAKEN: usize = 1000;
 
 /// Answer of `dotgen/trace`.
-pub(crate) type TraceResult = Trace<Option<Location>>;
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct TraceResult {
+    #[serde(flatten)]
+    trace: Trace<Option<Location>>,
+    /// The steps that may follow, if the request has `after`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    next: Option<Next>,
+}
+
+/// The steps that may follow the end of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Next {
+    choices: Vec<String>,
+    /// Number of steps of the trace before each chosen step.
+    taken: Vec<usize>,
+}
 
 /// The run of a check, for a client; none if there is no run.
 pub(crate) fn trace(
@@ -26,17 +49,50 @@ pub(crate) fn trace(
         return Ok(None);
     };
     let check = &report.checks[number];
+    let simulation = simulated(answer, check, question);
     let mut trace = of_run(&TraceInput {
-        title: title(check),
+        title: match simulation {
+            Some(_) => format!("{} {}: with chosen steps", check.kind, check.of),
+            None => title(check),
+        },
         unit: report.unit,
-        events: check.run(),
-        ending: ending(check),
-        cycle: check.cycle,
+        events: simulation.as_ref().map_or(check.run(), |it| &it.events),
+        ending: match simulation {
+            Some(_) => Ending::Fine,
+            None => ending(check),
+        },
+        end: simulation.as_ref().map(|it| it.end),
+        cycle: check.cycle.filter(|_| simulation.is_none()),
         blocking: &blocking::table(&answer.problem, &answer.options),
     });
-    trace.notes.extend(check.note.clone());
+    if simulation.is_none() {
+        trace.notes.extend(check.note.clone());
+    }
     let places = question.shown.places();
-    trace
-        .placed(|it| locate(snapshot, places, Some(it)))
-        .map(Some)
+    let trace = trace.placed(|it| locate(snapshot, places, Some(it)))?;
+    let next = simulation.map(|it| Next {
+        choices: it.choices.iter().map(|it| in_words(it, answer)).collect(),
+        taken: it.taken,
+    });
+    Ok(Some(TraceResult { trace, next }))
+}
+
+/// Returns the run of a check continued by the chosen steps, if the request has some.
+fn simulated(answer: &Answer, check: &CheckReport, question: &Question) -> Option<Simulation> {
+    let after = question.params.after?;
+    let take = &question.params.take;
+    let take = &take[..take.len().min(MAX_TAKEN)];
+    let input = SystemInput {
+        specs: answer.problem.specs(),
+    };
+    let run = check.kept.as_ref()?;
+    Some(run.simulate(&input, answer.report.unit, after, take))
+}
+
+fn in_words(choice: &Choice, answer: &Answer) -> String {
+    match choice {
+        Choice::Step(event) => format!("{}: {}", event.thread, event.what),
+        Choice::Silent(what) => what.clone(),
+        Choice::Wait(time) => format!("{} pass", answer.report.unit.show(*time)),
+    }
 }

@@ -24,6 +24,8 @@ pub struct TraceInput<'e> {
     pub events: &'e [Event],
     /// The end of the run.
     pub ending: Ending<'e>,
+    /// Time of the end, in the unit of the times of events; by default that of the last event.
+    pub end: Option<f64>,
     /// The event from which the run repeats.
     pub cycle: Option<usize>,
     /// The codels that exclude each other, and the data they share.
@@ -49,7 +51,9 @@ pub fn of_run(told: &TraceInput) -> Trace<SourceRef> {
     for (step, event) in told.events.iter().enumerate() {
         reading.read(step, event, time(event));
     }
-    let end = told.events.last().map_or(0.0, time);
+    let last = told.events.last().map_or(0.0, time);
+    let end = told.end.map(|it| clean(told.unit.in_base(it, unit)));
+    let end = end.unwrap_or(last).max(last);
     if let Ending::Miss(task) = told.ending {
         let owner = told.events.iter().rev().find(|it| it.thread == *task);
         if let Some(key) = owner.map(|it| key_of(&it.thread)) {

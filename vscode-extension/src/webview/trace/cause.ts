@@ -18,12 +18,11 @@ const isWait = ({ kind }: Span) => kind === 'wait-lock' || kind === 'wait-core';
 const length = ({ from, to }: { from: number; to: number }) => to - from;
 const longest = <T extends { from: number; to: number }>(all: readonly T[]) => all.reduce<T | undefined>((most, it) => (most === undefined || length(it) > length(most) ? it : most), undefined);
 
-/** What is waited for: `` the core: `report` ``. */
-function awaited(wait: Span, trace: Trace): string {
+/** What is waited for: `a core, held by report`. */
+function awaited(wait: Span): string {
   const by: Holder | undefined = longest(wait.by ?? []);
-  const cores = trace.lanes.filter(({ kind }) => kind === 'core').length;
-  const what = wait.kind === 'wait-core' ? (cores === 1 ? 'the core' : 'a core') : by?.through?.join(' and ') || 'a lock';
-  return by === undefined ? what : `${what}: \`${by.name}\``;
+  const what = wait.kind === 'wait-core' ? 'a core' : by?.through?.join(' and ') || 'a lock';
+  return (by === undefined ? what : `${what}, held by ${by.name}`).replaceAll('`', '');
 }
 
 /** The cause of the failure of a run; undefined if no lane is late, or the late one executes nothing. */
@@ -55,7 +54,7 @@ export function causeOf(trace: Trace): Cause | undefined {
     if (kind === 'locks' && trace.spans.some((it) => it.lane === i && isWait(it) && steps.has(it.step))) lanes.add(i);
   }
   if (wait !== undefined) {
-    return { lane, from: wait.from, to: wait.to, text: `waits ${time(length(wait), trace.unit)} for ${awaited(wait, trace)}`, lanes: [...lanes] };
+    return { lane, from: wait.from, to: wait.to, text: `waits ${time(length(wait), trace.unit)} for ${awaited(wait)}`, lanes: [...lanes] };
   }
   const from = job.reduce((least, it) => Math.min(least, it.from), at);
   return { lane, from, to: at, text: 'never waits: its own codels take longer than the limit', lanes: [...lanes] };

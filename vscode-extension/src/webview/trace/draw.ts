@@ -283,7 +283,7 @@ export class Painter {
     const { context: c, theme } = this;
     const [first, last] = [Math.max(x(from), 0), Math.min(x(to), width)];
     if (last <= 0 || first >= width) return undefined;
-    const shown = this.fitted(text.replaceAll('`', ''), width - 12);
+    const shown = this.fitted(text, width - 12);
     const left = Math.max(0, Math.min(first, width - this.width(shown) - 12));
     const right = left + this.width(shown) + 10;
     const y = end - 4;

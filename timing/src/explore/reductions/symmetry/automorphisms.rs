@@ -3,8 +3,9 @@
 //! An exchange is found by pairing the parts of two components, clients or tasks, step by step. It is
 //! accepted only after a comparison of the whole system with the exchanged system.
 
-use super::{Part, Parts, Renaming};
+use super::Renaming;
 use crate::explore::reductions::Watched;
+use crate::explore::rules::{Part, Parts};
 use crate::property::{Atom, Predicate};
 use crate::system::{ClientAction, CodelSet, Policy, TimedSystem};
 
@@ -29,7 +30,8 @@ pub(super) fn classes(system: &TimedSystem, asked: &Watched) -> Vec<Vec<Parts>> 
         let mut class: Vec<Parts> = Vec::new();
         for &other in &seeds[i + 1..] {
             let mut units = out.iter().flatten().chain(&class[class.len().min(1)..]);
-            if !first.resembles(other, system) || units.any(|it| it.holds(first) || it.holds(other))
+            if !first.resembles(other, system)
+                || units.any(|it| holds(it, first) || holds(it, other))
             {
                 continue;
             }
@@ -37,8 +39,8 @@ pub(super) fn classes(system: &TimedSystem, asked: &Watched) -> Vec<Vec<Parts>> 
                 continue;
             };
             let mut others = out.iter().flatten();
-            if others.any(|it| it.meets(&one) || it.meets(&two))
-                || class.iter().any(|it| it.meets(&two))
+            if others.any(|it| meet(it, &one) || meet(it, &two))
+                || class.iter().any(|it| meet(it, &two))
             {
                 continue;
             }
@@ -123,20 +125,19 @@ fn exchange(
     it.changes_nothing(asked).then_some((it.one, it.other))
 }
 
-impl Parts {
-    fn holds(&self, seed: Seed) -> bool {
-        match seed {
-            Seed::Component(it) => self[Part::Component].contains(&it),
-            Seed::Client(it) => self[Part::Client].contains(&it),
-            Seed::Task(it) => self[Part::Task].contains(&it),
-        }
+/// Returns true if a unit contains the starting point of an exchange.
+fn holds(unit: &Parts, seed: Seed) -> bool {
+    match seed {
+        Seed::Component(it) => unit[Part::Component].contains(&it),
+        Seed::Client(it) => unit[Part::Client].contains(&it),
+        Seed::Task(it) => unit[Part::Task].contains(&it),
     }
+}
 
-    fn meets(&self, other: &Parts) -> bool {
-        let meet =
-            |(one, other): (&Vec<usize>, &Vec<usize>)| one.iter().any(|it| other.contains(it));
-        self.0.iter().zip(&other.0).any(meet)
-    }
+/// Returns true if two units have a part in common.
+fn meet(one: &Parts, other: &Parts) -> bool {
+    let meet = |(one, other): (&Vec<usize>, &Vec<usize>)| one.iter().any(|it| other.contains(it));
+    one.lists().iter().zip(other.lists()).any(meet)
 }
 
 /// An exchange of two units.
@@ -285,7 +286,7 @@ impl<'s> Exchange<'s> {
     // ---- The comparison of the systems ------------------------------------------------------
 
     fn changes_nothing(&self, asked: &Watched) -> bool {
-        !self.one.meets(&self.other)
+        !meet(&self.one, &self.other)
             && self.keeps_components()
             && self.keeps_tasks(asked)
             && self.keeps_machines()

@@ -1,7 +1,6 @@
 //! New names of the parts of a system.
 
-use super::{Part, Parts};
-use crate::explore::rules::{Action, Rules};
+use crate::explore::rules::{Action, Part, Parts, Rules};
 use crate::property::Atom;
 use crate::system::TimedSystem;
 
@@ -47,12 +46,18 @@ impl Renaming {
 
     /// Returns the new names, by kind.
     pub(super) fn all(&self) -> impl Iterator<Item = &Vec<usize>> {
-        self.0.0.iter()
+        self.0.lists().iter()
     }
 
     /// Renames the parts of one unit to those of another.
     pub(super) fn put(&mut self, from: &Parts, to: &Parts) {
-        for ((names, from), to) in self.0.0.iter_mut().zip(&from.0).zip(&to.0) {
+        for ((names, from), to) in self
+            .0
+            .lists_mut()
+            .iter_mut()
+            .zip(from.lists())
+            .zip(to.lists())
+        {
             for (&from, &to) in from.iter().zip(to) {
                 names[from] = to;
             }
@@ -61,7 +66,7 @@ impl Renaming {
 
     fn map(&self, each: impl Fn(usize, &[usize]) -> Vec<usize>) -> Renaming {
         let mut out = Parts::default();
-        for (kind, (to, from)) in out.0.iter_mut().zip(&self.0.0).enumerate() {
+        for (kind, (to, from)) in out.lists_mut().iter_mut().zip(self.0.lists()).enumerate() {
             *to = each(kind, from);
         }
         Renaming(out)
@@ -80,7 +85,7 @@ impl Renaming {
 
     /// Returns the composition of two renamings, `first` before this one.
     pub(crate) fn after(&self, first: &Renaming) -> Renaming {
-        self.map(|kind, then| first.0.0[kind].iter().map(|&it| then[it]).collect())
+        self.map(|kind, then| first.0.lists()[kind].iter().map(|&it| then[it]).collect())
     }
 
     pub(crate) fn task(&self, task: usize) -> usize {

@@ -3,7 +3,7 @@
 use std::ops::Deref;
 
 use super::Published;
-use crate::explore::reductions::{Exchangeable, Names, Part, Parts, UnitPlaces};
+use crate::explore::rules::{Exchangeable, Names, Part, Parts, UnitPlaces};
 use crate::explore::state::{Clocks, Frame, Places, State, TaskStatus};
 use crate::system::{Policy, Ticks, TimedSystem};
 

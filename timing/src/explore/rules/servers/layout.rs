@@ -3,7 +3,7 @@
 use std::ops::Deref;
 
 use super::Servers;
-use crate::explore::reductions::{Exchangeable, Names, Part, Parts, UnitPlaces};
+use crate::explore::rules::{Exchangeable, Names, Part, Parts, UnitPlaces};
 use crate::explore::state::{Clocks, Frame, Places, State};
 use crate::scn::semantics::{LockRule, Semantics};
 use crate::system::{Builtin, Client, ClientAction, Policy, Ticks, TimedSystem};

@@ -1,0 +1,111 @@
+//! The continuation of a run by chosen steps.
+
+use super::rules::{Action, Enabled, Rules, with_rules};
+use super::run::{Run, advance};
+use super::state::State;
+use crate::system::{Ticks, TimedSystem};
+
+/// Upper limit on committed steps without a choice that are performed at once.
+const SETTLING: usize = 64;
+
+/// A possible next step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NextStep {
+    /// An action.
+    Action(Action),
+    /// Time passes until the next moment, in base units.
+    Wait(Ticks),
+}
+
+/// A run that was continued.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Continued {
+    /// The run with the chosen steps. Committed steps without a choice follow at once.
+    pub run: Run,
+    /// Number of steps of the run before each choice.
+    pub before: Vec<usize>,
+    /// The possible next steps. Any of them may be next.
+    pub next: Vec<NextStep>,
+}
+
+impl Run {
+    /// Continues the first `steps` steps of a run of a system. Each choice is an index into the list of next
+    /// steps at that point; the first one that is beyond its list ends the continuation.
+    pub fn continued(&self, system: &TimedSystem, steps: usize, choices: &[usize]) -> Continued {
+        with_rules!(system, continued(self, steps, choices))
+    }
+}
+
+/// A run that is being continued.
+struct Walk<'r, R> {
+    rules: &'r R,
+    s: State,
+    run: Run,
+    enabled: Enabled,
+}
+
+fn continued<R: Rules>(rules: &R, run: &Run, steps: usize, choices: &[usize]) -> Continued {
+    let steps = run.steps[..steps.min(run.steps.len())].to_vec();
+    let mut walk = Walk {
+        rules,
+        s: rules.initial(),
+        enabled: Enabled::default(),
+        run: Run::default(),
+    };
+    for (time, action) in steps {
+        if time > walk.run.end {
+            advance(rules, &mut walk.s, (time - walk.run.end) as Ticks);
+            walk.run.end = time;
+        }
+        walk.perform(action);
+    }
+    walk.settle();
+    let mut before = Vec::new();
+    for &choice in choices {
+        let Some(&next) = walk.next().get(choice) else {
+            break;
+        };
+        before.push(walk.run.steps.len());
+        match next {
+            NextStep::Action(action) => walk.perform(action),
+            NextStep::Wait(time) => {
+                walk.rules.elapse(&mut walk.s, time);
+                walk.run.end += u64::from(time);
+            }
+        }
+        walk.settle();
+    }
+    Continued {
+        next: walk.next(),
+        run: walk.run,
+        before,
+    }
+}
+
+impl<R: Rules> Walk<'_, R> {
+    fn perform(&mut self, action: Action) {
+        self.rules.apply(&mut self.s, action);
+        self.run.steps.push((self.run.end, action));
+    }
+
+    /// Performs committed steps without a choice.
+    fn settle(&mut self) {
+        for _ in 0..SETTLING {
+            self.rules.enabled(&self.s, &mut self.enabled);
+            match self.enabled.actions[..] {
+                [action] if self.enabled.committed => self.perform(action),
+                _ => break,
+            }
+        }
+    }
+
+    fn next(&self) -> Vec<NextStep> {
+        let actions = self.enabled.actions.iter().copied();
+        let wait = match self.enabled.is_calm() {
+            true => self.rules.next_moment(&self.s, &|_| false),
+            false => None,
+        };
+        let wait = wait.map(NextStep::Wait);
+        actions.map(NextStep::Action).chain(wait).collect()
+    }
+}

@@ -1,0 +1,115 @@
+//! Runs of a report that a user continues with other steps.
+
+use std::sync::Arc;
+
+use num_rational::Ratio;
+
+use super::{Group, SystemInput, events};
+use crate::explore::{Action, NextStep, Run, SystemRun};
+use crate::report::{Event, TimeUnit};
+use crate::scn::names::Names;
+use crate::system::TimedSystem;
+
+/// A run up to one of its events, continued by chosen steps.
+#[derive(Debug, Clone)]
+pub struct Simulation {
+    /// The run in words.
+    pub events: Vec<Event>,
+    /// End of the run, in the unit of the report.
+    pub end: f64,
+    /// The possible next steps. Any of them may be chosen.
+    pub choices: Vec<Choice>,
+    /// Number of events before each chosen step.
+    pub taken: Vec<usize>,
+}
+
+/// A possible next step.
+#[derive(Debug, Clone)]
+pub enum Choice {
+    /// The first event of an action.
+    Step(Box<Event>),
+    /// An action without an event, in words.
+    Silent(String),
+    /// Time passes, in the unit of the report, until something may happen.
+    Wait(f64),
+}
+
+impl Group<'_> {
+    /// Keeps a run, to be continued.
+    pub(super) fn kept(&self, run: &Run) -> Option<Arc<SystemRun>> {
+        let it = SystemRun {
+            system: self.built.system.clone(),
+            run: run.clone(),
+        };
+        (!run.left_out).then(|| Arc::new(it))
+    }
+}
+
+impl SystemRun {
+    /// Continues the run after one of its events, or from its beginning if there is no such event. Each
+    /// number in `take` is an index into the choices at that point.
+    pub fn simulate(
+        &self,
+        input: &SystemInput,
+        unit: TimeUnit,
+        after: usize,
+        take: &[usize],
+    ) -> Simulation {
+        let names = Names::new(&input.specs);
+        let system = &self.system;
+        let (_, ends) = self.run.moments_by_step(system);
+        // An event belongs to the step after which the list is longer than its index.
+        let steps = ends.partition_point(|&end| end <= after);
+        let continued = self.run.continued(system, steps, take);
+        let time =
+            |ticks: u64| unit.from_seconds(system.unit * Ratio::from_integer(i128::from(ticks)));
+        let told = |run: &Run| events::told(&names, system, unit, run);
+        let (_, ends) = continued.run.moments_by_step(system);
+        let events = told(&continued.run);
+        let choices = continued.next.iter().map(|next| match *next {
+            NextStep::Wait(ticks) => Choice::Wait(time(u64::from(ticks))),
+            NextStep::Action(action) => {
+                let mut run = continued.run.clone();
+                run.steps.push((run.end, action));
+                let mut of_step = told(&run).split_off(events.len());
+                match of_step.is_empty() {
+                    true => Choice::Silent(silent(system, action)),
+                    false => Choice::Step(Box::new(of_step.swap_remove(0))),
+                }
+            }
+        });
+        Simulation {
+            choices: choices.collect(),
+            taken: continued.before.iter().map(|&it| ends[it]).collect(),
+            end: time(continued.run.end),
+            events,
+        }
+    }
+}
+
+/// Describes an action without an event.
+fn silent(system: &TimedSystem, action: Action) -> String {
+    let executor = |it: usize| match it.checked_sub(system.tasks.len()) {
+        None => system.task_path(it),
+        Some(it) => (system.components.get(it)).map_or_else(String::new, |it| it.name.clone()),
+    };
+    let component = |it: usize| &system.components[it].name;
+    match action {
+        Action::Ticket { executor: it } => format!("{} queues for its locks", executor(it)),
+        Action::Ready { executor: it } => format!("{} becomes ready", executor(it)),
+        Action::Begin { task } => format!("{} begins a pass", system.task_path(task)),
+        Action::Wake { task } => {
+            format!(
+                "{} wakes the other tasks of its component",
+                system.task_path(task)
+            )
+        }
+        Action::Signal { component: it } => {
+            format!("{} handles the ends of activities", component(it))
+        }
+        Action::Reply { component: it } => format!("{} replies", component(it)),
+        Action::Shut { component: it } => format!("{} goes on with its shutdown", component(it)),
+        Action::Proceed { client, .. } => format!("{} goes on", system.clients[client].name),
+        _ => "a step inside the system".to_owned(),
+    }
+}

@@ -1,0 +1,96 @@
+//! Runs of a report that a user continues with other steps.
+
+use dotgen_timing::explore::MomentKind;
+use dotgen_timing::verify::Choice;
+
+use super::*;
+
+const SCENARIO: &str = "scenario robot { cores 1;
+  client k { delay [0, 9] ms; send sensor.record; await ended; }
+  check response sensor.acquire <= 7 ms; check reachable sensor.record.run; }";
+
+/// Calls a function with the checks of the robot that have a run.
+fn with_runs(each: impl Fn(&SystemInput, &Report, &CheckReport)) {
+    let unit = load(ROBOT);
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let parsed = parse(SCENARIO);
+    assert_eq!(parsed.errors, []);
+    for options in [Options::default(), published()] {
+        let report = verify(&input, &parsed.scenario, &options, &Cancel::default());
+        let runs: Vec<_> = report
+            .checks
+            .iter()
+            .filter(|it| it.kept.is_some())
+            .collect();
+        assert_eq!(runs.len(), 2);
+        runs.iter().for_each(|it| each(&input, &report, it));
+    }
+}
+
+fn told(it: &CheckReport, events: usize) -> Vec<(f64, String)> {
+    let events = it.run().iter().take(events);
+    events.map(|it| (it.time, it.what.clone())).collect()
+}
+
+#[test]
+fn at_each_event_the_step_of_the_run_itself_can_be_chosen() {
+    with_runs(|input, report, check| {
+        let run = check.kept.as_ref().unwrap();
+        for after in 0..check.run().len() {
+            let it = run.simulate(input, report.unit, after, &[]);
+            let events: Vec<_> = it
+                .events
+                .iter()
+                .map(|it| (it.time, it.what.clone()))
+                .collect();
+            // The limit that is exceeded is an event, but no step.
+            let excess = check.run()[after].kind == MomentKind::Excess;
+            assert!(events.len() > after || excess);
+            // Committed steps without a choice follow at once.
+            let shared = events.len().min(check.run().len());
+            assert_eq!(told(check, shared), events[..shared]);
+            let Some(next) = check.run().get(events.len()) else {
+                continue;
+            };
+            let offers = |choice: &Choice| match choice {
+                Choice::Step(event) => (event.time, &event.what) == (next.time, &next.what),
+                // It comes before the event.
+                Choice::Silent(_) => true,
+                Choice::Wait(_) => next.time > it.end,
+            };
+            assert!(it.choices.iter().any(offers), "{next:?}\n{:?}", it.choices);
+        }
+    });
+}
+
+#[test]
+fn every_choice_goes_on_and_is_the_event_that_was_offered() {
+    with_runs(|input, report, check| {
+        let run = check.kept.as_ref().unwrap();
+        let mut take = Vec::new();
+        for round in 0..60 {
+            let before = run.simulate(input, report.unit, 0, &take);
+            assert_eq!(before.taken.len(), take.len());
+            assert!(before.taken.is_sorted());
+            let choice = round * 7 % before.choices.len();
+            take.push(choice);
+            let after = run.simulate(input, report.unit, 0, &take);
+            match &before.choices[choice] {
+                Choice::Step(event) => {
+                    assert_eq!(after.events[before.events.len()].what, event.what)
+                }
+                Choice::Wait(time) => {
+                    assert!(after.end > before.end && after.end - before.end <= *time + before.end)
+                }
+                Choice::Silent(_) => {}
+            }
+        }
+        // A number beyond the choices ends the continuation.
+        take.truncate(5);
+        take.extend([usize::MAX, 0]);
+        let it = run.simulate(input, report.unit, 0, &take);
+        assert_eq!(it.taken.len(), 5);
+    });
+}
