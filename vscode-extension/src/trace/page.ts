@@ -30,10 +30,10 @@ canvas.pan { cursor: grabbing; }
 #tip { position: fixed; z-index: 2; max-width: 420px; padding: 4px 8px; pointer-events: none; white-space: pre-line; color: var(--vscode-editorHoverWidget-foreground, var(--vscode-editor-foreground)); background: var(--vscode-editorHoverWidget-background, var(--vscode-editor-background)); border: 1px solid var(--vscode-editorHoverWidget-border, var(--vscode-contrastBorder, var(--vscode-focusBorder))); }
 aside { flex: 0 0 min(340px, 36%); display: flex; flex-direction: column; min-width: 0; overflow: auto; border-left: 1px solid var(--vscode-panel-border, var(--vscode-contrastBorder, transparent)); }
 #step, #range { padding: 8px 12px; }
-#next { padding: 0 12px 8px; }
-#next h3 { font-size: 1em; font-weight: 600; margin: 4px 0; }
-#next ol { margin: 0; padding: 0; list-style: none; }
-#next ol button { width: 100%; text-align: left; margin: 1px 0; overflow-wrap: anywhere; }
+#following { padding: 0 12px 8px; }
+#following h3 { font-size: 1em; font-weight: 600; margin: 4px 0; }
+#following ol { margin: 0; padding: 0; list-style: none; }
+#following ol button { width: 100%; text-align: left; margin: 1px 0; overflow-wrap: anywhere; }
 #range { border-bottom: 1px solid var(--vscode-panel-border, var(--vscode-contrastBorder, transparent)); }
 #range h3 { font-size: 1em; font-weight: 600; margin: 6px 0 0; }
 #step h2, #range h2 { font-size: 1em; margin: 0 0 2px; font-weight: 600; overflow-wrap: anywhere; }
@@ -78,7 +78,7 @@ const BODY = `<header aria-label="Trace">
 <div id="trace" tabindex="0" role="application" aria-roledescription="trace" aria-label="Trace. Left and right arrows step through the run, up and down stay in the lane, W and S or plus and minus zoom, A and D pan, M selects what the step is about and sums it, C lists the steps that may follow, slash searches." aria-describedby="told">
 <div id="sheet"><ul id="names" aria-label="Lanes"></ul><div id="plane"><canvas id="canvas" aria-hidden="true"></canvas></div></div>
 </div>
-<aside aria-label="Step" tabindex="0"><section id="range" aria-label="Selected part" aria-live="polite" hidden></section><section id="step" aria-label="What happens"></section><section id="next" aria-label="What may follow" hidden></section><section id="machine" aria-label="State machine" hidden></section></aside>
+<aside aria-label="Step" tabindex="0"><section id="range" aria-label="Selected part" aria-live="polite" hidden></section><section id="step" aria-label="What happens"></section><section id="following" aria-label="What may follow" hidden></section><section id="machine" aria-label="State machine" hidden></section></aside>
 </div>
 <section id="empty" aria-label="Nothing to show"><p id="why">No run is shown. Open one from a verification, or a recorded one.</p><button id="open">Open Recorded Run…</button></section>
 </main>

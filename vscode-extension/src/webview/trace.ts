@@ -213,7 +213,7 @@ function choose(to: number, reveal = true): void {
 
 /** The steps that may follow, or the button that asks for them. */
 function showNext(): void {
-  const section = element('next');
+  const section = element('following');
   section.hidden = !simulates;
   if (next?.step !== step) {
     const ask = node('button', ['Choose the next step']);
@@ -508,7 +508,7 @@ window.addEventListener('message', ({ data }: MessageEvent<ToPage>) => {
       next = data;
       if (data.step !== step) choose(data.step);
       else showNext();
-      return element('next').querySelector<HTMLElement>('ol button')?.focus({ preventScroll: true });
+      return element('following').querySelector<HTMLElement>('ol button')?.focus({ preventScroll: true });
     case 'nothing':
       return nothing(data.text);
     case 'notice': {

@@ -139,6 +139,10 @@ export function checks(wb) {
       await node('mikrokopter').waitFor();
       assert.equal(await frame.locator('g.node.component').count(), 6);
       assert.ok((await edges()).includes('optitrack.mocap_pose pom'));
+      // Letters are at least 9 pixels high, and nothing is scrolled sideways: a wide system is drawn in rows.
+      const width = () => frame.locator('#view').evaluate((it) => ({ cut: it.scrollWidth > it.clientWidth + 2, scale: it.querySelector('svg').getBoundingClientRect().width / it.querySelector('svg').viewBox.baseVal.width }));
+      await until('the system fits the width', async () => !(await width()).cut, async () => JSON.stringify(await width()));
+      assert.ok((await width()).scale * 11 >= 8.9, JSON.stringify(await width()));
       await wb.shot('preview-06-system.png');
       await frame.locator('#kind').selectOption('locks');
       await frame.locator('g.node.data').first().waitFor();

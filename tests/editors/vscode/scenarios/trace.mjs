@@ -60,6 +60,34 @@ export function checks(wb) {
       await page.keyboard.press('Enter');
       await page.locator('.monaco-editor .line-numbers.active-line-number', { hasText: /^25$/ }).waitFor();
     }],
+    ['another step that the rules allow is taken, and the run goes on from there', async () => {
+      const frame = await viewer();
+      await frame.locator('#trace').focus();
+      await page.keyboard.press('Home');
+      await page.keyboard.press('c');
+      const choices = frame.locator('#following ol button');
+      await choices.first().waitFor();
+      assert.match(await frame.locator('#position').textContent(), /step 1 of/, 'the whole run is still there');
+      await page.keyboard.press('Enter');
+      await frame.locator('#title', { hasText: 'with chosen steps' }).waitFor();
+      const first = Number(/of (\d+)/.exec(await frame.locator('#position').textContent())[1]);
+      assert.ok(first < steps);
+      // The choices of the new end are there at once, and the keyboard is among them.
+      for (let i = 0; i < 8; i++) {
+        await frame.locator('#following ol button:focus').waitFor();
+        const before = await frame.locator('#following').textContent();
+        await page.keyboard.press('Enter');
+        await until('the next choices', async () => (await frame.locator('#following').textContent()) !== before || (await frame.locator('#following ol button').count()) === 0);
+      }
+      await wb.shot('80-trace-chosen.png');
+      // Back at an earlier step, its own choices are listed again.
+      await frame.locator('#trace').focus();
+      await page.keyboard.press('Home');
+      await frame.locator('#following button', { hasText: 'Choose the next step' }).click();
+      await choices.first().waitFor();
+      await wb.command('dotgen: Step Through Run');
+      await frame.locator('#title', { hasText: 'a run that refutes it' }).waitFor();
+    }],
     ['names and roles for screen readers', async () => {
       const frame = await viewer();
       await frame.evaluate(axe);
