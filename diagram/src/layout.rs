@@ -183,12 +183,17 @@ pub fn layout_within(graph: &Graph, pane: f64) -> Layout {
         return sideways;
     }
     // Passing edges need space as well, which is known only after the layout.
-    let shares = [1.0, 0.8, 0.6, 0.45, 0.3];
-    let tries = shares.map(|share| place(graph, Direction::Down, Some(share * most)));
-    let narrow = tries.iter().position(|it| it.width <= most);
-    let widths = (0..tries.len()).min_by(|&a, &b| tries[a].width.total_cmp(&tries[b].width));
-    let best = narrow.or(widths).map(|it| tries[it].clone());
-    best.unwrap_or(sideways)
+    let mut narrowest = sideways;
+    for share in [1.0, 0.8, 0.6, 0.45, 0.3] {
+        let it = place(graph, Direction::Down, Some(share * most));
+        if it.width < narrowest.width {
+            narrowest = it;
+        }
+        if narrowest.width <= most {
+            break;
+        }
+    }
+    narrowest
 }
 
 /// Places a graph. Deterministic and total: edges to unknown nodes are left out.

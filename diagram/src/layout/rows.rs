@@ -22,13 +22,14 @@ pub(super) fn bounded(
 ) -> Vec<usize> {
     let mut waiting: Vec<usize> = (0..nodes.len()).collect();
     waiting.sort_by_key(|&it| ranks[it]);
+    let mut above: Vec<Vec<usize>> = vec![Vec::new(); nodes.len()];
+    for it in arcs {
+        above[it.1].push(it.0);
+    }
     let mut row: Vec<Option<usize>> = vec![None; nodes.len()];
     let mut last = None;
     for number in 0.. {
-        let is_ready = |node: usize| {
-            let mut above = arcs.iter().filter(|it| it.1 == node);
-            above.all(|it| row[it.0].is_some())
-        };
+        let is_ready = |node: usize| above[node].iter().all(|&it| row[it].is_some());
         let ready: Vec<usize> = waiting.iter().copied().filter(|&it| is_ready(it)).collect();
         let shape = |&&node: &&usize| Some(nodes[node].1) != last;
         let Some(&first) = ready.iter().find(shape).or(ready.first()) else {

@@ -8,8 +8,8 @@ use camino::Utf8Path;
 use dotgen_analysis::host::{AnalysisHost, Change, UnitResult};
 use dotgen_analysis::host::{FileContent, Loader, PackageFlags};
 use dotgen_analysis::model::ComponentKind;
-use dotgen_diagram::graph::{Graph, MARKED};
-use dotgen_diagram::layout::{Layout, Point, layout, moved};
+use dotgen_diagram::graph::{Direction, Edge, Graph, Line, LineStyle, MARKED, Node, Shape};
+use dotgen_diagram::layout::{Layout, Point, layout, layout_within, moved};
 use dotgen_diagram::render::svg::svg;
 use dotgen_diagram::theme::Theme;
 use dotgen_diagram::{fsm, locks, system};
@@ -360,4 +360,50 @@ fn a_way_that_is_none_or_endless_says_so() {
     // One state is not a path yet, but it is marked.
     let (note, nodes, _) = way(&["up"]);
     assert_eq!((note, nodes), (None, vec!["up".to_owned()]));
+}
+
+/// A system of components in chains, each with an output port that two others read.
+fn fleet(components: usize) -> Graph {
+    let node = |id: String, shape| Node {
+        lines: vec![Line::new(LineStyle::Title, id.clone())],
+        id,
+        shape,
+        ..Node::default()
+    };
+    let edge = |from: String, to: String| Edge {
+        from,
+        to,
+        ..Edge::default()
+    };
+    let mut graph = Graph {
+        direction: Direction::Right,
+        ..Graph::default()
+    };
+    for it in 0..components {
+        let (own, port) = (format!("component{it}"), format!("component{it}.out"));
+        graph.nodes.push(node(own.clone(), Shape::Card));
+        graph.nodes.push(node(port.clone(), Shape::Octagon));
+        graph.edges.push(edge(own, port.clone()));
+        for reader in [it + 1, it + 7].into_iter().filter(|&it| it < components) {
+            graph
+                .edges
+                .push(edge(port.clone(), format!("component{reader}")));
+        }
+    }
+    graph
+}
+
+#[test]
+fn a_wide_system_is_drawn_in_rows_of_its_pane_with_letters_of_nine_pixels() {
+    for (components, pane) in [(5, 700.0), (50, 1400.0)] {
+        let graph = fleet(components);
+        let sideways = layout(&graph);
+        let rows = layout_within(&graph, pane);
+        let letters = 11.0 * (pane / rows.width).min(1.0);
+        assert!(letters >= 9.0, "{components}: {letters}");
+        assert!(rows.width < sideways.width, "{components}");
+        assert_eq!(problems(&graph, &rows), Vec::<String>::new());
+        // In a pane that is wide enough, nothing changes.
+        assert_eq!(layout_within(&graph, sideways.width), sideways);
+    }
 }
