@@ -172,28 +172,28 @@ const MARGIN: f64 = 12.0;
 /// Least size of letters on a screen, in pixels.
 const LEAST_LETTER: f64 = 9.0;
 
+/// Maximum number of nodes of a graph that is drawn in rows: in larger ones the edges need most of the width.
+const MOST_IN_ROWS: usize = 300;
+
 /// Places a graph in a pane of a width in pixels. A graph that reads from left to right and is so wide that
-/// its letters would be smaller than 9 pixels is turned, to read from top to bottom in rows of that width.
-/// The pane scrolls downwards.
+/// its letters would be smaller than 9 pixels is turned, to read from top to bottom in rows of that width, if
+/// it is not too large for that. The pane scrolls downwards.
 pub fn layout_within(graph: &Graph, pane: f64) -> Layout {
     let sideways = layout(graph);
     // The width of the picture at which its smallest letters have the least size.
     let most = pane * text::LABEL.size / LEAST_LETTER;
-    if graph.direction != Direction::Right || sideways.width <= most {
+    let large = graph.nodes.len() > MOST_IN_ROWS;
+    if graph.direction != Direction::Right || sideways.width <= most || large {
         return sideways;
     }
     // Passing edges need space as well, which is known only after the layout.
-    let mut narrowest = sideways;
     for share in [1.0, 0.8, 0.6, 0.45, 0.3] {
         let it = place(graph, Direction::Down, Some(share * most));
-        if it.width < narrowest.width {
-            narrowest = it;
-        }
-        if narrowest.width <= most {
-            break;
+        if it.width <= most {
+            return it;
         }
     }
-    narrowest
+    sideways
 }
 
 /// Places a graph. Deterministic and total: edges to unknown nodes are left out.

@@ -10,7 +10,8 @@ use crate::property::{Atom, Predicate};
 #[derive(Debug, Clone, Default)]
 pub struct NeverObserved {
     jobs: Vec<TaskWithoutJob>,
-    atoms: Vec<Atom>,
+    /// Each atom, and the atoms into which exchanges of symmetric parts turn it.
+    atoms: Vec<(Atom, Vec<Atom>)>,
 }
 
 /// A task without any released job.
@@ -23,7 +24,7 @@ pub struct TaskWithoutJob {
 
 impl NeverObserved {
     /// Returns all subjects, before any state is known.
-    pub(super) fn of(watch: &Watch) -> NeverObserved {
+    pub(super) fn of(watch: &Watch, orbits: &Orbits) -> NeverObserved {
         let responses = watch.response.iter().map(|it| &it.task);
         let tasks = watch.schedulable.iter().chain(&watch.overdue);
         let mut jobs: Vec<TaskWithoutJob> = Vec::new();
@@ -35,17 +36,17 @@ impl NeverObserved {
         }
         NeverObserved {
             jobs,
-            ..NeverObserved::of_predicates(&watch.reach)
+            ..NeverObserved::of_predicates(&watch.reach, orbits)
         }
     }
 
     /// Returns the atoms of predicates.
-    pub(super) fn of_predicates(predicates: &[Predicate]) -> NeverObserved {
+    pub(super) fn of_predicates(predicates: &[Predicate], orbits: &Orbits) -> NeverObserved {
         let mut out = NeverObserved::default();
         for it in predicates {
             it.atoms(&mut |atom| {
-                if !out.atoms.contains(atom) {
-                    out.atoms.push(atom.clone());
+                if out.atoms.iter().all(|it| it.0 != *atom) {
+                    out.atoms.push((atom.clone(), orbits.of_atom(atom)));
                 }
             });
         }
@@ -62,8 +63,8 @@ impl NeverObserved {
             // Tasks are started in order, so the later one counts.
             it.start_up = it.start_up.zip(now).map(|(one, other)| one.max(other));
         }
-        self.atoms.retain(|it| {
-            !rules.atom(s, it) && !orbits.of_atom(it).iter().any(|it| rules.atom(s, it))
+        self.atoms.retain(|(atom, alike)| {
+            !rules.atom(s, atom) && !alike.iter().any(|it| rules.atom(s, it))
         });
     }
 
@@ -74,6 +75,6 @@ impl NeverObserved {
 
     /// Returns true if an atom never holds.
     pub fn has(&self, atom: &Atom) -> bool {
-        self.atoms.contains(atom)
+        self.atoms.iter().any(|it| it.0 == *atom)
     }
 }

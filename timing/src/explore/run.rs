@@ -4,7 +4,7 @@ use rustc_hash::FxHashMap;
 
 use super::observe::{self, Observer};
 use super::rules::Moment;
-use super::rules::{Action, Rules, with_rules};
+use super::rules::{Action, Enabled, Rules, with_rules};
 use super::state::State;
 use crate::cancel::Cancel;
 use crate::system::{FOREVER, Ticks, TimedSystem};
@@ -165,6 +165,11 @@ impl Run {
         }
     }
 
+    /// Returns the first step whose action is not possible at its time; `None` if the run is one of the system.
+    pub fn impossible_step(&self, system: &TimedSystem) -> Option<usize> {
+        with_rules!(system, impossible_step(self))
+    }
+
     /// Returns the run in words.
     pub fn moments(&self, system: &TimedSystem) -> Vec<Moment> {
         self.moments_by_step(system).0
@@ -174,6 +179,25 @@ impl Run {
     pub fn moments_by_step(&self, system: &TimedSystem) -> (Vec<Moment>, Vec<usize>) {
         with_rules!(system, told(self))
     }
+}
+
+fn impossible_step<R: Rules>(rules: &R, run: &Run) -> Option<usize> {
+    let mut s = rules.initial();
+    let mut enabled = Enabled::default();
+    let mut now = 0;
+    for (step, &(time, action)) in run.steps.iter().enumerate() {
+        if time > now {
+            advance(rules, &mut s, (time - now) as Ticks);
+            now = time;
+        }
+        rules.enabled(&s, &mut enabled);
+        // A mark of a chain is no step of the system.
+        if !matches!(action, Action::Mark { .. }) && !enabled.actions.contains(&action) {
+            return Some(step);
+        }
+        rules.apply(&mut s, action);
+    }
+    None
 }
 
 fn told<R: Rules>(rules: &R, run: &Run) -> (Vec<Moment>, Vec<usize>) {

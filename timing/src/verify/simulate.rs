@@ -46,6 +46,11 @@ impl Group<'_> {
 }
 
 impl SystemRun {
+    /// Returns the first step whose action is not possible at its time; `None` if the run is one of the system.
+    pub fn impossible_step(&self) -> Option<usize> {
+        self.run.impossible_step(&self.system)
+    }
+
     /// Continues the run after one of its events, or from its beginning if there is no such event. Each
     /// number in `take` is an index into the choices at that point.
     pub fn simulate(

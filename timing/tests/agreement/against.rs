@@ -104,6 +104,9 @@ fn compare_without(name: &str, texts: &Texts, without: Kinds) -> Option<Result<(
             wrong.push(format!("{check} is not answered"));
             continue;
         };
+        if let Some(step) = found.kept.as_ref().and_then(|it| it.impossible_step()) {
+            wrong.push(format!("{check}: step {step} of its run is not possible"));
+        }
         // Without execution times, or after an incomplete exploration, there is nothing to compare. Bounds
         // were compared above.
         let says_nothing = matches!(found.verdict, Verdict::Nothing | Verdict::Unknown);

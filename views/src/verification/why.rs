@@ -169,7 +169,10 @@ impl FailureCause {
         let time = unit.show(it.time);
         let what = match (it.awaited, &it.through[..]) {
             (None, _) => {
-                return "never waits: its own codels take longer than the limit".to_owned();
+                // Where threads preempt each other, no queue holds a thread that has lost its core.
+                return "never waits in a queue: its codels, and what preempts them, take longer than the \
+                        limit"
+                    .to_owned();
             }
             (Some(Awaited::Core), _) => "a core".to_owned(),
             (Some(Awaited::Lock), []) => "a lock".to_owned(),

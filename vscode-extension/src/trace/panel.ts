@@ -13,6 +13,15 @@ const VIEW = 'dotgen.trace';
 const NOTHING = 'No run is shown. Open one from a verification, or a recorded one.';
 const OLD = 'The text has changed since: this run is of an earlier one.';
 
+const NOT_YET = 'The run is not known at the moment: the text is being verified. Ask for it again.';
+
+/** Chosen steps: the step of the original run before them, the choices, and the number of steps before each. */
+interface Chosen {
+  after: number;
+  take: number[];
+  before: number[];
+}
+
 /** Argument of the command. */
 export interface TraceTarget {
   uri: string;
@@ -25,8 +34,12 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
   private trace: Trace | undefined;
   /** What the trace was asked with; undefined for a file. */
   private target: TraceTarget | undefined;
-  /** The chosen steps: the step of the original run before them, and the number of steps before each. */
-  private chosen: { after: number; take: number[]; before: number[] } | undefined;
+  /** The chosen steps in the trace that is shown; undefined in an original run. */
+  private chosen: Chosen | undefined;
+  /** The choices before the steps that are listed. */
+  private listed: Chosen | undefined;
+  /** The text has changed since the trace was made. */
+  private stale = false;
   private ready = false;
   // Answers to older questions are dropped.
   private asked = 0;
@@ -52,7 +65,10 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
         this.machines.clear();
         const uri = document.uri.toString();
         const concerned = this.trace?.places.some((it) => it?.uri === uri) ?? false;
-        if (concerned && this.target !== undefined) this.send({ type: 'notice', text: OLD });
+        if (concerned && this.target !== undefined) {
+          this.stale = true;
+          this.send({ type: 'notice', text: OLD });
+        }
         if (concerned) this.highlight(undefined);
       }),
     );
@@ -90,7 +106,6 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
       return;
     }
     const asked = ++this.asked;
-    this.chosen = undefined;
     await vscode.commands.executeCommand(`${VIEW}.focus`);
     let trace: Trace | null;
     try {
@@ -106,6 +121,7 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
     }
     if (asked !== this.asked) return;
     this.target = wanted;
+    this.stale = false;
     this.present(trace ?? undefined, 'There is no run to show: no check of this document is refuted or has a longest run, or it is not verified yet.');
   }
 
@@ -126,8 +142,10 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
     this.present(trace, NOTHING);
   }
 
-  private present(trace: Trace | undefined, otherwise: string): void {
+  private present(trace: Trace | undefined, otherwise: string, chosen?: Chosen): void {
     this.trace = trace;
+    this.chosen = chosen;
+    this.listed = undefined;
     this.machines.clear();
     this.send({ type: 'notice', text: '' });
     this.send(trace === undefined ? { type: 'nothing', text: otherwise } : { type: 'trace', trace, simulates: this.target !== undefined });
@@ -165,35 +183,40 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
     }
   }
 
-  /** Lists the steps that may follow a step. */
+  /** Lists the steps that may follow a step. The choices that led to it are kept. */
   private async choices(step: number): Promise<void> {
+    const { chosen } = this;
     const last = (this.trace?.steps.length ?? 0) - 1;
-    const { after, take, before } = this.chosen ?? { after: step, take: [], before: [] };
-    // The choices that led to the step are kept.
-    const kept = before.filter((it) => it <= step || step === last).length;
-    const chosen = kept > 0 || step > after ? { after, take: take.slice(0, kept), before: before.slice(0, kept) } : { after: step, take: [], before: [] };
-    const answer = await this.simulate(chosen);
+    const kept = chosen === undefined || (step <= chosen.after && step !== last) ? 0 : chosen.before.filter((it) => it <= step || step === last).length;
+    const listed = chosen === undefined || kept === 0 ? { after: step, take: [], before: [] } : { after: chosen.after, take: chosen.take.slice(0, kept), before: chosen.before.slice(0, kept) };
+    const answer = await this.simulate(listed);
     if (answer?.next === undefined) return;
-    this.chosen = chosen;
+    this.listed = listed;
     this.send({ type: 'next', step, choices: answer.next.choices });
   }
 
   /** Goes on with one of the listed steps. */
   private async take(choice: number): Promise<void> {
-    if (this.chosen === undefined) return;
-    const { after, take } = this.chosen;
+    if (this.listed === undefined) return;
+    const { after, take } = this.listed;
     const answer = await this.simulate({ after, take: [...take, choice] });
     if (answer?.next === undefined) return;
-    this.chosen = { after, take: [...take, choice], before: answer.next.taken };
-    this.present(answer, NOTHING);
-    this.send({ type: 'next', step: answer.steps.length - 1, choices: answer.next.choices });
+    const { choices, taken } = answer.next;
+    const chosen = { after, take: [...take, choice].slice(0, taken.length), before: taken };
+    this.present(answer, NOTHING, chosen);
+    this.listed = chosen;
+    this.send({ type: 'next', step: answer.steps.length - 1, choices });
   }
 
   /** The run with chosen steps; undefined after an edit. */
-  private async simulate({ after, take }: { after: number; take: number[] }): Promise<(Trace & { next?: NextSteps }) | undefined> {
+  private async simulate({ after, take }: Omit<Chosen, 'before'>): Promise<(Trace & { next?: NextSteps }) | undefined> {
     const { running: client } = this.server;
     const { target } = this;
     if (client === undefined || target === undefined) return undefined;
+    if (this.stale) {
+      this.send({ type: 'notice', text: OLD });
+      return undefined;
+    }
     const asked = ++this.asked;
     const { uri, check, whatIf } = target;
     try {
@@ -204,7 +227,9 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
         after,
         take,
       });
-      return asked === this.asked ? (answer ?? undefined) : undefined;
+      if (asked !== this.asked) return undefined;
+      if (answer?.next === undefined) this.send({ type: 'notice', text: NOT_YET });
+      return answer ?? undefined;
     } catch {
       this.send({ type: 'notice', text: OLD });
       return undefined;

@@ -344,11 +344,16 @@ document.addEventListener('keydown', (event) => {
 
 /** The width that the panel knows. */
 let known = 0;
-new ResizeObserver(() => {
+let resized: number | undefined;
+function tellWidth(): void {
   const width = view.clientWidth;
   // A scrollbar more or less changes no layout.
   if (width < 100 || Math.abs(width - known) < known / 10) return;
   known = width;
   host.postMessage({ type: 'width', width });
+}
+new ResizeObserver(() => {
+  window.clearTimeout(resized);
+  resized = window.setTimeout(tellWidth, known === 0 ? 0 : 200);
 }).observe(view);
 host.postMessage({ type: 'ready' });

@@ -115,6 +115,8 @@ pub enum Reason {
     OneQueue,
     /// Threads preempt each other.
     Preemption,
+    /// A free core goes to the ready thread of the lowest number (`policy fair`).
+    FairCores,
     /// Codels of different components exclude each other by ports.
     LockedPorts,
     /// A client requests `abort`, `kill` or `connect`.
@@ -165,6 +167,7 @@ impl fmt::Display for Reason {
                 "the actions of a component share one lock queue and one control task, which see their order"
             }
             Reason::Preemption => "threads of different components preempt each other",
+            Reason::FairCores => "with `policy fair`, a free core goes to the first ready thread",
             Reason::LockedPorts => "components lock each other's ports",
             Reason::Builtins => "a client asks for `abort`, `kill` or `connect`",
             Reason::LocksInOrder => "locks are given in order of arrival",

@@ -28,15 +28,20 @@ use super::{Kind, Reason, Reduction, Setting};
 use crate::explore::rules::{Exchangeable, Names, Part, Parts, Rules, UnitPlaces};
 use crate::explore::state::State;
 use crate::property::Atom;
+use crate::system::Policy;
 
 /// A unit, and its numbers in a state.
 #[derive(Debug, Clone)]
 struct Unit {
     parts: Parts,
+    /// All numbers in the discrete part: those below.
+    discrete: Vec<usize>,
     /// Numbers that are no names.
     plain: Vec<usize>,
     /// Numbers that may be names.
     named: Vec<usize>,
+    /// Lists of names: the index of the length, and the kind of the names.
+    lists: Vec<(usize, Part)>,
     times: Vec<usize>,
 }
 
@@ -113,13 +118,12 @@ impl Orbits {
         let mut out = vec![atom.clone()];
         for class in &self.classes {
             for it in out.clone() {
-                for (one, other) in class
-                    .iter()
-                    .flat_map(|one| class.iter().map(move |it| (one, it)))
-                {
-                    let exchanged = self.exchange_units(one, other).atom(&it);
-                    if !out.contains(&exchanged) {
-                        out.push(exchanged);
+                for (at, one) in class.iter().enumerate() {
+                    for other in &class[at + 1..] {
+                        let exchanged = self.exchange_units(one, other).atom(&it);
+                        if !out.contains(&exchanged) {
+                            out.push(exchanged);
+                        }
                     }
                 }
             }
@@ -155,7 +159,12 @@ impl<R: Exchangeable> Reduction<R> for Symmetry {
     const KIND: Kind = Kind::Symmetry;
 
     fn applies(setting: &Setting<R>) -> Result<Self, Reason> {
-        let mut classes = automorphisms::classes(setting.system(), setting.asked);
+        let system = setting.system();
+        // A free core goes to the ready thread of the lowest number, without an action.
+        if system.preempts() && system.platform.policy == Policy::Fair {
+            return Err(Reason::FairCores);
+        }
+        let mut classes = automorphisms::classes(system, setting.asked);
         if classes.is_empty() {
             return Err(Reason::NothingAlike);
         }
@@ -173,17 +182,21 @@ impl Symmetry {
         let orbits = Orbits::new(rules, classes);
         let numbers = rules.frame().blank().d.len();
         let mut at = vec![None; numbers];
-        let mut may_name = vec![false; numbers];
         for &(place, part, first) in &names.single {
             at[place] = Some((part, first));
-            may_name[place] = true;
         }
         let unit = |parts: &Parts| {
             let UnitPlaces { discrete, times } = rules.unit_places(parts);
-            let (named, plain) = discrete.into_iter().partition(|&it| may_name[it]);
-            let parts = parts.clone();
+            let own = names.lists.iter().filter(|it| discrete.contains(&it.0));
+            let of_lists: Vec<usize> = (own.clone())
+                .flat_map(|&(base, capacity, _)| base..=base + capacity)
+                .collect();
+            let rest = discrete.iter().filter(|it| !of_lists.contains(it));
+            let (named, plain) = rest.partition(|&&it| at[it].is_some());
             Unit {
-                parts,
+                parts: parts.clone(),
+                lists: own.map(|&(base, _, part)| (base, part)).collect(),
+                discrete,
                 plain,
                 named,
                 times,
@@ -207,10 +220,7 @@ impl Symmetry {
         }
         let outside = (classes.iter())
             .map(|class| {
-                let own = |place: usize| {
-                    let mut units = class.iter();
-                    units.any(|it| it.named.contains(&place) || it.plain.contains(&place))
-                };
+                let own = |place: usize| class.iter().any(|it| it.discrete.contains(&place));
                 Names {
                     single: names
                         .single
@@ -265,14 +275,7 @@ impl Symmetry {
             .for_each(|(from, to)| renaming.put(&from.parts, &to.parts));
         let before = s.clone();
         for (one, other) in moves {
-            let places = |it: &Unit| {
-                it.plain
-                    .iter()
-                    .chain(&it.named)
-                    .copied()
-                    .collect::<Vec<_>>()
-            };
-            for (x, y) in places(one).into_iter().zip(places(other)) {
+            for (&x, &y) in one.discrete.iter().zip(&other.discrete) {
                 s.d[y] = before.d[x];
             }
             for (&x, &y) in one.times.iter().zip(&other.times) {
@@ -295,8 +298,16 @@ impl Symmetry {
             let places = units[unit].named.iter();
             places.map(move |&place| self.relative(s, place, (class, unit)))
         };
+        let listed = |unit: usize| {
+            units[unit].lists.iter().map(move |&(base, part)| {
+                let list = &s.d[base + 1..=base + s.d[base] as usize];
+                let index = |&it: &u16| self.index_in(part, it, (class, unit)).ok_or(it);
+                list.iter().map(index).collect::<SmallVec<[_; 8]>>()
+            })
+        };
         (x.plain.iter().map(plain).cmp(y.plain.iter().map(plain)))
             .then_with(|| named(one).cmp(named(other)))
+            .then_with(|| listed(one).cmp(listed(other)))
             .then_with(|| {
                 self.named_outside(s, (class, one))
                     .cmp(&self.named_outside(s, (class, other)))
@@ -329,7 +340,7 @@ impl Symmetry {
             let index = named.and_then(|it| self.index_in(part, it, unit));
             out.extend(index.map(|it| (place, it)));
         }
-        for &(base, part) in &outside.lists {
+        for &(base, _, part) in &outside.lists {
             for place in base + 1..=base + s.d[base] as usize {
                 let index = self.index_in(part, s.d[place], unit);
                 out.extend(index.map(|it| (place, it)));
@@ -345,7 +356,7 @@ impl Symmetry {
                 s.d[place] = first + to.of(part)[named as usize] as u16;
             }
         }
-        for &(base, part) in self.names.lists.iter().chain(&self.names.sets) {
+        for &(base, _, part) in self.names.lists.iter().chain(&self.names.sets) {
             for place in base + 1..=base + s.d[base] as usize {
                 s.d[place] = to.of(part)[s.d[place] as usize] as u16;
             }

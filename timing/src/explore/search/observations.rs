@@ -99,8 +99,8 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
             measured: clocks.response,
         };
         let goals = Goals::of(watch);
+        let reductions = R::Reductions::new(&own, &asked, without);
         Observations {
-            reductions: R::Reductions::new(&own, &asked, without),
             rules: own,
             watch,
             observers: watch
@@ -117,10 +117,11 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
                 goals: goals.each(|_| None),
                 longest: vec![None; gauges.len()],
                 excess: vec![None; gauges.len()],
-                absent: NeverObserved::of(watch),
+                absent: NeverObserved::of(watch, reductions.orbits()),
                 enough: false,
             },
             goals,
+            reductions,
         }
     }
 

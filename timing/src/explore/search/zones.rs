@@ -68,12 +68,13 @@ impl<'a, R: Reduced> Zones<'a, R> {
         let system = rules.system();
         let asked = Watched::only(system, goals.iter().collect());
         let rules = rules.with_clocks(&Clocks::none(system.tasks.len()));
+        let reductions = R::Reductions::new(&rules, &asked, without);
         let mut out = Zones {
-            reductions: R::Reductions::new(&rules, &asked, without),
+            absent: NeverObserved::of_predicates(goals, reductions.orbits()),
+            reductions,
             rules,
             goals,
             reached: vec![false; goals.len()],
-            absent: NeverObserved::of_predicates(goals),
             deadlock: false,
             passed: FxHashMap::default(),
             covered: Vec::new(),

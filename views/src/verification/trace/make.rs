@@ -37,7 +37,8 @@ pub(super) type SourceRef = (usize, Src);
 
 /// The trace of a run. Codels and tasks without a place get none.
 pub fn of_run(told: &TraceInput) -> Trace<SourceRef> {
-    let unit = base_unit(told.unit, told.events);
+    let last = told.events.last().map_or(0.0, |it| it.time);
+    let unit = base_unit(told.unit, told.end.map_or(last, |it| it.max(last)));
     let time = |it: &Event| clean(told.unit.in_base(it.time, unit));
     let mut reading = TraceBuilder {
         excludes: Exclusions::of(told.blocking),
@@ -65,8 +66,7 @@ pub fn of_run(told: &TraceInput) -> Trace<SourceRef> {
 }
 
 /// The unit of all times of a trace: microseconds for a run of less than a millisecond.
-fn base_unit(unit: TimeUnit, events: &[Event]) -> Unit {
-    let end = events.last().map_or(0.0, |it| it.time);
+fn base_unit(unit: TimeUnit, end: f64) -> Unit {
     match unit.in_base(end, Unit::Milliseconds) < 1.0 {
         true => Unit::Microseconds,
         false => Unit::Milliseconds,

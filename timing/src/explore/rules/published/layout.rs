@@ -213,13 +213,14 @@ impl Exchangeable for Published<'_> {
             out.single
                 .extend(trackers.map(|it| (it, Part::Place, tracker::SLOT)));
         }
-        let cores = (l.queue_base, Part::Task);
+        let cores = (l.queue_base, l.tasks, Part::Task);
         match self.any_order() {
             true => out.sets.push(cores),
             false => out.lists.push(cores),
         }
-        out.lists
-            .extend(l.lock_queue_base.map(|base| (base, Part::Executor)));
+        let executors = l.executors();
+        let locks = l.lock_queue_base;
+        (out.lists).extend(locks.map(|base| (base, executors, Part::Executor)));
         out
     }
 

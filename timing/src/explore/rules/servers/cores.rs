@@ -156,13 +156,6 @@ impl Servers<'_> {
         }
     }
 
-    /// Puts the list in its normal form after threads were renamed.
-    pub(super) fn restore_fair_order(&self, s: &mut State) {
-        if self.preempts() {
-            self.normalize(s);
-        }
-    }
-
     /// Puts the list in a normal form: only orders that matter remain.
     fn normalize(&self, s: &mut State) {
         let l = &self.layout;

@@ -189,28 +189,24 @@ impl Exchangeable for Servers<'_> {
             out.single
                 .extend(trackers.map(|it| (it, Part::Place, tracker::SLOT)));
         }
-        out.lists.extend(
-            l.lock_queue
-                .iter()
-                .flatten()
-                .map(|&base| (base, Part::Executor)),
-        );
-        let cores = l.core_queue.map(|base| (base, Part::Executor));
+        for (component, base) in l.lock_queue.iter().enumerate() {
+            let capacity = 1 + self.system.components[component].tasks.len();
+            (out.lists).extend(base.map(|base| (base, capacity, Part::Executor)));
+        }
+        let cores = l
+            .core_queue
+            .map(|base| (base, l.tasks + l.components, Part::Executor));
         match self.system.platform.policy {
-            Policy::Any | Policy::Fair => out.sets.extend(cores),
-            Policy::Fifo | Policy::Edf | Policy::Priority => out.lists.extend(cores),
+            Policy::Any => out.sets.extend(cores),
+            _ => out.lists.extend(cores),
         }
         out
     }
 
     fn restore_order(&self, s: &mut State) {
-        match (self.layout.core_queue, self.system.platform.policy) {
-            (Some(base), Policy::Any) => {
-                let length = s.d[base] as usize;
-                s.d[base + 1..=base + length].sort_unstable();
-            }
-            (Some(_), Policy::Fair) => self.restore_fair_order(s),
-            _ => {}
+        if let (Some(base), Policy::Any) = (self.layout.core_queue, self.system.platform.policy) {
+            let length = s.d[base] as usize;
+            s.d[base + 1..=base + length].sort_unstable();
         }
     }
 }
