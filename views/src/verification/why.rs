@@ -170,8 +170,7 @@ impl FailureCause {
         let what = match (it.awaited, &it.through[..]) {
             (None, _) => {
                 // Where threads preempt each other, no queue holds a thread that has lost its core.
-                return "never waits in a queue: its codels, and what preempts them, take longer than the \
-                        limit"
+                return "never waits in a queue: its codels, preemption included, exceed the limit"
                     .to_owned();
             }
             (Some(Awaited::Core), _) => "a core".to_owned(),
