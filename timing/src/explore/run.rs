@@ -165,7 +165,8 @@ impl Run {
         }
     }
 
-    /// Returns the first step whose action is not possible at its time; `None` if the run is one of the system.
+    /// Returns the first step whose action is not possible at its time; `None` if the run is one of the
+    /// system.
     pub fn impossible_step(&self, system: &TimedSystem) -> Option<usize> {
         with_rules!(system, impossible_step(self))
     }

@@ -46,7 +46,8 @@ impl Group<'_> {
 }
 
 impl SystemRun {
-    /// Returns the first step whose action is not possible at its time; `None` if the run is one of the system.
+    /// Returns the first step whose action is not possible at its time; `None` if the run is one of the
+    /// system.
     pub fn impossible_step(&self) -> Option<usize> {
         self.run.impossible_step(&self.system)
     }

@@ -68,7 +68,8 @@ pub(crate) struct Names {
     /// Single numbers: index in the discrete part, kind, and the number that names the first part; smaller
     /// numbers are no names.
     pub(crate) single: Vec<(usize, Part, u16)>,
-    /// Lists: the index of the length, which the names follow, the greatest length, and the kind of the names.
+    /// Lists: the index of the length, which the names follow, the greatest length, and the kind of the
+    /// names.
     pub(crate) lists: Vec<(usize, usize, Part)>,
     /// Lists in an order that is only a normal form: sets.
     pub(crate) sets: Vec<(usize, usize, Part)>,
