@@ -202,11 +202,11 @@ test('the cause stands in the picture at the guilty wait, beside half a window t
       const { lane } = run.focus;
       const wait = run.spans.filter((span) => span.lane === lane && span.kind === 'wait-lock').at(-1);
       const { cause, from, to } = await drawn(it);
-      assert.equal(cause.text, `waits 1 ms for x of the ids: ${wait.by[0].name}`);
+      assert.equal(cause.text, `waits 1 ms for x of the ids, held by ${wait.by[0].name}`);
       const canvas = await it.page.locator('#canvas').boundingBox();
       const x = (at) => ((at - from) / (to - from)) * canvas.width;
       assert.ok(cause.left >= 0 && cause.right <= canvas.width && cause.left <= x(wait.to) && cause.right >= x(wait.from), JSON.stringify([cause, x(wait.from), canvas]));
-      assert.match(await it.page.locator('#told').textContent(), /waits 1 ms for `x` of the ids/);
+      assert.match(await it.page.locator('#told').textContent(), /waits 1 ms for x of the ids/);
       assert.deepEqual(await violations(it.page), []);
       if (process.env.SHOTS) await it.page.screenshot({ path: `${process.env.SHOTS}/trace-cause-${theme}-${width}.png` });
       await it.page.close();

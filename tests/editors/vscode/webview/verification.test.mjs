@@ -15,7 +15,7 @@ const answer = {
   checks: [check({}), check({ of: 'nav.plan', verdict: 'refuted', value: '12 ms', cause: 'waits for level', remedy: 'holds up to 4 ms', reason: ['waits 6 ms'], hasRun: true }), check({ check: 'deadlock', verdict: 'gave up', value: null, limit: null, note: 'gave up after 10 s' })],
   blocking: [{ codel: 'nav.a', location: place, by: [{ codel: 'nav.b', location: place, time: '2 ms', through: 'ids.level' }] }],
   codels: [{ path: 'nav.exec.a', wcet: 2000, location: place }, { path: 'nav.exec.b', wcet: null, location: null }],
-  run: { check: 1, title: 'response nav.plan', events: [{ text: '0 ms: exec begins', location: place }, { text: '4 ms: plan waits', location: null }] }, states: 120, seconds: 0.4, whatIf: null,
+  run: { check: 1, title: 'response nav.plan: a run that refutes it', shows: 'a run that refutes it', events: [{ text: '0 ms: exec begins', location: place }, { text: '4 ms: plan waits', location: null }] }, states: 120, seconds: 0.4, whatIf: null,
 };
 
 for (const theme of Object.keys(THEMES)) {
@@ -65,7 +65,7 @@ test('beside half a window nothing is cut, and remedies are reached', async () =
 
 test('title, cause and expression are said once; what repairs everything is listed', async () => {
   const it = await pages.open({ width: 700, height: 900 });
-  await it.send({ type: 'answer', subject: { uri: 'file:///a.gen' }, answer: { ...answer, run: { ...answer.run, title: 'response nav.plan: a run that refutes it' } }, pinned: false });
+  await it.send({ type: 'answer', subject: { uri: 'file:///a.gen' }, answer, pinned: false });
   assert.equal(await it.page.locator('#runTitle').innerText(), 'A run that refutes it');
   const text = await it.page.evaluate(() => document.body.innerText);
   for (const once of ['response nav.plan', 'waits for level', 'a run that refutes it']) assert.equal(text.toLowerCase().split(once).length - 1, 1, once);
