@@ -73,7 +73,7 @@ pub(super) struct Arguments {
     interrupts: bool,
 
     /// In a system, the width of the picture in pixels, for letters of at least 9 pixels: a wider system is
-    /// drawn in rows
+    /// drawn in rows, if it fits
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(100..))]
     width: Option<u32>,
 

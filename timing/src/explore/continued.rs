@@ -1,6 +1,6 @@
 //! The continuation of a run by chosen steps.
 
-use super::rules::{Action, Enabled, Rules, with_rules};
+use super::rules::{Action, Enabled, Moment, Rules, with_rules};
 use super::run::{Run, advance};
 use super::state::State;
 use crate::system::{Ticks, TimedSystem};
@@ -24,8 +24,8 @@ pub struct Continued {
     pub run: Run,
     /// Number of steps of the run before each choice.
     pub before: Vec<usize>,
-    /// The possible next steps. Any of them may be next.
-    pub next: Vec<NextStep>,
+    /// The possible next steps, each with its first line for readers, if it has one. Any of them may be next.
+    pub next: Vec<(NextStep, Option<Moment>)>,
 }
 
 impl Run {
@@ -62,7 +62,7 @@ fn continued<R: Rules>(rules: &R, run: &Run, steps: usize, choices: &[usize]) ->
     walk.settle();
     let mut before = Vec::new();
     for &choice in choices {
-        let Some(&next) = walk.next().get(choice) else {
+        let Some(&next) = walk.steps().get(choice) else {
             break;
         };
         before.push(walk.run.steps.len());
@@ -76,7 +76,11 @@ fn continued<R: Rules>(rules: &R, run: &Run, steps: usize, choices: &[usize]) ->
         walk.settle();
     }
     Continued {
-        next: walk.next(),
+        next: walk
+            .steps()
+            .into_iter()
+            .map(|step| (step, walk.first_moment(step)))
+            .collect(),
         run: walk.run,
         before,
     }
@@ -99,7 +103,20 @@ impl<R: Rules> Walk<'_, R> {
         }
     }
 
-    fn next(&self) -> Vec<NextStep> {
+    /// Returns the first line of a next step for readers.
+    fn first_moment(&self, step: NextStep) -> Option<Moment> {
+        let NextStep::Action(action) = step else {
+            return None;
+        };
+        let mut after = self.s.clone();
+        self.rules.apply(&mut after, action);
+        let mut moments = Vec::new();
+        let change = (&self.s, &after);
+        (self.rules).tell(change, Some(action), self.run.end, &mut moments);
+        moments.into_iter().next()
+    }
+
+    fn steps(&self) -> Vec<NextStep> {
         let actions = self.enabled.actions.iter().copied();
         let wait = match self.enabled.is_calm() {
             true => self.rules.next_moment(&self.s, &|_| false),

@@ -1,5 +1,7 @@
 //! Runs: sequences of actions with their times.
 
+use std::sync::Arc;
+
 use rustc_hash::FxHashMap;
 
 use super::observe::{self, Observer};
@@ -28,7 +30,7 @@ pub struct Run {
 /// A run, and the system that it is a run of: the components that were explored together.
 #[derive(Debug, Clone)]
 pub struct SystemRun {
-    pub(crate) system: TimedSystem,
+    pub(crate) system: Arc<TimedSystem>,
     pub(crate) run: Run,
 }
 

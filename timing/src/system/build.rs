@@ -11,6 +11,7 @@ mod times;
 
 use std::collections::HashMap;
 use std::ops::Range;
+use std::sync::OnceLock;
 
 use dotgen_analysis::model::{Owner, Src};
 use num_rational::Ratio;
@@ -73,6 +74,7 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
             assumptions: Vec::new(),
             rounded: Vec::new(),
             exact_unit: None,
+            shared: OnceLock::new(),
         },
     };
     let included: Vec<usize> = (0..names.components.len())

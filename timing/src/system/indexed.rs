@@ -1,6 +1,7 @@
 //! The result of a build: a [`TimedSystem`], its connection to the specifications, and its assumptions.
 
 use std::collections::HashMap;
+use std::sync::{Arc, OnceLock};
 
 use dotgen_analysis::model::{Owner, Seconds};
 
@@ -30,6 +31,8 @@ pub struct Built {
     /// The coarsest unit in which no time has to be rounded, in seconds; `None` if the scenario states no
     /// unit.
     pub exact_unit: Option<Seconds>,
+    /// The system as the runs of its checks keep it, once one does.
+    pub(crate) shared: OnceLock<Arc<TimedSystem>>,
 }
 
 /// The rounded time of a codel, in seconds.
@@ -44,6 +47,12 @@ pub struct Rounded {
 }
 
 impl Built {
+    /// Returns the system for runs that are kept. It is copied once, so the system must not change
+    /// afterwards.
+    pub(crate) fn shared(&self) -> Arc<TimedSystem> {
+        Arc::clone(self.shared.get_or_init(|| Arc::new(self.system.clone())))
+    }
+
     /// Returns true if an error prevents verification.
     pub fn has_errors(&self) -> bool {
         self.diagnostics

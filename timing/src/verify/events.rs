@@ -64,10 +64,6 @@ pub(super) fn told(names: &Names, system: &TimedSystem, unit: TimeUnit, run: &Ru
             ThreadName::of_component(&system.components[component].name)
         }
     };
-    let thread = |it: &Moment| match it.task {
-        Some(task) => system.task_name(task),
-        None => ThreadName::of_component(&it.component),
-    };
     let event = |it: Moment| {
         let src = match (it.codel, it.task) {
             (Some(codel), _) => {
@@ -83,7 +79,7 @@ pub(super) fn told(names: &Names, system: &TimedSystem, unit: TimeUnit, run: &Ru
             codel: it.codel.map(path),
             action: it.action,
             src,
-            ..Event::of_thread(time, thread(&it), it.kind, it.what)
+            ..Event::of_thread(time, thread(system, &it), it.kind, it.what)
         };
         match it.about {
             MomentDetails::Nothing | MomentDetails::AwaitsCore => {}
@@ -104,4 +100,12 @@ pub(super) fn told(names: &Names, system: &TimedSystem, unit: TimeUnit, run: &Ru
         event
     };
     run.moments(system).into_iter().map(event).collect()
+}
+
+/// Returns the thread of a line of a run.
+pub(super) fn thread(system: &TimedSystem, moment: &Moment) -> ThreadName {
+    match moment.task {
+        Some(task) => system.task_name(task),
+        None => ThreadName::of_component(&moment.component),
+    }
 }

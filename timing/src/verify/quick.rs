@@ -6,6 +6,8 @@
 //! exploration has to be given up, failures with a longest time not known and longest times seen are still
 //! worth telling.
 
+use std::sync::OnceLock;
+
 use super::checks::Single;
 use super::{Group, ResponseBounds};
 use crate::explore::{Limits, Stop, explore};
@@ -89,6 +91,7 @@ impl Group<'_> {
                 (Some(_), None) => continue,
                 (Some(_), Some(system)) => &Built {
                     system,
+                    shared: OnceLock::new(),
                     ..self.built.clone()
                 },
             };

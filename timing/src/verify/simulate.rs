@@ -8,7 +8,7 @@ use super::{Group, SystemInput, events};
 use crate::explore::{Action, NextStep, Run, SystemRun};
 use crate::report::{Event, TimeUnit};
 use crate::scn::names::Names;
-use crate::system::TimedSystem;
+use crate::system::{ThreadName, TimedSystem};
 
 /// A run up to one of its events, continued by chosen steps.
 #[derive(Debug, Clone)]
@@ -26,8 +26,8 @@ pub struct Simulation {
 /// A possible next step.
 #[derive(Debug, Clone)]
 pub enum Choice {
-    /// The first event of an action.
-    Step(Box<Event>),
+    /// An action: its thread, and its first event in words.
+    Step(ThreadName, String),
     /// An action without an event, in words.
     Silent(String),
     /// Time passes, in the unit of the report, until something may happen.
@@ -38,7 +38,7 @@ impl Group<'_> {
     /// Keeps a run, to be continued.
     pub(super) fn kept(&self, run: &Run) -> Option<Arc<SystemRun>> {
         let it = SystemRun {
-            system: self.built.system.clone(),
+            system: self.built.shared(),
             run: run.clone(),
         };
         (!run.left_out).then(|| Arc::new(it))
@@ -69,21 +69,18 @@ impl SystemRun {
         let continued = self.run.continued(system, steps, take);
         let time =
             |ticks: u64| unit.from_seconds(system.unit * Ratio::from_integer(i128::from(ticks)));
-        let told = |run: &Run| events::told(&names, system, unit, run);
         let (_, ends) = continued.run.moments_by_step(system);
-        let events = told(&continued.run);
-        let choices = continued.next.iter().map(|next| match *next {
-            NextStep::Wait(ticks) => Choice::Wait(time(u64::from(ticks))),
-            NextStep::Action(action) => {
-                let mut run = continued.run.clone();
-                run.steps.push((run.end, action));
-                let mut of_step = told(&run).split_off(events.len());
-                match of_step.is_empty() {
-                    true => Choice::Silent(silent(system, action)),
-                    false => Choice::Step(Box::new(of_step.swap_remove(0))),
+        let events = events::told(&names, system, unit, &continued.run);
+        let choices = continued
+            .next
+            .iter()
+            .map(|(next, first)| match (next, first) {
+                (NextStep::Wait(ticks), _) => Choice::Wait(time(u64::from(*ticks))),
+                (NextStep::Action(_), Some(moment)) => {
+                    Choice::Step(events::thread(system, moment), moment.what.clone())
                 }
-            }
-        });
+                (NextStep::Action(action), None) => Choice::Silent(silent(system, *action)),
+            });
         Simulation {
             choices: choices.collect(),
             taken: continued.before.iter().map(|&it| ends[it]).collect(),

@@ -27,9 +27,9 @@ interface OptionItem extends vscode.QuickPickItem {
 
 /** Asks for the arguments of a template; `undefined` when the user gives up. */
 export async function askArguments(template: string, { options, usage }: TemplateUsage, before: string[]): Promise<string[] | undefined> {
-  // A usage text that names no option: there is nothing to ask.
-  if (options.length === 0 && usage.trim() !== '' && !/\s-/.test(usage)) {
-    return before;
+  // A usage text that names no option: there is nothing to ask, unless arguments were used before.
+  if (options.length === 0 && before.length === 0 && usage.trim() !== '' && !/\s-/.test(usage)) {
+    return [];
   }
   if (options.length === 0) {
     const line = await vscode.window.showInputBox({

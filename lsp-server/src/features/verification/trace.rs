@@ -91,7 +91,7 @@ fn simulated(answer: &Answer, check: &CheckReport, question: &Question) -> Optio
 
 fn in_words(choice: &Choice, answer: &Answer) -> String {
     match choice {
-        Choice::Step(event) => format!("{}: {}", event.thread, event.what),
+        Choice::Step(thread, what) => format!("{thread}: {what}"),
         Choice::Silent(what) => what.clone(),
         Choice::Wait(time) => format!("{} pass", answer.report.unit.show(*time)),
     }

@@ -110,8 +110,8 @@ pub enum Reason {
     Without(Kind),
     /// A chain follows data, and every order of actions may matter to it.
     Chain,
-    /// The actions of a component do not commute: they may take tickets of one lock queue, and one control
-    /// task examines all activities.
+    /// The actions of a component do not commute: they meet in its lock queue, or at its control task, which
+    /// examines all activities.
     OneQueue,
     /// Threads preempt each other.
     Preemption,
@@ -164,7 +164,7 @@ impl fmt::Display for Reason {
             Reason::Without(kind) => return write!(f, "a part of {}, which is off", kind.name()),
             Reason::Chain => "a chain follows data, and every order of actions may matter to it",
             Reason::OneQueue => {
-                "the actions of a component share one lock queue and one control task, which see their order"
+                "the actions of a component meet in its lock queue or at its control task, which see their order"
             }
             Reason::Preemption => "threads of different components preempt each other",
             Reason::FairCores => "with `policy fair`, a free core goes to the first ready thread",

@@ -22,10 +22,9 @@
 //!
 //! *Symmetry*, as for the published rules (see [`super::symmetry`]).
 //!
-//! Inside a component no reduction is used. Every codel takes a ticket of the one lock queue of its component
-//! before it begins, in the same step sequence as the end of the codel before it, and every end of an
-//! activity is seen by the one control task. So two actions of a component are independent only if neither
-//! leads to a ticket at this moment, which nearly never holds.
+//! Inside a component no reduction is used. The end of a codel leads to the ticket of the next one in the
+//! lock queue of the component, and the end of an activity to a step of the control task, which examines all
+//! activities. So the order of two actions of a component is nearly always visible to a third.
 
 use rustc_hash::FxHashSet;
 use smallvec::SmallVec;

@@ -34,7 +34,7 @@ use crate::system::Policy;
 #[derive(Debug, Clone)]
 struct Unit {
     parts: Parts,
-    /// All numbers in the discrete part: those below.
+    /// All numbers of the unit in the discrete part: plain, named and lists.
     discrete: Vec<usize>,
     /// Numbers that are no names.
     plain: Vec<usize>,
