@@ -11,7 +11,7 @@ use dotgen_runtime::watch::PortUpdate;
 use dotgen_timing::explore::{Action, Stepper};
 use dotgen_timing::scn::parse;
 use dotgen_timing::scn::semantics::LockRule;
-use dotgen_timing::system::{FOREVER, LockOrder, Policy, TimedSystem, Yield};
+use dotgen_timing::system::{FOREVER, Policy, TimedSystem, Yield};
 use dotgen_timing::verify::{Options, Prepared, SystemInput, prepare};
 
 use crate::random_systems::{load, random, systems};
@@ -260,7 +260,7 @@ const CHANGES: &[Change] = &[
         &[Rule::Locks],
         |it| {
             it.platform.cores = None;
-            it.platform.locks = LockOrder::Free;
+            it.platform.semantics.locks = LockRule::Free;
             it.platform.semantics.locks = LockRule::Free;
         },
     ),

@@ -63,9 +63,7 @@ pub struct Platform {
     pub cores: Option<u32>,
     /// Order in which waiting tasks get cores.
     pub policy: Policy,
-    /// Order in which waiting codels get locks.
-    pub locks: LockOrder,
-    /// The semantics of the model. The field `locks` above replaces its lock order.
+    /// The semantics of the model, with the order in which waiting codels get locks.
     pub semantics: Semantics,
     /// Asynchronous codels are executed by a separate thread and need no core.
     pub async_free: bool,
@@ -87,17 +85,6 @@ pub enum Policy {
     Priority,
     /// Any ready tasks, preempting others, as long as no core idles.
     Fair,
-}
-
-/// Order in which codels that wait for a common lock get it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LockOrder {
-    /// Any of them may win, also repeatedly.
-    Free,
-    /// In order of arrival, among codels that exclude each other.
-    Fifo,
-    /// One queue per component: a codel behind the head waits, even without a conflict.
-    Queue,
 }
 
 /// A component. Its tasks are started one after the other.

@@ -2,7 +2,8 @@
 
 use std::collections::VecDeque;
 
-use dotgen_timing::system::{LockOrder, TimedSystem};
+use dotgen_timing::scn::semantics::LockRule;
+use dotgen_timing::system::TimedSystem;
 
 use super::CLOCK_TOLERANCE_NANOS;
 
@@ -81,8 +82,8 @@ impl RunOrder {
         RunOrder {
             recent: VecDeque::new(),
             cores: platform.cores.filter(|_| !preempts),
-            in_order: platform.locks != LockOrder::Free,
-            queue: platform.locks == LockOrder::Queue,
+            in_order: platform.semantics.locks != LockRule::Free,
+            queue: platform.semantics.locks == LockRule::Queue,
         }
     }
 

@@ -6,9 +6,10 @@ use super::order::{chain, first_tick};
 use super::others::{Interference, OtherThread, interference, others, waits};
 use super::refusal::Refusal;
 use super::thread::{Start, Thread};
+use crate::scn::semantics::LockRule;
 use crate::scn::semantics::Semantics;
 use crate::system::{
-    CodelSet, FOREVER, LockOrder, Machine, Policy, Ticks, TimedSystem, Yield, pauseless_cycles,
+    CodelSet, FOREVER, Machine, Policy, Ticks, TimedSystem, Yield, pauseless_cycles,
 };
 
 /// Number of jobs in a hyperperiod above which a system is refused.
@@ -55,7 +56,7 @@ pub(super) fn models<'s>(
     left: &mut [Option<Refusal>],
 ) -> Result<Vec<Part<'s>>, Refusal> {
     let platform = &system.platform;
-    let servers = platform.semantics == Semantics::SERVERS && platform.locks == LockOrder::Queue;
+    let servers = platform.semantics == Semantics::SERVERS;
     if !servers && !platform.semantics.is_published() {
         return Err(Refusal::Semantics);
     }
@@ -95,7 +96,10 @@ pub(super) fn models<'s>(
     let followed = |task: usize| left[task].is_none();
     let others = others(system, &codels, followed);
     let groups = group(system, &mut threads, (&codels, &others), servers);
-    if !servers && platform.locks != LockOrder::Free && threads.iter().any(|it| it.contends) {
+    if !servers
+        && platform.semantics.locks != LockRule::Free
+        && threads.iter().any(|it| it.contends)
+    {
         return Err(Refusal::Semantics);
     }
     if servers {

@@ -3,7 +3,8 @@
 use super::Analysis;
 use super::demand::Stretches;
 use super::ways::Ways;
-use crate::system::{Client, ClientAction, CodelSet, FOREVER, LockOrder, Machine, TimedSystem};
+use crate::scn::semantics::LockRule;
+use crate::system::{Client, ClientAction, CodelSet, FOREVER, Machine, TimedSystem};
 
 /// The work that can keep codels waiting for their locks.
 #[derive(Debug, Default)]
@@ -34,7 +35,7 @@ pub(super) fn excluded(system: &TimedSystem) -> Vec<CodelSet> {
         .iter()
         .map(|it| it.conflicts.clone())
         .collect();
-    let mut changed = system.platform.locks == LockOrder::Fifo;
+    let mut changed = system.platform.semantics.locks == LockRule::Fifo;
     while std::mem::take(&mut changed) {
         for i in 0..sets.len() {
             let members: Vec<usize> = sets[i].iter().collect();

@@ -1,6 +1,6 @@
 //! The continuation of a run by chosen steps.
 
-use super::rules::{Action, Enabled, Moment, Rules, with_rules};
+use super::rules::{Action, Enabled, Moment, Rules, SystemRules};
 use super::run::{Run, advance};
 use super::state::State;
 use crate::system::{Ticks, TimedSystem};
@@ -32,7 +32,7 @@ impl Run {
     /// Continues the first `steps` steps of a run of a system. Each choice is an index into the list of next
     /// steps at that point; the first one that is beyond its list ends the continuation.
     pub fn continued(&self, system: &TimedSystem, steps: usize, choices: &[usize]) -> Continued {
-        with_rules!(system, continued(self, steps, choices))
+        continued(&SystemRules::new(system), self, steps, choices)
     }
 }
 

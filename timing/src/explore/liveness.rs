@@ -5,7 +5,7 @@ use std::rc::Rc;
 use rustc_hash::FxHashMap;
 
 use super::observe::{self, Observer};
-use super::rules::{Action, Enabled, Rules, with_rules};
+use super::rules::{Action, Enabled, Rules, SystemRules};
 use super::run::Run;
 use super::state::{Clocks, Stages, State};
 use super::store::{Encoded, decode, encode};
@@ -46,7 +46,7 @@ pub fn liveness(
     limits: Limits,
     cancel: &Cancel,
 ) -> Liveness {
-    with_rules!(system, decide(query, limits, cancel))
+    decide(&SystemRules::new(system), query, limits, cancel)
 }
 
 fn decide<R: Rules>(rules: &R, query: &LivenessQuery, limits: Limits, cancel: &Cancel) -> Liveness {

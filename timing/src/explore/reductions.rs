@@ -1,21 +1,20 @@
 //! Reductions: actions that need not be followed, and states that need not be kept.
 //!
-//! The available reductions depend on the rules for which they are proved sound ([`Reduced`]). Strategies use
-//! them at five places, whatever the rules: to select the enabled actions to follow
+//! Strategies use reductions at five places: to select the enabled actions to follow
 //! ([`Reductions::persistent`], [`Reductions::follow`]), to find the ends that can be postponed
 //! ([`Reductions::waiters`], [`Reductions::closure`]), and to select a representative of symmetric states
 //! ([`Reductions::order`]).
 //!
-//! Each reduction is one type with the trait [`Reduction`]. It applies to a system, its rules and its watched
-//! properties, or gives a [`Reason`] for not applying. The module of each reduction describes it and proves
-//! its soundness; `docs/explorer.md` gives an overview.
+//! Each reduction is one type with the trait [`Reduction`]. It applies to a system, the points of its
+//! semantics and its watched properties, or gives a [`Reason`] for not applying. The module of each reduction
+//! describes it and proves its soundness; `docs/explorer.md` gives an overview.
 
+mod all;
 mod ample;
+mod components;
 mod deferral;
 mod facts;
 mod kind;
-mod published;
-mod servers;
 mod sleep_sets;
 mod symmetry;
 
@@ -24,7 +23,7 @@ use smallvec::SmallVec;
 use self::facts::Facts;
 pub use self::kind::{Activity, Kind, Kinds, Reason};
 pub(crate) use self::symmetry::{Label, Orbits, Renaming};
-use super::rules::{Action, Enabled, Rules};
+use super::rules::{Action, Enabled, Rules, SystemRules};
 use super::state::State;
 use super::store::Encoded;
 use crate::property::Predicate;
@@ -55,8 +54,8 @@ impl<'a> Watched<'a> {
 }
 
 /// The input of a reduction's examination.
-pub(crate) struct Setting<'a, R> {
-    pub(crate) rules: &'a R,
+pub(crate) struct Setting<'a> {
+    pub(crate) rules: &'a SystemRules<'a>,
     pub(super) asked: &'a Watched<'a>,
     /// Known facts about the system.
     pub(super) facts: &'a Facts,
@@ -64,14 +63,14 @@ pub(crate) struct Setting<'a, R> {
     pub(crate) without: Kinds,
 }
 
-impl<R: Rules> Setting<'_, R> {
+impl Setting<'_> {
     pub(crate) fn system(&self) -> &TimedSystem {
-        self.rules.system()
+        self.rules.system
     }
 }
 
-/// One reduction, for one set of rules.
-pub(crate) trait Reduction<R>: Sized {
+/// One reduction.
+pub(crate) trait Reduction: Sized {
     /// Kind of the reduction.
     const KIND: Kind;
 
@@ -80,10 +79,10 @@ pub(crate) trait Reduction<R>: Sized {
     /// # Errors
     ///
     /// Returns the reason why the reduction is not sound, or of no use, for the system.
-    fn applies(setting: &Setting<R>) -> Result<Self, Reason>;
+    fn applies(setting: &Setting) -> Result<Self, Reason>;
 
     /// Applies the reduction unless it is switched off, and records the outcome in `notes`.
-    fn examine(setting: &Setting<R>, notes: &mut Vec<Activity>) -> Option<Self> {
+    fn examine(setting: &Setting, notes: &mut Vec<Activity>) -> Option<Self> {
         let it = match setting.without.contains(Self::KIND) {
             true => Err(Reason::SwitchedOff),
             false => Self::applies(setting),
@@ -96,7 +95,7 @@ pub(crate) trait Reduction<R>: Sized {
     }
 }
 
-/// All known reductions for a set of rules, as far as they apply to one system and its watched properties.
+/// The reductions of a search, as far as they apply to one system and its watched properties.
 pub(crate) trait Reductions<R: Rules>: Sized {
     /// Examines a system. The reductions in `without` are switched off.
     fn new(rules: &R, asked: &Watched, without: Kinds) -> Self;
@@ -155,24 +154,28 @@ pub(crate) trait Reductions<R: Rules>: Sized {
 /// Tasks, control tasks and clients whose ends can be postponed in one state: numbered as *members*, in this
 /// order.
 #[derive(Debug, Clone)]
-pub(crate) struct Deferrable(pub(super) SmallVec<[bool; 24]>);
+pub(crate) struct Deferrable {
+    pub(super) members: SmallVec<[bool; 24]>,
+    /// Automata are executors, instead of tasks.
+    pub(super) automata: bool,
+}
 
 impl Deferrable {
     /// Returns true if the end of an executor's work can be postponed.
     pub(crate) fn can_be_deferred(&self, system: &TimedSystem, executor: usize) -> bool {
         let automata = &system.automata;
         let member = match automata.get(executor) {
-            Some(it) => it.task,
-            // Control tasks and clients follow the automata, and among the members they follow the tasks.
+            _ if !self.automata => executor,
+            Some(automaton) => automaton.task,
             None => executor - automata.len() + system.tasks.len(),
         };
-        self.0[member]
+        self.members[member]
     }
 }
 
-/// Rules with reductions that are proved sound for them.
+/// Rules with reductions.
 pub(crate) trait Reduced: Rules {
-    /// Reductions of the rules.
+    /// The reductions that are sound for the rules.
     type Reductions: Reductions<Self>;
 }
 

@@ -1,12 +1,12 @@
 //! The rules: a single step of the timed system.
 //!
-//! A set of rules is one type that implements [`Rules`]. Strategies (`search`), goals and the store of states
-//! are written against the trait, and are compiled once for each set. There are two sets: [`published`],
-//! sections 3 to 9 of the timed semantics, and [`servers`], section 21.
+//! There is one set of rules, [`SystemRules`], for every reading of the points of the semantics: sections 3 to
+//! 9, 21 and 22 of the timed semantics. Strategies (`search`), goals and the store of states are written
+//! against the trait [`Rules`]: a chain adds a token to the rules (`explore::token`).
 //!
 //! # The contract
 //!
-//! The users of this trait rely on the following; a set of rules must keep all of it.
+//! The users of this trait rely on the following; the rules keep all of it.
 //!
 //! **States.** A state is two arrays of numbers ([`State`]). Rules choose the places with
 //! [`Places`](super::state::Places), and give a [`Frame`]. Equal numbers are equal states: numbers without a
@@ -20,8 +20,7 @@
 //! windows can (inclusion), and states with adjoining windows can be joined (union). An execution ends with
 //! [`Action::Finish`] of its executor, always and only.
 //!
-//! **Actions.** [`Rules::enabled`] lists the actions of the best rank present. Each set of rules has its own
-//! ranks. All ranks but the last are *committed*: these actions are parts of the step that made them
+//! **Actions.** [`Rules::enabled`] lists the actions of the best rank present.  All ranks but the last are *committed*: these actions are parts of the step that made them
 //! possible, and are followed at once, with no other action in between. Within a rank any order is possible
 //! and followed. [`Enabled::urgent`] is set if at least one action of the list must happen before time
 //! passes, whatever the windows; [`Enabled::forced`] is set if some window is at its end. Time passes only in
@@ -41,31 +40,43 @@
 //!
 //! **Without periodic tasks** times of the key are always 0 (zones ignore them).
 //!
-//! # Adding a set of rules
+//! # Adding a reading of a point
 //!
-//! 1. A folder next to `published`, with a type that implements [`Rules`]. Actions that it needs are variants
-//!    of [`Action`], with their lines in [`Action::renamed`](super::reductions::Renaming::action) and
-//!    [`Rules::task_of`].
-//! 2. Its reductions: [`Reduced`](super::reductions::Reduced), each with its proof for these rules or the
-//!    reason against it. Symmetry is the same for all rules, which say where a state names parts of the
-//!    system ([`Exchangeable`]).
-//! 3. A line in `with_rules!`, which chooses the rules of a system.
+//! 1. A value of the point in `points`, and a keyword in [`crate::scn::semantics`].
+//! 2. The code where the readings differ names the point. Actions that it needs are variants of [`Action`],
+//!    with their lines in [`Action::renamed`](super::reductions::Renaming::action) and [`Rules::task_of`].
+//! 3. Each reduction: sound for the reading, with its proof, or off with the reason
+//!    ([`Reduction::applies`](super::reductions::Reduction::applies)).
 
+mod atoms;
+mod control_task;
+mod cores;
+mod describe;
 mod exchange;
+mod jobs;
+pub(crate) mod layout;
 mod moment;
-pub(crate) mod published;
-pub(crate) mod servers;
+mod passes;
+mod perform;
+pub(crate) mod points;
+mod possible;
+mod reach;
+mod shutdown;
+pub(crate) mod status;
+mod system_rules;
+mod time;
 mod work;
 
-pub(crate) use self::exchange::{Exchangeable, Names, Part, Parts, UnitPlaces};
+pub(crate) use self::exchange::{Names, Part, Parts, UnitPlaces};
 pub use self::moment::{Moment, MomentKind};
+pub(crate) use self::system_rules::SystemRules;
 pub use self::work::Work;
 use super::state::{Clocks, Frame, State, TaskStatus};
 use crate::property::Atom;
 use crate::system::{Ticks, TimedSystem};
 
 /// An action: an event that takes no time. Executors are numbered: automata, then the control tasks of
-/// components, then clients. (The servers have tasks instead of automata.)
+/// components, then clients. (With passes there are tasks instead of automata.)
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Action {
     /// A client proceeds, because the event that it waited for has happened.
@@ -103,40 +114,40 @@ pub enum Action {
         /// "refused"; for clients the step after the delay.
         outcome: usize,
     },
-    /// A task begins a pass (servers).
+    /// A task begins a pass (passes).
     Begin {
         /// The task.
         task: usize,
     },
-    /// An executor takes a ticket for its next codel (servers).
+    /// An executor takes a ticket for its next codel (passes).
     Ticket {
         /// The executor.
         executor: usize,
     },
-    /// A task wakes the other tasks of its component (servers).
+    /// A task wakes the other tasks of its component (passes).
     Wake {
         /// The task.
         task: usize,
     },
-    /// A thread takes the core of another (servers, policy `fair`).
+    /// A thread takes the core of another (policy `fair`).
     Preempt {
         /// Executor that has the core.
         executor: usize,
         /// Executor that takes the core.
         by: usize,
     },
-    /// A thread counts as the next one of several that have become ready at the same moment (servers, policy
+    /// A thread counts as the next one of several that have become ready at the same moment (policy
     /// `priority`).
     Ready {
         /// The thread.
         executor: usize,
     },
-    /// The control task has executed its codels: it replies, and handles the end of activities (servers).
+    /// The control task has executed its codels: it replies, and handles the end of activities (passes).
     Reply {
         /// Component.
         component: usize,
     },
-    /// A killed component proceeds with its shutdown (servers).
+    /// A killed component proceeds with its shutdown (passes).
     Shut {
         /// The component.
         component: usize,
@@ -302,24 +313,3 @@ pub(crate) trait Rules: Sized {
         out: &mut Vec<Moment>,
     );
 }
-
-/// Calls a function that is generic in the rules. Its first argument is the rules of a system, without
-/// clocks.
-macro_rules! with_rules {
-    ($system:expr, $function:ident ( $($argument:expr),* $(,)? )) => {{
-        let system: &$crate::system::TimedSystem = $system;
-        if system.platform.semantics.is_published() {
-            $function(
-                &$crate::explore::rules::published::Published::new(system),
-                $($argument),*
-            )
-        } else {
-            $function(
-                &$crate::explore::rules::servers::Servers::new(system),
-                $($argument),*
-            )
-        }
-    }};
-}
-
-pub(crate) use with_rules;

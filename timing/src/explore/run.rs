@@ -6,7 +6,7 @@ use rustc_hash::FxHashMap;
 
 use super::observe::{self, Observer};
 use super::rules::Moment;
-use super::rules::{Action, Enabled, Rules, with_rules};
+use super::rules::{Action, Enabled, Rules, SystemRules};
 use super::state::State;
 use crate::cancel::Cancel;
 use crate::system::{FOREVER, Ticks, TimedSystem};
@@ -170,7 +170,7 @@ impl Run {
     /// Returns the first step whose action is not possible at its time; `None` if the run is one of the
     /// system.
     pub fn impossible_step(&self, system: &TimedSystem) -> Option<usize> {
-        with_rules!(system, impossible_step(self))
+        impossible_step(&SystemRules::new(system), self)
     }
 
     /// Returns the run in words.
@@ -180,7 +180,7 @@ impl Run {
 
     /// Returns the run in words, and the number of moments before the first step and after each step.
     pub fn moments_by_step(&self, system: &TimedSystem) -> (Vec<Moment>, Vec<usize>) {
-        with_rules!(system, told(self))
+        told(&SystemRules::new(system), self)
     }
 }
 

@@ -20,7 +20,7 @@ pub use self::zones::{ZoneFindings, search_zones};
 use super::findings::Findings;
 use super::measure::{Gauge, MeasurementMode, Timing};
 use super::reductions::Reduced;
-use super::rules::with_rules;
+use super::rules::SystemRules;
 use super::watch::{Limits, Stop, Watch};
 use crate::cancel::Cancel;
 use crate::system::TimedSystem;
@@ -39,7 +39,7 @@ pub fn explore_with_reports(
     cancel: &Cancel,
     news: &mut dyn FnMut(&Findings),
 ) -> Findings {
-    with_rules!(system, explore_by(watch, limits, cancel, news))
+    explore_by(&SystemRules::new(system), watch, limits, cancel, news)
 }
 
 pub(super) fn explore_by<R: Reduced>(

@@ -138,14 +138,9 @@ impl Places {
         self.executors = (n, self.discrete(n));
     }
 
-    /// Allocates places for windows, observers and clocks, and ends the allocation.
-    pub(crate) fn frame(self, clocks: &Clocks) -> Frame {
-        self.frame_with(clocks, 0).0
-    }
-
-    /// Like [`frame`](Self::frame), with `own` further clocks of the rules: also returns the place of the
-    /// first one.
-    pub(crate) fn frame_with(mut self, clocks: &Clocks, own: usize) -> (Frame, usize) {
+    /// Allocates places for windows, observers and clocks, with `own` further clocks of the rules, and ends
+    /// the allocation. Also returns the place of the first further clock.
+    pub(crate) fn frame(mut self, clocks: &Clocks, own: usize) -> (Frame, usize) {
         let mut count = 0;
         let stages: Vec<Range<usize>> = (clocks.within.iter())
             .map(|it| {

@@ -6,7 +6,7 @@
 //! are reached) as [`Seen`].
 
 use super::observe::{self, Observer};
-use super::rules::{Action, Enabled, Rules, Work, with_rules};
+use super::rules::{Action, Enabled, Rules, SystemRules, Work};
 use super::state::{Clocks, Stages, State, TaskStatus, phase};
 use crate::property::Predicate;
 use crate::system::{Ticks, TimedSystem};
@@ -119,7 +119,7 @@ pub struct Stepper<'s> {
 impl<'s> Stepper<'s> {
     /// Creates a stepper for runs of a system. [`Stepper::begin`] begins the first run.
     pub fn new(system: &'s TimedSystem, watched: &Watched) -> Self {
-        with_rules!(system, walk(watched))
+        walk(&SystemRules::new(system), watched)
     }
 
     /// Begins a run at time 0, and appends its first events.

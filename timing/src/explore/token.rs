@@ -16,7 +16,7 @@
 use super::findings::{Bound, Findings, Measured};
 use super::reductions::{NoReductions, Reduced};
 use super::rules::Moment;
-use super::rules::{Action, Enabled, Rules, Work, with_rules};
+use super::rules::{Action, Enabled, Rules, SystemRules, Work};
 use super::run::Run;
 use super::search::explore_by;
 use super::state::{Clocks, Frame, State, TaskStatus};
@@ -48,7 +48,7 @@ pub fn explore_chain(
         }],
         ..Watch::default()
     };
-    let mut found = with_rules!(system, explore_tracked(chain, &watch, limits, cancel));
+    let mut found = explore_tracked(&SystemRules::new(system), chain, &watch, limits, cancel);
     for it in found.within.iter_mut().flatten() {
         without_marks(it);
     }

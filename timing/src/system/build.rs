@@ -19,11 +19,10 @@ use num_rational::Ratio;
 use super::indexed::Built;
 use super::locks::exclude_codels;
 use super::settings::Settings;
-use super::{LockOrder, Platform, Policy, TimedSystem};
+use super::{Platform, Policy, TimedSystem};
 use crate::diagnostic::{Diagnostic, Place};
 use crate::scn::ast;
 use crate::scn::names::Names;
-use crate::scn::semantics::LockRule;
 
 /// Builds the system of the components for which `include` returns true, with the clients that address these
 /// components.
@@ -55,11 +54,6 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
                         ast::Policy::Any => Policy::Any,
                         ast::Policy::Priority => Policy::Priority,
                         ast::Policy::Fair => Policy::Fair,
-                    },
-                    locks: match settings.semantics().locks {
-                        LockRule::Free => LockOrder::Free,
-                        LockRule::Fifo => LockOrder::Fifo,
-                        LockRule::Queue => LockOrder::Queue,
                     },
                     semantics: settings.semantics(),
                     async_free: settings.async_free,

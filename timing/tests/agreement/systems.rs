@@ -5,11 +5,10 @@ pub(crate) mod periodic;
 pub(crate) mod requests;
 
 use dotgen_timing::property::{Atom, Predicate, StatePhase, TaskState};
-use dotgen_timing::scn::semantics::Semantics;
+use dotgen_timing::scn::semantics::{LockRule, Semantics};
 use dotgen_timing::system::{
     Automaton, Client, ClientAction, ClientStep, Codel, CodelName, CodelSet, Component, FOREVER,
-    LockOrder, Machine, Platform, Policy, Service, State, Task, TimedSystem, Yield,
-    loop_contradictions,
+    Machine, Platform, Policy, Service, State, Task, TimedSystem, Yield, loop_contradictions,
 };
 use proptest::prelude::Rng;
 use proptest::test_runner::{RngAlgorithm, TestRng};
@@ -52,8 +51,10 @@ pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate
         platform: Platform {
             cores: dice.pick(&[None, Some(1), Some(1), Some(2)]),
             policy: dice.pick(&[Policy::Fifo, Policy::Edf, Policy::Any]),
-            locks: dice.pick(&[LockOrder::Free, LockOrder::Free, LockOrder::Fifo]),
-            semantics: Semantics::PUBLISHED,
+            semantics: Semantics {
+                locks: dice.pick(&[LockRule::Free, LockRule::Free, LockRule::Fifo]),
+                ..Semantics::PUBLISHED
+            },
             async_free: dice.in_ten(3),
             aperiodic_core: dice.in_ten(7),
         },
@@ -317,7 +318,6 @@ fn empty(dice: &mut Dice) -> TimedSystem {
         platform: Platform {
             cores: dice.pick(&[None, Some(1), Some(2), Some(2), Some(3)]),
             policy: Policy::Fifo,
-            locks: LockOrder::Free,
             semantics: Semantics::PUBLISHED,
             async_free: false,
             aperiodic_core: dice.in_ten(7),

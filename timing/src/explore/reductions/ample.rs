@@ -28,30 +28,36 @@
 //!
 //! Clients and activities have ample sets of their own, see [`requests`].
 //!
-//! With locks in order of arrival there are no ample sets, because every request for a lock counts.
+//! With locks in order of arrival there are no ample sets, because every request for a lock counts. With
+//! passes there are none inside a component, see [`super::components`].
 
 mod requests;
 
 use self::requests::Requests;
 use super::facts::{Facts, Owner};
 use super::{Kind, Reason, Reduction, Setting};
-use crate::explore::rules::published::Published;
-use crate::explore::rules::published::layout::{Layout, mode};
-use crate::explore::rules::{Action, Enabled};
+use crate::explore::rules::layout::Layout;
+use crate::explore::rules::points::Cycle;
+use crate::explore::rules::status::permanent;
+use crate::explore::rules::{Action, Enabled, SystemRules};
 use crate::explore::state::{State, TaskStatus, phase};
-use crate::system::{LockOrder, Policy, TimedSystem, Yield};
+use crate::scn::semantics::LockRule;
+use crate::system::{Policy, TimedSystem, Yield};
 
-/// The ample sets of the published rules.
+/// The ample sets of systems with jobs.
 #[derive(Debug)]
 pub(crate) struct Ample {
     requests: Requests,
 }
 
-impl Reduction<Published<'_>> for Ample {
+impl Reduction for Ample {
     const KIND: Kind = Kind::PersistentSets;
 
-    fn applies(setting: &Setting<Published>) -> Result<Self, Reason> {
-        if setting.system().platform.locks != LockOrder::Free {
+    fn applies(setting: &Setting) -> Result<Self, Reason> {
+        if setting.rules.points.cycle == Cycle::Passes {
+            return Err(Reason::OneQueue);
+        }
+        if setting.system().platform.semantics.locks != LockRule::Free {
             return Err(Reason::LocksInOrder);
         }
         Ok(Ample {
@@ -69,7 +75,7 @@ impl Ample {
     /// Writes an ample set of a state to `out`, or all enabled actions.
     pub(crate) fn select(
         &self,
-        (rules, facts): (&Published, &Facts),
+        (rules, facts): (&SystemRules, &Facts),
         s: &State,
         enabled: &Enabled,
         out: &mut Vec<Action>,
@@ -96,7 +102,7 @@ impl Ample {
 struct AmpleState<'m, 's> {
     ample: &'m Ample,
     facts: &'m Facts,
-    rules: &'m Published<'s>,
+    rules: &'m SystemRules<'s>,
     s: &'m State,
     enabled: &'m Enabled,
 }
@@ -152,10 +158,9 @@ impl AmpleState<'_, '_> {
     /// Returns true if the timer of a task has expired.
     fn due(&self, task: usize) -> bool {
         let it = &self.system().tasks[task];
-        it.period.is_some_and(|period| {
-            self.layout().started(self.s, task)
-                && self.layout().timer(self.s, task) == period + it.delay
-        })
+        it.period.is_some()
+            && self.layout().started(self.s, task)
+            && self.layout().timer(self.s, task) == 0
     }
 
     /// Returns true if the start-up of a task is over.
@@ -163,7 +168,8 @@ impl AmpleState<'_, '_> {
         let l = self.layout();
         let permanent = self.system().tasks[task].permanent;
         l.started(self.s, task)
-            && permanent.is_none_or(|a| matches!(l.mode(self.s, a), mode::NORMAL | mode::ENDED))
+            && permanent
+                .is_none_or(|a| matches!(l.mode(self.s, a), permanent::NORMAL | permanent::ENDED))
     }
 
     /// Returns true for a plain task past its start-up.
@@ -196,7 +202,7 @@ impl AmpleState<'_, '_> {
         self.facts.active[task]
             || it
                 .permanent
-                .is_some_and(|a| l.mode(self.s, a) != mode::ENDED)
+                .is_some_and(|a| l.mode(self.s, a) != permanent::ENDED)
     }
 
     /// Returns true if no task has to wait for a core at this moment, whatever happens.
@@ -205,7 +211,7 @@ impl AmpleState<'_, '_> {
             return true;
         };
         let l = self.layout();
-        if !l.queue(self.s).is_empty() {
+        if !l.core_queue(self.s).is_empty() {
             return false;
         }
         let tasks = 0..self.system().tasks.len();
@@ -249,7 +255,7 @@ impl AmpleState<'_, '_> {
     fn has_nothing_to_do(&self, task: usize) -> bool {
         let permanent = self.system().tasks[task].permanent;
         !self.facts.measured[task]
-            && permanent.is_none_or(|a| self.layout().mode(self.s, a) == mode::ENDED)
+            && permanent.is_none_or(|a| self.layout().mode(self.s, a) == permanent::ENDED)
     }
 
     fn end_alone(&self, executor: usize) -> bool {
@@ -262,7 +268,7 @@ impl AmpleState<'_, '_> {
             || automaton.service.is_some()
             || !self.settled(task)
             || self.facts.visible.tasks[task]
-            || l.mode(self.s, executor) != mode::NORMAL
+            || l.mode(self.s, executor) != permanent::NORMAL
         {
             return false;
         }
@@ -360,7 +366,7 @@ impl AmpleState<'_, '_> {
         };
         let periodic = self.system().tasks[task].period.is_some();
         match l.status(self.s, task) {
-            TaskStatus::Idle if periodic || l.mode(self.s, a) == mode::ENDED => Rivalry::None,
+            TaskStatus::Idle if periodic || l.mode(self.s, a) == permanent::ENDED => Rivalry::None,
             TaskStatus::Running if periodic || self.facts.endless[task] => {
                 let conflicts = &self.system().codels[codel].conflicts;
                 let state = l.at(self.s, a) as usize;

@@ -6,228 +6,74 @@
 //! begun later have wider windows. So such an end is followed only where an urgent action is about to happen,
 //! and a state that differs from another one only by such ends need not be kept.
 //!
-//! This holds for *lazy groups*. A group is a set of tasks, control tasks and clients connected by codels
-//! that exclude each other, by activities and by requests. It is lazy if all its codels and delays have lower
-//! bound 0 and its periodic tasks do not keep ticks. An aperiodic task can belong to a lazy group if it asks
-//! for a core at most once, or never (else waiting changes its place in the queue), and if its response time
-//! is not measured (which would begin later). It can have a resting place, see [`rest`]; while it is
-//! elsewhere its group is not lazy.
-//!
-//! Groups meet only at cores: while a task of another group waits for a core no end can be postponed. (A lazy
-//! task that waits loses nothing by a later grant: its release is past, and its codels have wider windows.)
-//! Start-up is lazy only if no timer starts at its end, and if there are clients (its overtaking, see
-//! [`super::sleep_sets`], is not examined). No group is lazy while a lazy task has a pending tick: its next
-//! job is released, and measured, from the end of the present one. The order of steps of different groups is
-//! not preserved, so groups that a predicate observes are not lazy. And there has to be a next hard moment:
-//! some task is periodic.
+//! This holds for *lazy groups* of tasks, control tasks and clients: [`jobs`] and [`passes`] say which groups
+//! are lazy, for the two kinds of cycles of tasks. A group can have a resting place, see [`rest`]; while it is
+//! elsewhere the group is not lazy.
 
-pub(super) mod rest;
+mod jobs;
+mod passes;
+mod rest;
 
 use rustc_hash::FxHashSet;
-use smallvec::SmallVec;
 
+use self::jobs::LazyMembers;
+use self::passes::LazyComponents;
 use super::{Deferrable, Kind, Reason, Reduction, Setting};
-use crate::explore::rules::published::Published;
-use crate::explore::rules::published::layout::mode;
-use crate::explore::rules::{Action, Enabled, Rules};
-use crate::explore::state::{State, phase};
+use crate::explore::rules::points::Cycle;
+use crate::explore::rules::{Action, Enabled, Rules, SystemRules};
+use crate::explore::state::State;
 use crate::explore::store::{Encoded, encode};
-use crate::system::{ClientAction, TimedSystem};
-
-/// The lazy groups. Tasks, control tasks and clients are numbered as *members*, in this order.
-#[derive(Debug)]
-pub(crate) struct Deferral {
-    members: Vec<bool>,
-    /// Group of each member.
-    group: Vec<usize>,
-    /// Automata with a resting place, and the state.
-    rest: Vec<(usize, usize)>,
-    /// Tasks whose start-up is lazy.
-    starts: Vec<bool>,
-}
 
 /// Upper limit on the states of a lazy closure. Larger closures are truncated, and fewer states are dropped.
 const CLOSURE: usize = 1024;
 
-impl Reduction<Published<'_>> for Deferral {
+/// The lazy groups of a system.
+#[derive(Debug)]
+pub(crate) enum Deferral {
+    /// Groups of members.
+    Jobs(LazyMembers),
+    /// Groups of components.
+    Passes(LazyComponents),
+}
+
+impl Reduction for Deferral {
     const KIND: Kind = Kind::Deferral;
 
-    fn applies(setting: &Setting<Published>) -> Result<Self, Reason> {
-        if (setting.system().tasks.iter()).all(|it| it.period.is_none()) {
-            return Err(Reason::NothingPeriodic);
-        }
-        let groups = Deferral::new(setting);
-        match groups.members.contains(&true) {
-            true => Ok(groups),
-            false => Err(Reason::NothingToPutOff),
+    fn applies(setting: &Setting) -> Result<Self, Reason> {
+        match setting.rules.points.cycle {
+            Cycle::Jobs => LazyMembers::of(setting).map(Deferral::Jobs),
+            Cycle::Passes => LazyComponents::of(setting).map(Deferral::Passes),
         }
     }
 }
 
 impl Deferral {
     /// Returns the reason why no loop rests.
-    pub(super) fn without_rest(&self, setting: &Setting<Published>) -> Option<Reason> {
+    pub(super) fn without_rest(&self, setting: &Setting) -> Option<Reason> {
+        let nothing_rests = match self {
+            Deferral::Jobs(lazy) => lazy.rest.is_empty(),
+            Deferral::Passes(lazy) => lazy.rest.is_empty(),
+        };
         if setting.without.contains(Kind::RestingLoops) {
             Some(Reason::SwitchedOff)
         } else {
-            self.rest.is_empty().then_some(Reason::NothingRests)
-        }
-    }
-
-    /// Returns the lazy groups of a system, possibly none.
-    fn new(setting: &Setting<Published>) -> Self {
-        let system = setting.system();
-        let (visible, measured) = (&setting.facts.visible, &setting.facts.measured);
-        let rests = !setting.without.contains(Kind::RestingLoops);
-        let tasks = system.tasks.len();
-        let control = |component: usize| tasks + component;
-        let client = |client: usize| tasks + system.components.len() + client;
-        let n = client(system.clients.len());
-        let mut owner = vec![usize::MAX; system.codels.len()];
-        let mut lazy = vec![true; n];
-        let mut group: Vec<usize> = (0..n).collect();
-        let mut join = |one: usize, other: usize| {
-            let (from, to) = (group[one], group[other]);
-            let members = group.iter_mut().filter(|it| **it == from);
-            members.for_each(|it| *it = to);
-        };
-        let requested = system.requested();
-        let live = |a: usize| system.automata[a].service.is_none_or(|it| requested[it]);
-        for (a, automaton) in system.automata.iter().enumerate() {
-            if live(a) {
-                for state in &system.machine_of(a).states {
-                    owner[state.codel] = automaton.task;
-                }
-                if automaton.service.is_some() {
-                    join(
-                        automaton.task,
-                        control(system.tasks[automaton.task].component),
-                    );
-                }
-            }
-        }
-        for (service, it) in system.services.iter().enumerate() {
-            if requested[service] {
-                for &codel in it.validate.iter().chain(&it.simple) {
-                    owner[codel] = control(it.component);
-                    lazy[control(it.component)] &= system.codels[codel].lower == 0;
-                }
-            }
-        }
-        for (k, it) in system.clients.iter().enumerate() {
-            for step in &it.steps {
-                match step.action {
-                    ClientAction::Send { service, .. } => {
-                        join(client(k), control(system.services[service].component));
-                    }
-                    ClientAction::Delay(lower, _) => lazy[client(k)] &= lower == 0,
-                    ClientAction::AwaitAccepted
-                    | ClientAction::AwaitEnded(_)
-                    | ClientAction::AwaitAny
-                    | ClientAction::AwaitOutcome(..) => {}
-                }
-            }
-        }
-        if visible.others {
-            lazy[tasks..].fill(false);
-        }
-        let mut rest = Vec::new();
-        for (a, automaton) in system.automata.iter().enumerate() {
-            if !live(a) {
-                continue;
-            }
-            let task = automaton.task;
-            let place = rest::place(system, a, &owner)
-                .filter(|_| rests && !measured[task] && endless(system, task, &requested));
-            rest.extend(place.map(|state| (a, state)));
-            for (number, state) in system.machine_of(a).states.iter().enumerate() {
-                let separate = state.is_async && system.platform.async_free;
-                let slow = system.codels[state.codel].lower > 0 && place != Some(number);
-                if separate || slow {
-                    lazy[task] = false;
-                }
-            }
-        }
-        for (task, it) in system.tasks.iter().enumerate() {
-            let fits = if it.period.is_some() {
-                !it.keep_idle_tick
-            } else {
-                !measured[task] && (!system.needs_core(task) || endless(system, task, &requested))
-            };
-            lazy[task] &= fits && !visible.tasks[task];
-        }
-        for (one, codel) in system.codels.iter().enumerate() {
-            for other in codel.conflicts.iter() {
-                let (Some(&a), Some(&b)) = (owner.get(one), owner.get(other)) else {
-                    continue;
-                };
-                if a < n && b < n {
-                    join(a, b);
-                }
-            }
-        }
-        let not_lazy: Vec<usize> = (0..n).filter(|&it| !lazy[it]).map(|it| group[it]).collect();
-        let members: Vec<bool> = (0..n).map(|it| !not_lazy.contains(&group[it])).collect();
-        rest.retain(|&(a, _)| members[system.automata[a].task]);
-        // The end of start-up lets the control task begin, so the group of the control task must be lazy as
-        // well.
-        let can_start = |task: usize| {
-            let control = control(system.tasks[task].component);
-            let mut resting = rest.iter().map(|&(a, _)| group[system.automata[a].task]);
-            members[control] && resting.all(|it| it != group[control])
-        };
-        Deferral {
-            starts: (0..system.tasks.len())
-                .map(|task| {
-                    !system.clients.is_empty() && starts_no_timer(system, task) && can_start(task)
-                })
-                .collect(),
-            members,
-            group,
-            rest,
+            nothing_rests.then_some(Reason::NothingRests)
         }
     }
 
     /// Returns the members whose ends can be postponed in a calm state, if there are any.
-    pub(crate) fn waiters(&self, rules: &Published, s: &State) -> Option<Deferrable> {
-        let l = &rules.layout;
-        let settled = rules
-            .system
-            .tasks
-            .iter()
-            .zip(&self.members)
-            .enumerate()
-            .all(|(task, (it, &lazy))| {
-                let normal = |a| match l.mode(s, a) {
-                    mode::NORMAL | mode::ENDED => true,
-                    mode::FIRST_CODEL | mode::FIRST_RUN => self.starts[task],
-                    _ => false,
-                };
-                !lazy || (!l.pending(s, task) && it.permanent.is_none_or(normal))
-            });
-        if !settled {
-            return None;
+    pub(crate) fn waiters(&self, rules: &SystemRules, s: &State) -> Option<Deferrable> {
+        match self {
+            Deferral::Jobs(lazy) => lazy.waiters(rules, s),
+            Deferral::Passes(lazy) => lazy.waiters(rules, s),
         }
-        let mut out: SmallVec<[bool; 24]> = SmallVec::from_slice(&self.members);
-        for &(a, state) in &self.rest {
-            let resting = l.phase(s, a) == phase::EXECUTING && l.at(s, a) as usize == state;
-            if !resting {
-                let group = self.group[rules.system.automata[a].task];
-                for (member, it) in out.iter_mut().enumerate() {
-                    *it &= self.group[member] != group;
-                }
-            }
-        }
-        let queue = l.queue(s);
-        let all = queue.iter().all(|&task| out[task as usize]);
-        all.then_some(Deferrable(out))
     }
 
     /// Calls `found` with every calm state that a calm state can reach by ends that can be postponed, unless
     /// there are too many. Subtracts the number of examined states from the budget.
     pub(crate) fn closure(
         &self,
-        rules: &Published,
+        rules: &SystemRules,
         s: &State,
         budget: &mut usize,
         mut found: impl FnMut(&Encoded),
@@ -236,50 +82,28 @@ impl Deferral {
             return;
         };
         let mut executing = rules.layout.executing(s);
-        if !executing.any(|e| waiters.can_be_deferred(rules.system, e)) {
+        if !executing.any(|executor| waiters.can_be_deferred(rules.system, executor)) {
             return;
         }
         let mut seen: FxHashSet<Encoded> = FxHashSet::default();
         let mut stack = vec![s.clone()];
         let mut enabled = Enabled::default();
-        let mut it = Encoded::default();
+        let mut encoded = Encoded::default();
         while let Some(s) = stack.pop() {
             rules.enabled(&s, &mut enabled);
             *budget = budget.saturating_sub(1);
             if seen.len() > CLOSURE || *budget == 0 {
                 break;
             }
-            for i in 0..enabled.actions.len() {
-                let action = enabled.actions[i];
-                let follow = match action {
-                    Action::Finish { executor, .. } | Action::Acquire { executor } => {
-                        waiters.can_be_deferred(rules.system, executor)
-                    }
-                    Action::Grant { task } | Action::Release { task } => waiters.0[task],
-                    Action::Signal { component } => waiters
-                        .can_be_deferred(rules.system, rules.layout.control_executor(component)),
-                    Action::Request { client, .. } | Action::Proceed { client, .. } => {
-                        waiters.can_be_deferred(rules.system, rules.layout.client_executor(client))
-                    }
-                    Action::Tick { .. } => false,
-                    // Actions of other rules.
-                    Action::Begin { .. }
-                    | Action::Preempt { .. }
-                    | Action::Ready { .. }
-                    | Action::Ticket { .. }
-                    | Action::Wake { .. }
-                    | Action::Shut { .. }
-                    | Action::Mark { .. }
-                    | Action::Reply { .. } => false,
-                };
-                if !follow {
+            for &action in &enabled.actions {
+                if !is_of_lazy(rules, &waiters, action) {
                     continue;
                 }
                 let mut next = s.clone();
                 rules.apply(&mut next, action);
-                encode(&rules.layout, &next, &mut it);
-                if seen.insert(it.clone()) {
-                    found(&it);
+                encode(&rules.layout, &next, &mut encoded);
+                if seen.insert(encoded.clone()) {
+                    found(&encoded);
                     stack.push(next);
                 }
             }
@@ -287,22 +111,26 @@ impl Deferral {
     }
 }
 
-/// Returns true if no timer starts when a periodic task has been started.
-fn starts_no_timer(system: &TimedSystem, task: usize) -> bool {
-    let it = &system.tasks[task];
-    let mut later = (system.components[it.component].tasks.iter()).skip_while(|&&it| it != task);
-    later.next();
-    it.period.is_some()
-        && later
-            .all(|&it| system.tasks[it].period.is_none() && system.tasks[it].permanent.is_none())
-}
-
-/// Returns true for an aperiodic task whose cycle never ends.
-fn endless(system: &TimedSystem, task: usize, requested: &[bool]) -> bool {
-    let it = &system.tasks[task];
-    it.period.is_none()
-        && !system.has_activities(task, requested)
-        && it
-            .permanent
-            .is_some_and(|a| system.machine_of(a).is_endless())
+/// Returns true if an action is one of a member whose ends can be postponed.
+fn is_of_lazy(rules: &SystemRules, waiters: &Deferrable, action: Action) -> bool {
+    let system = rules.system;
+    let member = match action {
+        Action::Tick { .. } | Action::Mark { .. } => return false,
+        Action::Finish { executor, .. }
+        | Action::Acquire { executor }
+        | Action::Ticket { executor }
+        | Action::Ready { executor }
+        | Action::Preempt { executor, .. } => return waiters.can_be_deferred(system, executor),
+        Action::Release { task }
+        | Action::Grant { task }
+        | Action::Begin { task }
+        | Action::Wake { task } => task,
+        Action::Signal { component } | Action::Reply { component } | Action::Shut { component } => {
+            system.tasks.len() + component
+        }
+        Action::Request { client, .. } | Action::Proceed { client, .. } => {
+            system.tasks.len() + system.components.len() + client
+        }
+    };
+    waiters.members[member]
 }

@@ -25,11 +25,12 @@
 
 use super::facts::Facts;
 use super::{Kind, Reason, Reduction, Setting, SleepSet};
-use crate::explore::rules::published::Published;
-use crate::explore::rules::published::layout::mode;
-use crate::explore::rules::{Action, Enabled};
+use crate::explore::rules::points::Cycle;
+use crate::explore::rules::status::permanent;
+use crate::explore::rules::{Action, Enabled, SystemRules};
 use crate::explore::state::{State, TaskStatus, phase};
-use crate::system::{CodelSet, LockOrder, Policy, TimedSystem};
+use crate::scn::semantics::LockRule;
+use crate::system::{CodelSet, Policy, TimedSystem};
 
 const TICKS: usize = 64;
 
@@ -39,7 +40,7 @@ type Tasks = u64;
 /// A state and its possible actions.
 #[derive(Clone, Copy)]
 pub(crate) struct Now<'n, 's> {
-    pub(crate) rules: &'n Published<'s>,
+    pub(crate) rules: &'n SystemRules<'s>,
     pub(crate) facts: &'n Facts,
     pub(crate) s: &'n State,
     pub(crate) enabled: &'n Enabled,
@@ -56,13 +57,15 @@ pub(crate) struct Overtake {
     started_after: Vec<CodelSet>,
 }
 
-impl Reduction<Published<'_>> for Overtake {
+impl Reduction for Overtake {
     const KIND: Kind = Kind::SleepSets;
 
-    fn applies(setting: &Setting<Published>) -> Result<Self, Reason> {
+    fn applies(setting: &Setting) -> Result<Self, Reason> {
         let system = setting.system();
         let tasks = 0..system.tasks.len();
-        if system.platform.locks != LockOrder::Free {
+        if setting.rules.points.cycle == Cycle::Passes {
+            Err(Reason::OneQueue)
+        } else if system.platform.semantics.locks != LockRule::Free {
             Err(Reason::LocksInOrder)
         } else if system.automata.len() > TICKS || tasks.len() > TICKS {
             Err(Reason::TooMany)
@@ -133,7 +136,7 @@ impl Overtake {
     /// Returns the actions still held back after an action that led from one state to another.
     pub(crate) fn after(
         &self,
-        rules: &Published,
+        rules: &SystemRules,
         before: &State,
         action: Action,
         s: &State,
@@ -156,7 +159,7 @@ impl Overtake {
                     !overtaken && !(needs && (joined || given))
                 }
                 None => match l.phase(s, bit) {
-                    phase::LOCKING => rules.can_acquire(s, bit),
+                    phase::LOCKING => rules.may_leave(s, bit),
                     phase::EXECUTING => l.window(s, bit).1 == 0 && !joined,
                     _ => false,
                 },
@@ -171,16 +174,19 @@ impl Overtake {
 
 /// Returns true if the job or the start-up of a task continues, so that its end and the next tick depend on
 /// their order.
-fn contested(rules: &Published, s: &State, task: usize) -> bool {
+fn contested(rules: &SystemRules, s: &State, task: usize) -> bool {
     rules.layout.status(s, task) != TaskStatus::Idle || !settled(rules, s, task)
 }
 
 /// Returns true if the start-up of a task is over.
-fn settled(rules: &Published, s: &State, task: usize) -> bool {
+fn settled(rules: &SystemRules, s: &State, task: usize) -> bool {
     rules.layout.started(s, task)
-        && rules.system.tasks[task]
-            .permanent
-            .is_none_or(|a| matches!(rules.layout.mode(s, a), mode::NORMAL | mode::ENDED))
+        && rules.system.tasks[task].permanent.is_none_or(|a| {
+            matches!(
+                rules.layout.mode(s, a),
+                permanent::NORMAL | permanent::ENDED
+            )
+        })
 }
 
 fn bits(mut held: SleepSet) -> impl Iterator<Item = usize> {
@@ -346,7 +352,7 @@ impl DueState<'_, '_> {
             phase::LOCKING => here || later(),
             _ => {
                 l.status(self.s, task) == TaskStatus::Waiting
-                    && l.mode(self.s, a) != mode::ENDED
+                    && l.mode(self.s, a) != permanent::ENDED
                     && (here || later())
             }
         }
@@ -366,7 +372,7 @@ impl DueState<'_, '_> {
             .permanent
             .is_some_and(|a| match l.phase(self.s, a) {
                 phase::EXECUTING => l.window(self.s, a).0 == 0,
-                phase::LOCKING => self.held >> a & 1 == 0 && self.rules.can_acquire(self.s, a),
+                phase::LOCKING => self.held >> a & 1 == 0 && self.rules.may_leave(self.s, a),
                 _ => false,
             })
     }

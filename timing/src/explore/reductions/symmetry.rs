@@ -8,9 +8,9 @@
 //! 1996.)
 //!
 //! The rules say where a state holds the numbers of a unit, and where it names parts of the system
-//! ([`Exchangeable`]). An exchange moves the numbers and renames the names. This is sound for rules that use
+//! (`explore::rules::exchange`). An exchange moves the numbers and renames the names. This is sound for rules that use
 //! the index of a part for nothing else than to find it; where an order of indices is only a normal form, the
-//! rules restore it ([`Exchangeable::restore_order`]).
+//! rules restore it ([`SystemRules::restore_order`]).
 //!
 //! The reconstruction of runs does not use symmetry, see `explore::search::layers::trace`: after a state was
 //! put in order on the way, the rest of the run is renamed to the units as they were before.
@@ -25,7 +25,7 @@ use smallvec::SmallVec;
 pub(crate) use self::automorphisms::Label;
 pub(crate) use self::renaming::Renaming;
 use super::{Kind, Reason, Reduction, Setting};
-use crate::explore::rules::{Exchangeable, Names, Part, Parts, Rules, UnitPlaces};
+use crate::explore::rules::{Names, Part, Parts, Rules, SystemRules, UnitPlaces};
 use crate::explore::state::State;
 use crate::property::Atom;
 use crate::system::Policy;
@@ -155,10 +155,10 @@ impl Orbits {
     }
 }
 
-impl<R: Exchangeable> Reduction<R> for Symmetry {
+impl Reduction for Symmetry {
     const KIND: Kind = Kind::Symmetry;
 
-    fn applies(setting: &Setting<R>) -> Result<Self, Reason> {
+    fn applies(setting: &Setting) -> Result<Self, Reason> {
         let system = setting.system();
         // A free core goes to the ready thread of the lowest number, without an action.
         if system.preempts() && system.platform.policy == Policy::Fair {
@@ -177,7 +177,7 @@ impl<R: Exchangeable> Reduction<R> for Symmetry {
 }
 
 impl Symmetry {
-    fn new<R: Exchangeable>(rules: &R, classes: Vec<Vec<Parts>>) -> Self {
+    fn new(rules: &SystemRules, classes: Vec<Vec<Parts>>) -> Self {
         let names = rules.names();
         let orbits = Orbits::new(rules, classes);
         let numbers = rules.frame().blank().d.len();
@@ -254,7 +254,7 @@ impl Symmetry {
     }
 
     /// Puts the units of a state in order. Returns `None` if they already are.
-    pub(super) fn order<R: Exchangeable>(&self, rules: &R, s: &mut State) -> Option<Renaming> {
+    pub(super) fn order(&self, rules: &SystemRules, s: &mut State) -> Option<Renaming> {
         let mut moves: SmallVec<[(&Unit, &Unit); 8]> = SmallVec::new();
         for (c, class) in self.classes.iter().enumerate() {
             let compare = |&one: &usize, &other: &usize| self.compare(s, c, one, other);

@@ -2,8 +2,12 @@
 
 use std::ops::{Index, IndexMut};
 
-use super::Rules;
+use super::SystemRules;
+use super::layout::{EdfTimes, OF_COMPONENT, OF_TASK};
+use super::points::Cycle;
+use super::status::tracker;
 use crate::explore::state::State;
+use crate::system::Policy;
 
 /// The kinds of parts that a state can name, or that belong to a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,7 +21,7 @@ pub(crate) enum Part {
     Codel,
     /// Executors, as the rules number them.
     Executor,
-    /// Places of activities, as the rules number them ([`Rules::places`]).
+    /// Places of activities, as the rules number them ([`Rules::places`](super::Rules::places)).
     Place,
 }
 
@@ -75,17 +79,121 @@ pub(crate) struct Names {
     pub(crate) sets: Vec<(usize, usize, Part)>,
 }
 
-/// Rules whose states can be renamed.
-pub(crate) trait Exchangeable: Rules {
+impl SystemRules<'_> {
     /// Adds the executors of a unit, and its places of activities.
-    fn complete(&self, parts: &mut Parts);
+    pub(crate) fn complete(&self, parts: &mut Parts) {
+        let l = &self.layout;
+        let threads = match self.points.cycle {
+            Cycle::Jobs => {
+                parts[Part::Place] = parts[Part::Automaton].clone();
+                &parts[Part::Automaton]
+            }
+            Cycle::Passes => {
+                let slots = parts[Part::Task].iter().flat_map(|&task| l.slots(task));
+                parts[Part::Place] = slots.copied().collect();
+                &parts[Part::Task]
+            }
+        };
+        let controls = parts[Part::Component].iter();
+        let controls = controls.map(|&component| l.control_executor(component));
+        let clients = parts[Part::Client].iter();
+        let clients = clients.map(|&client| l.client_executor(client));
+        let executors = threads.iter().copied().chain(controls).chain(clients);
+        parts[Part::Executor] = executors.collect();
+    }
 
     /// Returns the numbers of a unit, in the same order for all units that can be exchanged.
-    fn unit_places(&self, parts: &Parts) -> UnitPlaces;
+    pub(crate) fn unit_places(&self, parts: &Parts) -> UnitPlaces {
+        let l = &self.layout;
+        let (mut d, mut t) = (Vec::new(), Vec::new());
+        for &task in &parts[Part::Task] {
+            let base = l.task_base + OF_TASK * task;
+            d.extend(base..base + OF_TASK);
+            t.push(task);
+            match l.edf {
+                Some(EdfTimes::Ages { tick, kept }) => t.extend([tick + task, kept + task]),
+                Some(EdfTimes::Slack(base)) => t.push(base + task),
+                None => {}
+            }
+            t.extend(l.response[task].into_iter().chain(l.kept(task)));
+        }
+        for &slot in &parts[Part::Place] {
+            let base = l.slot_base + l.of_slot * slot;
+            d.extend(base..base + l.of_slot);
+            let (visits, most) = l.visits[slot];
+            d.extend(visits..visits + most);
+        }
+        d.extend((parts[Part::Service].iter()).filter_map(|&service| l.success[service]));
+        for &component in &parts[Part::Component] {
+            let base = l.component_base + OF_COMPONENT * component;
+            d.extend(base..base + OF_COMPONENT);
+            if let (Some(base), Cycle::Passes) = (l.lock_queue[component], self.points.cycle) {
+                d.extend(base..base + 2 + self.system.components[component].tasks.len());
+            }
+            d.extend(l.shutdown[component]);
+        }
+        for &client in &parts[Part::Client] {
+            let base = l.client_base[client];
+            d.extend(base..base + 2 + self.system.clients[client].trackers);
+        }
+        for &executor in &parts[Part::Executor] {
+            d.push(l.phase_place(executor));
+            t.extend([l.window_place(executor), l.window_place(executor) + 1]);
+        }
+        UnitPlaces {
+            discrete: d,
+            times: t,
+        }
+    }
 
     /// Returns the names in a state.
-    fn names(&self) -> Names;
+    pub(crate) fn names(&self) -> Names {
+        let l = &self.layout;
+        let mut out = Names::default();
+        if self.points.cycle == Cycle::Passes {
+            let automata = (0..l.all_slots()).map(|slot| l.slot_base + l.of_slot * slot + 2);
+            (out.single).extend(automata.map(|place| (place, Part::Automaton, 1)));
+        }
+        for component in 0..l.components {
+            let base = l.component_base + OF_COMPONENT * component;
+            out.single.push((base + 2, Part::Service, 1));
+            out.single.push((base + 4, Part::Client, 1));
+            out.single.push((base + 5, Part::Place, 1));
+        }
+        for (client, &base) in l.client_base.iter().enumerate() {
+            let trackers = base + 2..base + 2 + self.system.clients[client].trackers;
+            (out.single).extend(trackers.map(|place| (place, Part::Place, tracker::SLOT)));
+        }
+        for (component, base) in l.lock_queue.iter().enumerate() {
+            let Some(base) = *base else { continue };
+            let capacity = match self.points.cycle {
+                Cycle::Passes => 1 + self.system.components[component].tasks.len(),
+                Cycle::Jobs if component == 0 => l.executors(),
+                // The queue that all components share.
+                Cycle::Jobs => continue,
+            };
+            out.lists.push((base, capacity, Part::Executor));
+        }
+        if let Some((base, capacity)) = l.core_queue {
+            let part = match self.points.cycle {
+                Cycle::Passes => Part::Executor,
+                Cycle::Jobs => Part::Task,
+            };
+            match self.system.platform.policy {
+                Policy::Any => out.sets.push((base, capacity, part)),
+                _ => out.lists.push((base, capacity, part)),
+            }
+        }
+        out
+    }
 
     /// Restores the normal form of sets after a renaming.
-    fn restore_order(&self, s: &mut State);
+    pub(crate) fn restore_order(&self, s: &mut State) {
+        if let (Some((base, _)), Policy::Any) =
+            (self.layout.core_queue, self.system.platform.policy)
+        {
+            let length = s.d[base] as usize;
+            s.d[base + 1..=base + length].sort_unstable();
+        }
+    }
 }

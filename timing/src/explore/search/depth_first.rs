@@ -13,7 +13,7 @@ use super::observations::{Longest, Observations, Sight};
 use crate::cancel::Cancel;
 use crate::explore::findings::{Findings, Found};
 use crate::explore::reductions::{Reduced, Reductions, SleepSet};
-use crate::explore::rules::{Action, Enabled, with_rules};
+use crate::explore::rules::{Action, Enabled, SystemRules};
 use crate::explore::run::Run;
 use crate::explore::state::State;
 use crate::explore::store::{Encoded, Store, encode};
@@ -428,9 +428,12 @@ pub fn search_once(
     limits: Limits,
     cancel: &Cancel,
 ) -> Findings {
-    with_rules!(
-        system,
-        search_once_by(watch, (number, steps), limits, cancel)
+    search_once_by(
+        &SystemRules::new(system),
+        watch,
+        (number, steps),
+        limits,
+        cancel,
     )
 }
 

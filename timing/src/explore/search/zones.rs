@@ -19,7 +19,7 @@ use super::layers::Layers;
 use crate::explore::never_observed::NeverObserved;
 use crate::explore::observe;
 use crate::explore::reductions::{Kind, Kinds, Reason, Reduced, Reductions, Watched};
-use crate::explore::rules::{Action, Enabled, with_rules};
+use crate::explore::rules::{Action, Enabled, SystemRules};
 use crate::explore::state::{Clocks, State};
 use crate::explore::watch::{Limits, Watch};
 use crate::property::Predicate;
@@ -301,7 +301,7 @@ pub fn search_zones(
     steps: u64,
     without: Kinds,
 ) -> Option<ZoneFindings> {
-    with_rules!(system, search_zones_by(goals, steps, without))
+    search_zones_by(&SystemRules::new(system), goals, steps, without)
 }
 
 fn search_zones_by<R: Reduced>(

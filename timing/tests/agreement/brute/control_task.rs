@@ -1,9 +1,8 @@
 //! The actions of the control task.
 
-use dotgen_timing::system::LockOrder;
-
 use super::state::{Doing, Mode, State, Step, Tracked};
 use super::{Brute, Results};
+use dotgen_timing::scn::semantics::LockRule;
 
 impl Brute<'_> {
     pub(super) fn control_codel(&self, s: &mut State, c: usize) {
@@ -12,7 +11,7 @@ impl Brute<'_> {
             s.controls[c].doing = Doing::Executing(0);
         } else {
             s.controls[c].doing = Doing::Locking;
-            if self.system.platform.locks == LockOrder::Fifo {
+            if self.system.platform.semantics.locks == LockRule::Fifo {
                 s.lock_queue.push(e);
             }
         }

@@ -1,7 +1,8 @@
 //! The effects of actions: clients, tasks and their automata.
 
 use dotgen_timing::explore::Action;
-use dotgen_timing::system::{ClientAction, LockOrder, Policy, Yield};
+use dotgen_timing::scn::semantics::LockRule;
+use dotgen_timing::system::{ClientAction, Policy, Yield};
 
 use super::state::{Doing, Mode, State, Status, Step, Tracked};
 use super::{Brute, Results};
@@ -156,7 +157,7 @@ impl Brute<'_> {
             automaton.doing = Doing::Executing(0);
         } else {
             automaton.doing = Doing::Locking;
-            if self.system.platform.locks == LockOrder::Fifo {
+            if self.system.platform.semantics.locks == LockRule::Fifo {
                 s.lock_queue.push(a);
             }
         }

@@ -1,7 +1,8 @@
 //! The possible actions.
 
 use dotgen_timing::explore::Action;
-use dotgen_timing::system::{ClientAction, FOREVER, LockOrder, Policy, Yield};
+use dotgen_timing::scn::semantics::LockRule;
+use dotgen_timing::system::{ClientAction, FOREVER, Policy, Yield};
 
 use super::Brute;
 use super::state::{Doing, Mode, State, Status, Step, Tracked};
@@ -171,7 +172,7 @@ impl Brute<'_> {
                 return false;
             }
         }
-        if self.system.platform.locks == LockOrder::Fifo {
+        if self.system.platform.semantics.locks == LockRule::Fifo {
             let place = s.lock_queue.iter().position(|&it| it == e).unwrap();
             if s.lock_queue[..place]
                 .iter()

@@ -1,6 +1,7 @@
 //! Random systems of periodic tasks without requests.
 
-use dotgen_timing::system::{CodelSet, FOREVER, LockOrder, Policy, State, TimedSystem, Yield};
+use dotgen_timing::scn::semantics::LockRule;
+use dotgen_timing::system::{CodelSet, FOREVER, Policy, State, TimedSystem, Yield};
 
 use super::{Dice, automaton, codel, competing};
 
@@ -8,11 +9,11 @@ use super::{Dice, automaton, codel, competing};
 pub(crate) fn periodic(dice: &mut Dice) -> TimedSystem {
     let mut system = competing(dice);
     system.platform.policy = dice.pick(&[Policy::Fifo, Policy::Edf, Policy::Edf, Policy::Any]);
-    system.platform.locks = dice.pick(&[
-        LockOrder::Free,
-        LockOrder::Free,
-        LockOrder::Free,
-        LockOrder::Fifo,
+    system.platform.semantics.locks = dice.pick(&[
+        LockRule::Free,
+        LockRule::Free,
+        LockRule::Free,
+        LockRule::Fifo,
     ]);
     for t in 0..system.tasks.len() {
         let task = &mut system.tasks[t];

@@ -21,8 +21,7 @@ use super::AmpleState;
 use crate::explore::reductions::facts::{Parts, loops_in_no_time};
 use crate::explore::reductions::{Kind, Reason, Setting};
 use crate::explore::rules::Action;
-use crate::explore::rules::published::Published;
-use crate::explore::rules::published::layout::{control, mode, slot, tracker};
+use crate::explore::rules::status::{control, permanent, slot, tracker};
 use crate::explore::state::{TaskStatus, phase};
 use crate::system::{Client, ClientAction, Yield};
 
@@ -55,7 +54,7 @@ fn bit(service: usize) -> Services {
 }
 
 impl Requests {
-    pub(super) fn new(setting: &Setting<Published>) -> Self {
+    pub(super) fn new(setting: &Setting) -> Self {
         let system = setting.system();
         let services = system.services.len();
         let off = if setting.without.contains(Kind::PersistentRequests) {
@@ -205,7 +204,7 @@ impl AmpleState<'_, '_> {
         let mut waiting = system.components[it.component].services.iter();
         void(service)
             && it.interrupts.iter().all(|&it| void(it))
-            && waiting.all(|other| !waits_for_it(other) || all(*other, &|it| it != slot::WAIT))
+            && waiting.all(|other| !waits_for_it(other) || all(*other, &|it| it != slot::INIT))
             && it.slots.first().is_none_or(|&a| {
                 known.ordinary[a]
                     && !known.visible.machines[system.automata[a].machine]
@@ -275,7 +274,7 @@ impl AmpleState<'_, '_> {
             && system.components[component].services.iter().all(|&it| {
                 let mut slots = system.services[it].slots.iter().map(|&a| l.mode(self.s, a));
                 slots.all(|it_is| match it_is {
-                    slot::WAIT => false,
+                    slot::INIT => false,
                     slot::ETHER => !known.visible.slots[it],
                     _ => true,
                 })
@@ -318,8 +317,8 @@ impl AmpleState<'_, '_> {
             && !self.due(task)
             && !l.pending(self.s, task)
             && it.permanent.is_none_or(|a| match l.mode(self.s, a) {
-                mode::ENDED => true,
-                mode::NORMAL => it.period.is_some(),
+                permanent::ENDED => true,
+                permanent::NORMAL => it.period.is_some(),
                 _ => false,
             })
             && (!system.needs_core(task) || self.cores_for_all());
@@ -343,7 +342,7 @@ impl AmpleState<'_, '_> {
         let automaton = &system.automata[slot];
         match self.layout().mode(self.s, slot) {
             slot::VOID | slot::ETHER => true,
-            slot::WAIT => (automaton.service)
+            slot::INIT => (automaton.service)
                 .is_some_and(|it| system.services[it].interrupts.contains(&activity)),
             _ => {
                 self.ample.requests.ordinary[slot]
@@ -358,12 +357,15 @@ impl AmpleState<'_, '_> {
         let l = self.layout();
         let system = self.system();
         let Some(component) = executor
-            .checked_sub(l.automata)
+            .checked_sub(l.threads)
             .filter(|&it| it < l.components)
         else {
             return false;
         };
-        let Some((service, client)) = l.request(self.s, component) else {
+        let (Some(service), Some(client)) = (
+            l.handled(self.s, component),
+            (l.sender(self.s, component) as usize).checked_sub(1),
+        ) else {
             return false;
         };
         if !known.enabled
@@ -374,9 +376,10 @@ impl AmpleState<'_, '_> {
         {
             return false;
         }
-        let validates = l.control(self.s, component) == control::VALIDATE;
-        let next = l.simple(self.s, component) as usize + 1;
-        let goes_on = !validates && next < system.services[service].simple.len();
+        let validates = self.rules.validates(self.s, component);
+        let it = &system.services[service];
+        let last = usize::from(it.validate.is_some()) + it.simple.len();
+        let goes_on = !validates && l.codel_number(self.s, component) as usize + 1 < last;
         // Interruptions take place before the service's own codels.
         let ends = !validates && self.reports_nothing(component);
         goes_on
@@ -392,7 +395,7 @@ impl AmpleState<'_, '_> {
             let slots = &self.system().services[it].slots;
             slots
                 .iter()
-                .all(|&a| !matches!(l.mode(self.s, a), slot::WAIT | slot::ETHER))
+                .all(|&a| !matches!(l.mode(self.s, a), slot::INIT | slot::ETHER))
         })
     }
 
@@ -427,12 +430,7 @@ impl AmpleState<'_, '_> {
             && automata().any(|a| system.machine_of(a).states.iter().any(|it| it.is_async));
         let settled = self.started_up(task);
         // While a task executes a codel that does not end yet, no other action of the task is possible.
-        let turn = match l.turn(self.s, task) as usize {
-            0 => None,
-            1 => it.permanent,
-            position => it.slots.get(position - 2).copied(),
-        };
-        let executes = turn
+        let executes = (l.turn(self.s, task))
             .is_some_and(|a| l.phase(self.s, a) == phase::EXECUTING && l.window(self.s, a).0 > 0);
         let rests = l.status(self.s, task) == TaskStatus::Idle
             && it.period.is_some()
@@ -467,7 +465,7 @@ impl AmpleState<'_, '_> {
                 .any(|&it| conflicts.contains(it))
         };
         let requested = self.requested_now(|_| true);
-        let handled = l.request(self.s, component).map(|it| it.0);
+        let handled = l.handled(self.s, component);
         (self.system().components[component].services.iter()).any(|&it| {
             let now = requested & bit(it) != 0 || handled == Some(it);
             now && wants(it)
@@ -477,7 +475,7 @@ impl AmpleState<'_, '_> {
     /// Returns true if the end of a client's delay can come before anything else.
     pub(super) fn delay_alone(&self, executor: usize) -> bool {
         let l = self.layout();
-        let client = executor.checked_sub(l.automata + l.components);
+        let client = executor.checked_sub(l.threads + l.components);
         client.is_some_and(|it| {
             self.ample.requests.enabled
                 && l.window(self.s, executor).1 == 0

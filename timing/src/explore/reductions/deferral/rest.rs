@@ -19,11 +19,7 @@ use crate::system::{FOREVER, Machine, TimedSystem, Yield};
 const COMBINATIONS: usize = 10_000;
 
 /// Returns the resting place of the machine of an automaton. `owner` gives the thread of each codel.
-pub(in super::super) fn place(
-    system: &TimedSystem,
-    automaton: usize,
-    owner: &[usize],
-) -> Option<usize> {
+pub(super) fn place(system: &TimedSystem, automaton: usize, owner: &[usize]) -> Option<usize> {
     let machine = system.machine_of(automaton);
     let mut slow = machine
         .states
@@ -46,7 +42,7 @@ pub(in super::super) fn place(
 }
 
 /// Returns true if a codel is executed only at the start of its task. Nothing is lazy before that is over.
-pub(in super::super) fn start_up_only(system: &TimedSystem, codel: usize) -> bool {
+pub(super) fn start_up_only(system: &TimedSystem, codel: usize) -> bool {
     let mut uses = (0..system.automata.len()).flat_map(|a| {
         let machine = system.machine_of(a);
         let states = machine.states.iter().enumerate();

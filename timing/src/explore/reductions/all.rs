@@ -1,6 +1,7 @@
-//! Reductions that are proved sound under the published rules.
+//! All reductions of a search of a system.
 
 use super::ample::Ample;
+use super::components::Components;
 use super::deferral::Deferral;
 use super::facts::Facts;
 use super::sleep_sets::{Now, Overtake};
@@ -9,30 +10,37 @@ use super::{
     Activity, Deferrable, Kind, Kinds, Reason, Reduced, Reduction, Reductions, Setting, SleepSet,
     Watched,
 };
-use crate::explore::rules::published::Published;
-use crate::explore::rules::{Action, Enabled};
+use crate::explore::rules::points::Cycle;
+use crate::explore::rules::{Action, Enabled, SystemRules};
 use crate::explore::state::State;
 use crate::explore::store::Encoded;
 
-/// The reductions for the published rules.
+/// The reductions that are sound for a system, the points of its semantics and its watched properties.
 #[derive(Debug)]
-pub(crate) struct OfPublished {
+pub(crate) struct AllReductions {
     facts: Facts,
-    ample: Option<Ample>,
+    persistent: Option<PersistentSets>,
     overtake: Option<Overtake>,
-    lazy: Option<Deferral>,
+    deferral: Option<Deferral>,
     symmetry: Option<Symmetry>,
     /// Orbits without symmetry.
     alone: Orbits,
     activities: Vec<Activity>,
 }
 
-impl Reduced for Published<'_> {
-    type Reductions = OfPublished;
+/// Persistent sets: within jobs, or of components that are independent at a moment.
+#[derive(Debug)]
+enum PersistentSets {
+    Ample(Ample),
+    Components(Components),
 }
 
-impl Reductions<Published<'_>> for OfPublished {
-    fn new(rules: &Published, asked: &Watched, without: Kinds) -> Self {
+impl Reduced for SystemRules<'_> {
+    type Reductions = AllReductions;
+}
+
+impl Reductions<SystemRules<'_>> for AllReductions {
+    fn new(rules: &SystemRules, asked: &Watched, without: Kinds) -> Self {
         let facts = Facts::new(rules.system, asked);
         let setting = Setting {
             rules,
@@ -41,23 +49,32 @@ impl Reductions<Published<'_>> for OfPublished {
             without,
         };
         let mut notes = Vec::new();
-        let ample = Ample::examine(&setting, &mut notes);
-        let requests = ample.as_ref().map(Ample::without_requests);
+        let persistent = match rules.points.cycle {
+            Cycle::Jobs => Ample::examine(&setting, &mut notes).map(PersistentSets::Ample),
+            Cycle::Passes => {
+                Components::examine(&setting, &mut notes).map(PersistentSets::Components)
+            }
+        };
+        let requests = match &persistent {
+            Some(PersistentSets::Ample(ample)) => Some(ample.without_requests()),
+            _ if rules.points.cycle == Cycle::Passes => Some(Some(Reason::OneQueue)),
+            _ => None,
+        };
         notes.push(part(
             Kind::PersistentRequests,
             requests,
             Kind::PersistentSets,
         ));
         let overtake = Overtake::examine(&setting, &mut notes);
-        let lazy = Deferral::examine(&setting, &mut notes);
-        let resting = lazy.as_ref().map(|it| it.without_rest(&setting));
+        let deferral = Deferral::examine(&setting, &mut notes);
+        let resting = deferral.as_ref().map(|it| it.without_rest(&setting));
         notes.push(part(Kind::RestingLoops, resting, Kind::Deferral));
         let symmetry = Symmetry::examine(&setting, &mut notes);
-        OfPublished {
+        AllReductions {
             alone: Orbits::none(rules),
-            ample,
+            persistent,
             overtake,
-            lazy,
+            deferral,
             symmetry,
             facts,
             activities: notes,
@@ -68,16 +85,21 @@ impl Reductions<Published<'_>> for OfPublished {
         &self.activities
     }
 
-    fn persistent(&self, rules: &Published, s: &State, enabled: &Enabled, out: &mut Vec<Action>) {
-        match &self.ample {
-            Some(it) => it.select((rules, &self.facts), s, enabled, out),
+    fn persistent(&self, rules: &SystemRules, s: &State, enabled: &Enabled, out: &mut Vec<Action>) {
+        match &self.persistent {
+            Some(PersistentSets::Ample(ample)) => {
+                ample.select((rules, &self.facts), s, enabled, out);
+            }
+            Some(PersistentSets::Components(components)) => {
+                components.select(rules, s, enabled, out);
+            }
             None => out.clone_from(&enabled.actions),
         }
     }
 
     fn follow(
         &self,
-        rules: &Published,
+        rules: &SystemRules,
         (s, held): (&State, SleepSet),
         enabled: &Enabled,
         first: &mut Vec<Action>,
@@ -91,22 +113,24 @@ impl Reductions<Published<'_>> for OfPublished {
             enabled,
         };
         match &self.overtake {
-            Some(it) => it.select(now, held, first, out),
+            Some(overtake) => overtake.select(now, held, first, out),
             None => {
                 out.clear();
-                out.extend(first.iter().map(|&it| (it, held)));
+                out.extend(first.iter().map(|&action| (action, held)));
             }
         }
-        let waiters = self.lazy.as_ref().filter(|_| enabled.is_calm());
-        if let Some(waiters) = waiters.and_then(|it| it.waiters(rules, s)) {
+        let deferral = self.deferral.as_ref().filter(|_| enabled.is_calm());
+        if let Some(waiters) = deferral.and_then(|it| it.waiters(rules, s)) {
             let waits = |executor| waiters.can_be_deferred(rules.system, executor);
-            out.retain(|it| !matches!(it.0, Action::Finish { executor, .. } if waits(executor)));
+            out.retain(|(action, _)| {
+                !matches!(*action, Action::Finish { executor, .. } if waits(executor))
+            });
         }
     }
 
     fn sleep_set_after(
         &self,
-        rules: &Published,
+        rules: &SystemRules,
         before: &State,
         action: Action,
         s: &State,
@@ -116,23 +140,23 @@ impl Reductions<Published<'_>> for OfPublished {
         overtake.map_or(0, |it| it.after(rules, before, action, s, held))
     }
 
-    fn waiters(&self, rules: &Published, s: &State) -> Option<Deferrable> {
-        self.lazy.as_ref()?.waiters(rules, s)
+    fn waiters(&self, rules: &SystemRules, s: &State) -> Option<Deferrable> {
+        self.deferral.as_ref()?.waiters(rules, s)
     }
 
     fn closure(
         &self,
-        rules: &Published,
+        rules: &SystemRules,
         s: &State,
         budget: &mut usize,
         found: impl FnMut(&Encoded),
     ) {
-        if let Some(it) = &self.lazy {
-            it.closure(rules, s, budget, found);
+        if let Some(deferral) = &self.deferral {
+            deferral.closure(rules, s, budget, found);
         }
     }
 
-    fn order(&self, rules: &Published, s: &mut State) -> Option<Renaming> {
+    fn order(&self, rules: &SystemRules, s: &mut State) -> Option<Renaming> {
         self.symmetry.as_ref()?.order(rules, s)
     }
 

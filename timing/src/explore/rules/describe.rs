@@ -1,13 +1,14 @@
-//! Descriptions of actions under the rules of the servers.
+//! Descriptions of actions.
 
-use super::layout::{flag, slot, thread};
-use super::{Action, Servers};
+use super::points::{Cycle, Handling};
+use super::status::{flag, slot, thread};
+use super::{Action, Moment, MomentKind, SystemRules};
 use crate::explore::details::{Blocker, Executing, MomentDetails};
-use crate::explore::rules::{Moment, MomentKind};
-use crate::explore::state::{State, phase};
+use crate::explore::state::{State, TaskStatus, phase};
+use crate::scn::semantics::LockRule;
 use crate::system::{ClientAction, Yield};
 
-impl Servers<'_> {
+impl SystemRules<'_> {
     /// Describes the effects of an action; without an action, those of the initial state.
     pub(super) fn moments(
         &self,
@@ -20,14 +21,17 @@ impl Servers<'_> {
             self.describe_action(before, after, action, time, out);
         }
         let l = &self.layout;
-        for executor in 0..l.tasks + l.components {
-            self.describe_executor((before, after), executor, time, out);
+        for executor in 0..l.threads + l.components {
+            self.describe_executor((before, after), action, executor, time, out);
         }
         for task in 0..l.tasks {
-            // A pass without codels begins and ends in one step.
+            // A cycle without codels begins and ends in one step.
             let begun = self.in_cycle(before, task)
-                || (matches!(action, Some(Action::Begin { task: it }) if it == task)
-                    && self.is_periodic(task));
+                || match action {
+                    Some(Action::Begin { task: it }) => it == task && self.is_periodic(task),
+                    Some(Action::Release { task: it }) => it == task,
+                    _ => false,
+                };
             if begun && !self.in_cycle(after, task) {
                 let what = match l.has(before, task, flag::FIRST) {
                     true => "start-up complete",
@@ -77,7 +81,7 @@ impl Servers<'_> {
         Moment {
             time,
             component: self.system.components[component].name.clone(),
-            task: (executor < self.layout.tasks).then_some(executor),
+            task: self.task_of_executor(executor),
             codel: Some(codel),
             what,
             kind,
@@ -114,10 +118,13 @@ impl Servers<'_> {
                 out.push(self.of_task(task, MomentKind::Tick, time, what.to_owned()));
             }
             Action::Release { task } => {
-                let what = "released, asks for a core".to_owned();
+                let (what, about) = match l.status(after, task) {
+                    TaskStatus::Waiting => ("released, asks for a core", MomentDetails::AwaitsCore),
+                    _ => ("released", MomentDetails::Nothing),
+                };
                 out.push(Moment {
-                    about: MomentDetails::AwaitsCore,
-                    ..self.of_task(task, MomentKind::Release, time, what)
+                    about,
+                    ..self.of_task(task, MomentKind::Release, time, what.to_owned())
                 });
             }
             Action::Grant { task } => {
@@ -236,8 +243,11 @@ impl Servers<'_> {
         out: &mut Vec<Moment>,
     ) {
         let l = &self.layout;
-        for it in l.slots(task) {
-            let (was, now) = (l.status(before, it), l.status(after, it));
+        if self.points.cycle == Cycle::Jobs {
+            return;
+        }
+        for &it in l.slots(task) {
+            let (was, now) = (l.activity(before, it), l.activity(after, it));
             let marked = l.mode(before, it) & slot::MARK != 0;
             let what = match (was, now) {
                 (slot::INIT, slot::ETHER) if marked => "ends before its first codel: interrupted",
@@ -260,8 +270,11 @@ impl Servers<'_> {
         out: &mut Vec<Moment>,
     ) {
         let l = &self.layout;
+        if self.points.handling == Handling::AtOnce {
+            return;
+        }
         for &task in &self.system.components[component].tasks {
-            for it in l.slots(task) {
+            for &it in l.slots(task) {
                 let (was, now) = (l.mode(before, it), l.mode(after, it));
                 let new = now & !was;
                 let name = || self.slot_name(before, task, it);
@@ -295,8 +308,7 @@ impl Servers<'_> {
             return;
         };
         let path = &self.system.codels[codel].path;
-        let what = if executor < l.tasks {
-            let slot = l.turn(before, executor);
+        let what = if let Some(slot) = self.slot_of(before, executor) {
             let (Some(machine), Some(state)) =
                 (self.machine(before, slot), self.machine_state(before, slot))
             else {
@@ -313,11 +325,7 @@ impl Servers<'_> {
                 None => format!("{path} ends by an exception"),
             }
         } else {
-            let component = executor - l.tasks;
-            let service = l
-                .handled(before, component)
-                .map(|it| &self.system.services[it]);
-            let validates = service.is_some_and(|it| it.validate == Some(codel));
+            let validates = self.validates(before, executor - l.threads);
             match (validates, outcome) {
                 (true, 0) => format!("{path} accepts"),
                 (true, _) => format!("{path} refuses"),
@@ -332,51 +340,49 @@ impl Servers<'_> {
     fn describe_executor(
         &self,
         (before, after): (&State, &State),
+        action: Option<Action>,
         executor: usize,
         time: u64,
         out: &mut Vec<Moment>,
     ) {
         let l = &self.layout;
-        let (was, now) = (l.phase(before, executor), l.phase(after, executor));
-        if was == now || now == phase::REST {
+        let phase_in = |s: &State| l.phase(s, executor) & !phase::ASYNC;
+        let (was, now) = (phase_in(before), phase_in(after));
+        if now == phase::REST {
             return;
         }
         let Some(codel) = self.codel(after, executor) else {
             return;
         };
         let path = &self.system.codels[codel].path;
+        let again = matches!(action, Some(Action::Finish { executor: it, .. }) if it == executor);
+        if was == now && !again {
+            if let Some(faster) = self.overtaker(after, action, executor) {
+                let by = &self.system.codels[faster.codel].path;
+                let what = format!("{path} goes on waiting: {by} was faster");
+                out.push(Moment {
+                    about: MomentDetails::Blocked(vec![faster]),
+                    ..self.of_codel(codel, executor, time, MomentKind::Wait, what)
+                });
+            }
+            return;
+        }
         if now == phase::EXECUTING {
             let what = format!("{path} begins");
             out.push(self.of_codel(codel, executor, time, MomentKind::Begin, what));
             return;
         }
-        // An executor without a wait leaves the queue in a step of its own at the same moment, which needs no
+        // An executor without a wait takes its locks in a step of its own at the same moment, which needs no
         // line.
-        let blocker = |it: usize, ahead: bool| {
-            Some(Blocker {
-                codel: self.codel(after, it)?,
-                by: self.executing(it),
-                ahead,
-            })
-        };
-        let holders =
-            (l.executing(after)).filter(|&it| self.blocks(after, &self.system.codels[codel], it));
-        let mut blockers: Vec<Blocker> = holders.filter_map(|it| blocker(it, false)).collect();
-        if let Some(component) = self.component_of(executor) {
-            let queue = l.lock_queue(after, component).iter();
-            let queue = queue
-                .map(|&it| it as usize)
-                .take_while(|&it| it != executor);
-            blockers.extend(queue.filter_map(|it| blocker(it, true)));
-        }
+        let blockers = self.blockers(after, executor, codel);
         if !blockers.is_empty() {
-            let named = blockers.iter().map(|it| {
-                let queued = if it.ahead {
+            let named = blockers.iter().map(|blocker| {
+                let queued = if blocker.ahead {
                     " (ahead in the queue)"
                 } else {
                     ""
                 };
-                format!("{}{queued}", self.system.codels[it.codel].path)
+                format!("{}{queued}", self.system.codels[blocker.codel].path)
             });
             let named: Vec<String> = named.collect();
             let what = format!("{path} waits for {}", named.join(", "));
@@ -387,11 +393,56 @@ impl Servers<'_> {
         }
     }
 
+    /// Returns the executor that has just taken locks that were free for a moment, and for which this
+    /// executor goes on waiting.
+    fn overtaker(&self, s: &State, action: Option<Action>, executor: usize) -> Option<Blocker> {
+        let Some(Action::Acquire { executor: faster }) = action else {
+            return None;
+        };
+        let waiting = &self.system.codels[self.codel(s, executor)?];
+        let overtakes = self.points.locks == LockRule::Free
+            && faster != executor
+            && !self.layout.is_executing(s, executor)
+            && self.blocks(s, waiting, faster);
+        overtakes.then(|| self.blocker(s, faster, false)).flatten()
+    }
+
+    /// Returns the executors for which an executor waits with its codel.
+    fn blockers(&self, s: &State, executor: usize, codel: usize) -> Vec<Blocker> {
+        let l = &self.layout;
+        let waiting = &self.system.codels[codel];
+        let holders = l
+            .executing(s)
+            .filter(|&other| self.blocks(s, waiting, other));
+        let mut out: Vec<Blocker> = (holders)
+            .filter_map(|other| self.blocker(s, other, false))
+            .collect();
+        if let Some(component) = self.component_of(executor) {
+            let queue = l.lock_queue(s, component).iter();
+            let ahead = (queue.map(|&other| other as usize))
+                .take_while(|&other| other != executor)
+                .filter(|&other| {
+                    self.points.locks == LockRule::Queue || self.blocks(s, waiting, other)
+                });
+            out.extend(ahead.filter_map(|other| self.blocker(s, other, true)));
+        }
+        out
+    }
+
+    /// Returns the work of an executor, as a codel that keeps others waiting.
+    fn blocker(&self, s: &State, executor: usize, ahead: bool) -> Option<Blocker> {
+        Some(Blocker {
+            codel: self.codel(s, executor)?,
+            by: self.executing(executor),
+            ahead,
+        })
+    }
+
     /// Returns the thread of an executor: a task, or a control task.
     fn executing(&self, executor: usize) -> Executing {
-        match executor.checked_sub(self.layout.tasks) {
-            None => Executing::Task(executor),
-            Some(component) => Executing::Control(component),
+        match self.task_of_executor(executor) {
+            Some(task) => Executing::Task(task),
+            None => Executing::Control(executor - self.layout.threads),
         }
     }
 }

@@ -11,15 +11,15 @@
 //!   that have a core. A swap with another thread is an action ([`Action::Preempt`]), which is possible at
 //!   any moment.
 
-use super::layout::{control, flag, thread};
-use super::{Action, Enabled, Servers};
-use crate::explore::state::{State, phase};
+use super::status::{control, flag, thread};
+use super::{Action, Enabled, SystemRules};
+use crate::explore::state::State;
 use crate::system::{ClientAction, Policy};
 
 /// A set of executors, as bits.
 pub(super) type Threads = u128;
 
-impl Servers<'_> {
+impl SystemRules<'_> {
     /// Returns true if an operating system grants cores and preempts threads.
     pub(crate) fn preempts(&self) -> bool {
         self.system.preempts()
@@ -130,7 +130,7 @@ impl Servers<'_> {
         }
         for &executor in &new {
             if !self.has_rival(&new, executor) {
-                l.core_queue_push(s, executor, false);
+                l.core_queue_push(s, executor);
             }
         }
         self.normalize(s);
@@ -168,7 +168,7 @@ impl Servers<'_> {
             order.sort_by_key(|&it| self.priorities[it]);
         }
         order.iter().for_each(|&it| l.core_queue_remove(s, it));
-        order.iter().for_each(|&it| l.core_queue_push(s, it, false));
+        order.iter().for_each(|&it| l.core_queue_push(s, it));
     }
 
     /// Adds the swaps that the policy `fair` allows.
@@ -200,7 +200,7 @@ impl Servers<'_> {
         order.iter().for_each(|&it| l.core_queue_remove(s, it));
         let others = order.iter().copied();
         for it in std::iter::once(by).chain(others).chain([executor]) {
-            l.core_queue_push(s, it, false);
+            l.core_queue_push(s, it);
         }
         self.normalize(s);
     }
@@ -214,8 +214,8 @@ impl Servers<'_> {
 
     /// Returns true if an executor makes progress with its codel.
     pub(super) fn executes_on(&self, s: &State, running: Threads, executor: usize) -> bool {
-        let client = executor >= self.layout.tasks + self.layout.components;
-        self.layout.phase(s, executor) == phase::EXECUTING
-            && (client || running >> executor & 1 == 1)
+        let client = executor >= self.layout.threads + self.layout.components;
+        self.layout.is_executing(s, executor)
+            && (!self.preempts() || client || running >> executor & 1 == 1)
     }
 }

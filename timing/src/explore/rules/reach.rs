@@ -1,12 +1,11 @@
 //! The range of actions, for reductions.
 
-use super::layout::{control, flag, slot, thread};
-use super::{Action, Servers};
-use crate::explore::rules::Rules;
+use super::status::{control, flag, slot, thread};
+use super::{Action, Rules, SystemRules};
 use crate::explore::state::{State, phase};
 use crate::system::ClientAction;
 
-impl Servers<'_> {
+impl SystemRules<'_> {
     /// Returns the component of an action; `None` for actions of clients alone.
     pub(crate) fn component_of_action(&self, s: &State, action: Action) -> Option<usize> {
         match action {
@@ -35,8 +34,7 @@ impl Servers<'_> {
         match action {
             Action::Proceed { client, .. } | Action::Request { client, .. } => Some(client),
             Action::Finish { executor, .. } => {
-                let before = self.system.tasks.len() + self.system.components.len();
-                executor.checked_sub(before)
+                executor.checked_sub(self.layout.threads + self.layout.components)
             }
             _ => None,
         }
@@ -102,13 +100,13 @@ impl Servers<'_> {
     /// exception), and its component is up.
     pub(crate) fn rests(&self, s: &State, task: usize, state: usize) -> bool {
         let l = &self.layout;
-        let first = l.slots(task).start;
+        let first = l.slots(task)[0];
         let executes = l.thread_of(s, task) == thread::EXECUTING
             && l.phase(s, task) == phase::EXECUTING
-            && l.turn(s, task) == first
+            && l.turn(s, task) == Some(first)
             && l.mode(s, first) & slot::STATUS == slot::RUN
             && l.at(s, first) as usize == state;
-        let has_ended = l.thread_of(s, task) == thread::IDLE && l.status(s, first) == slot::VOID;
+        let has_ended = l.thread_of(s, task) == thread::IDLE && l.activity(s, first) == slot::VOID;
         (executes || has_ended) && l.control(s, self.system.tasks[task].component) != control::OFF
     }
 }

@@ -1,12 +1,15 @@
-//! The possible actions in a state.
+//! The possible actions in a state: clients that proceed, tasks that ask for a core, grants, and the rest, in
+//! this order.
 
-use super::layout::{control, flag, slot, thread, tracker};
-use super::{Action, Enabled, Servers};
+use super::layout::EdfTimes;
+use super::points::{Cycle, Handling};
+use super::status::{control, flag, slot, thread, tracker};
+use super::{Action, Enabled, SystemRules};
 use crate::explore::state::{State, phase};
 use crate::scn::semantics::{LockRule, TickRule};
 use crate::system::{ClientAction, Policy, Yield};
 
-impl Servers<'_> {
+impl SystemRules<'_> {
     /// Lists the actions of the best rank present.
     pub(super) fn list_enabled(&self, s: &State, out: &mut Enabled) {
         out.actions.clear();
@@ -18,12 +21,8 @@ impl Servers<'_> {
             return;
         }
         let preempts = self.preempts();
-        if self.system.platform.cores.is_some() && !preempts {
-            for task in 0..self.layout.tasks {
-                if self.begins(s, task) && self.asks_for_core(s, task) {
-                    out.actions.push(Action::Release { task });
-                }
-            }
+        if !preempts {
+            self.list_releases(s, out);
             if !out.actions.is_empty() {
                 return;
             }
@@ -43,6 +42,19 @@ impl Servers<'_> {
         self.ordinary(s, out);
         if preempts {
             self.without_core(s, out);
+        }
+    }
+
+    /// Lists the tasks that begin a cycle and wait for a core first; with jobs, all tasks that begin one.
+    fn list_releases(&self, s: &State, out: &mut Enabled) {
+        for task in 0..self.layout.tasks {
+            let is_released = match self.points.cycle {
+                Cycle::Jobs => self.is_released(s, task),
+                Cycle::Passes => self.begins(s, task) && self.asks_for_core(s, task),
+            };
+            if is_released {
+                out.actions.push(Action::Release { task });
+            }
         }
     }
 
@@ -145,9 +157,9 @@ impl Servers<'_> {
     pub(super) fn asks_for_core(&self, s: &State, task: usize) -> bool {
         let l = &self.layout;
         // A task with a timer of its own starts without a core.
-        let start_up = self.semantics.ticks == TickRule::Task && l.has(s, task, flag::FIRST);
-        let could_run = |it: usize| {
-            let mode = l.mode(s, it);
+        let start_up = self.points.ticks == TickRule::Task && l.has(s, task, flag::FIRST);
+        let could_run = |&slot: &usize| {
+            let mode = l.mode(s, slot);
             match mode & slot::STATUS {
                 slot::INIT => mode & (slot::START | slot::MARK) != 0,
                 slot::RUN | slot::STOP => true,
@@ -157,7 +169,7 @@ impl Servers<'_> {
         self.system.needs_core(task)
             && !self.preempts()
             && !start_up
-            && l.slots(task).any(could_run)
+            && l.slots(task).iter().any(could_run)
     }
 
     fn list_grants(&self, s: &State, out: &mut Enabled) {
@@ -169,20 +181,18 @@ impl Servers<'_> {
         let grant = |task: u16| Action::Grant {
             task: task as usize,
         };
-        match self.system.platform.policy {
-            Policy::Any => out.actions.extend(queue.iter().map(|&it| grant(it))),
-            Policy::Edf => {
+        match (self.system.platform.policy, l.edf) {
+            (Policy::Any, _) => out.actions.extend(queue.iter().map(|&task| grant(task))),
+            (_, Some(EdfTimes::Ages { tick, .. })) => {
                 let deadline = |task: usize| {
-                    let age = l.ages.map_or(0, |base| s.t[base + task]);
                     let period = self.system.tasks[task].period;
-                    period.map_or(i64::MAX, |it| i64::from(it) - i64::from(age))
+                    let left = |period| i64::from(period) - i64::from(s.t[tick + task]);
+                    period.map_or(i64::MAX, left)
                 };
-                let first = queue.iter().min_by_key(|&&it| deadline(it as usize));
-                out.actions.extend(first.map(|&it| grant(it)));
+                let first = queue.iter().min_by_key(|&&task| deadline(task as usize));
+                out.actions.extend(first.map(|&task| grant(task)));
             }
-            Policy::Fifo => out.actions.push(grant(queue[0])),
-            // Preemptive policies grant cores in another way.
-            Policy::Priority | Policy::Fair => {}
+            _ => out.actions.push(grant(queue[0])),
         }
     }
 
@@ -197,14 +207,12 @@ impl Servers<'_> {
 
     fn ordinary(&self, s: &State, out: &mut Enabled) {
         let l = &self.layout;
-        for (task, it) in self.system.tasks.iter().enumerate() {
-            let ticks = match self.semantics.ticks {
-                _ if l.thread_of(s, task) == thread::ENDED => false,
-                TickRule::Component => true,
-                TickRule::Task => l.thread_of(s, task) != thread::OFF,
-            };
-            if it.period.is_some() && ticks && l.timer(s, task) == 0 {
+        for task in 0..l.tasks {
+            if l.timer(s, task) == 0 && self.counts(s, task) {
                 out.actions.push(Action::Tick { task });
+            }
+            if self.points.cycle == Cycle::Jobs {
+                continue;
             }
             let thread = l.thread_of(s, task);
             if l.has(s, task, flag::WAKE) {
@@ -216,14 +224,10 @@ impl Servers<'_> {
                 out.actions.push(Action::Ticket { executor: task });
             }
         }
-        for component in 0..l.components {
-            self.list_component(s, component, out);
-        }
-        self.requests(s, out);
-        // All actions so far must happen before time passes.
-        out.urgent = !out.actions.is_empty();
+        self.list_acquisitions(s, out);
+        let before = out.actions.len();
         for (executor, &phase) in l.phases(s).iter().enumerate() {
-            if phase == phase::EXECUTING {
+            if phase & phase::EXECUTING != 0 {
                 let (a, b) = l.window(s, executor);
                 if a == 0 {
                     self.outcomes(s, executor, out);
@@ -231,8 +235,16 @@ impl Servers<'_> {
                 }
             }
         }
+        let ends = out.actions.len() - before;
+        for component in 0..l.components {
+            self.list_component(s, component, out);
+        }
+        self.requests(s, out);
+        // All actions but ends must happen before time passes.
+        out.urgent = out.actions.len() > ends;
     }
 
+    #[inline]
     fn list_component(&self, s: &State, component: usize, out: &mut Enabled) {
         let l = &self.layout;
         let executor = l.control_executor(component);
@@ -244,37 +256,44 @@ impl Servers<'_> {
             }
             _ => {}
         }
-        if self.can_shut_down(s, component) {
+        if l.shutdown[component].is_some() && self.can_shut_down(s, component) {
             out.actions.push(Action::Shut { component });
         }
-        match self.semantics.locks {
-            LockRule::Queue => {
-                let head = l.lock_queue(s, component).first().map(|&it| it as usize);
-                let head = head.filter(|&it| self.is_free(s, it));
-                let acquire = head.map(|executor| Action::Acquire { executor });
-                out.actions.extend(acquire);
-            }
-            LockRule::Fifo => {
-                for &executor in l.lock_queue(s, component) {
-                    let executor = executor as usize;
-                    if self.may_leave(s, executor) {
-                        out.actions.push(Action::Acquire { executor });
-                    }
+    }
+
+    /// Lists the executors that can take their locks.
+    fn list_acquisitions(&self, s: &State, out: &mut Enabled) {
+        let l = &self.layout;
+        if self.points.locks == LockRule::Free {
+            for (executor, &phase) in l.phases(s).iter().enumerate() {
+                if phase & phase::LOCKING != 0 && self.is_free(s, executor) {
+                    out.actions.push(Action::Acquire { executor });
                 }
             }
-            LockRule::Free => {
-                let tasks = self.system.components[component].tasks.iter().copied();
-                for executor in tasks.chain([executor]) {
-                    if l.phase(s, executor) == phase::LOCKING && self.is_free(s, executor) {
-                        out.actions.push(Action::Acquire { executor });
-                    }
+            return;
+        }
+        // With jobs all components share one queue.
+        let queues = match self.points.cycle {
+            Cycle::Jobs => 1,
+            Cycle::Passes => l.components,
+        };
+        for component in 0..queues {
+            let queue = l.lock_queue(s, component);
+            let most = match self.points.locks {
+                LockRule::Queue => 1,
+                _ => queue.len(),
+            };
+            for &executor in queue.iter().take(most) {
+                let executor = executor as usize;
+                if self.may_leave(s, executor) {
+                    out.actions.push(Action::Acquire { executor });
                 }
             }
         }
     }
 
-    /// Returns true if an executor in the lock queue may leave it.
-    pub(super) fn may_leave(&self, s: &State, executor: usize) -> bool {
+    /// Returns true if an executor that waits for locks can take them.
+    pub(crate) fn may_leave(&self, s: &State, executor: usize) -> bool {
         let Some(component) = self.component_of(executor) else {
             return false;
         };
@@ -282,7 +301,7 @@ impl Servers<'_> {
         let mut ahead = (queue.iter())
             .map(|&it| it as usize)
             .take_while(|&it| it != executor);
-        let turn = match self.semantics.locks {
+        let turn = match self.points.locks {
             LockRule::Queue => ahead.next().is_none(),
             LockRule::Fifo => {
                 let codel = self.codel(s, executor).map(|it| &self.system.codels[it]);
@@ -294,6 +313,7 @@ impl Servers<'_> {
     }
 
     /// Returns true if no executing codel blocks the codel of an executor.
+    #[inline]
     fn is_free(&self, s: &State, executor: usize) -> bool {
         let Some(codel) = self.codel(s, executor) else {
             return true;
@@ -312,7 +332,9 @@ impl Servers<'_> {
                 continue;
             };
             let component = self.system.services[service].component;
-            if l.outstanding(s, k) == 0 && l.control(s, component) == control::READY {
+            // A control task that handles messages at once reports ended activities first.
+            let reports = self.points.handling == Handling::AtOnce && l.signal(s, component) != 0;
+            if l.outstanding(s, k) == 0 && l.control(s, component) == control::READY && !reports {
                 let request = |&next: &usize| Action::Request { client: k, next };
                 out.actions.extend(step.next.iter().map(request));
             }
@@ -323,8 +345,10 @@ impl Servers<'_> {
     fn outcomes(&self, s: &State, executor: usize, out: &mut Enabled) {
         let l = &self.layout;
         let mut push = |outcome| out.actions.push(Action::Finish { executor, outcome });
-        if executor < l.tasks {
-            let slot = l.turn(s, executor);
+        if executor < l.threads {
+            let Some(slot) = self.slot_of(s, executor) else {
+                return;
+            };
             let (Some(machine), Some(state)) = (self.machine(s, slot), self.machine_state(s, slot))
             else {
                 return;
@@ -347,26 +371,31 @@ impl Servers<'_> {
             {
                 push(state.yields.len());
             }
-        } else if executor < l.tasks + l.components {
-            let component = executor - l.tasks;
+        } else if executor < l.threads + l.components {
+            let component = executor - l.threads;
             push(0);
-            let service = l.handled(s, component).map(|it| &self.system.services[it]);
-            let validates = service.is_some_and(|it| it.validate.is_some())
-                && l.codel_number(s, component) == 0;
-            let codel = self.codel(s, executor).map(|it| &self.system.codels[it]);
-            if validates || codel.is_some_and(|it| it.throws) {
+            let throws = || {
+                let codel = self
+                    .codel(s, executor)
+                    .map(|codel| &self.system.codels[codel]);
+                self.points.handling == Handling::InSteps && codel.is_some_and(|it| it.throws)
+            };
+            if self.validates(s, component) || throws() {
                 push(1);
             }
         } else {
-            let client = executor - l.tasks - l.components;
+            let client = executor - l.threads - l.components;
             let step = &self.system.clients[client].steps[l.position(s, client) as usize];
             step.next.iter().for_each(|&next| push(next));
         }
     }
 
     /// Returns true if an exception makes a difference: not if the activity may end as well and no client
-    /// depends on the outcome.
+    /// depends on the outcome. With jobs an exception is an ordinary end.
     fn tells_throwing(&self, s: &State, slot: usize, yields: &[Yield]) -> bool {
+        if self.points.cycle == Cycle::Jobs {
+            return false;
+        }
         let outcomes = || self.layout.outcomes.iter().flatten().any(|it| *it);
         match self.service(s, slot) {
             Some(service) => {

@@ -5,8 +5,9 @@
 //! they end; and at last its control task. The thread of the shutdown needs no core and takes no time, and
 //! each of its steps is an action.
 
-use super::Servers;
-use super::layout::{control, flag, slot, thread, tracker};
+use super::SystemRules;
+use super::layout::EdfTimes;
+use super::status::{control, flag, slot, thread, tracker};
 use crate::explore::state::State;
 use crate::system::{Builtin, ClientAction};
 
@@ -25,7 +26,7 @@ enum Stage {
     Control,
 }
 
-impl Servers<'_> {
+impl SystemRules<'_> {
     /// Performs a request that all components accept, after its last codel. Returns true if the request
     /// succeeded.
     pub(super) fn do_builtin(&self, s: &mut State, component: usize, which: Builtin) -> bool {
@@ -97,7 +98,7 @@ impl Servers<'_> {
     /// handled.
     fn permanent(&self, s: &State, task: usize) -> Option<usize> {
         let l = &self.layout;
-        let mut slots = l.slots(task);
+        let mut slots = l.slots(task).iter().copied();
         slots.find(|&it| {
             let mode = l.mode(s, it);
             mode & slot::PERMANENT != 0 && mode & slot::STATUS != slot::VOID
@@ -107,7 +108,7 @@ impl Servers<'_> {
     /// Returns the activities of a task except its permanent one, with their modes.
     fn activities(&self, s: &State, task: usize) -> impl Iterator<Item = (usize, u16)> {
         let l = &self.layout;
-        let all = l.slots(task).map(|it| (it, l.mode(s, it)));
+        let all = l.slots(task).iter().map(|&it| (it, l.mode(s, it)));
         all.filter(|it| it.1 & slot::PERMANENT == 0)
     }
 
@@ -127,11 +128,11 @@ impl Servers<'_> {
                     || !self.activities(s, task).any(|it| at_work(it.1))
             }
             Some(Stage::Permanent(task)) => {
-                let free = |it: usize| l.status(s, it) == slot::VOID;
-                self.permanent(s, task).is_some() || l.slots(task).any(free)
+                let free = |&it: &usize| l.activity(s, it) == slot::VOID;
+                self.permanent(s, task).is_some() || l.slots(task).iter().any(free)
             }
             Some(Stage::Stopping(task)) => {
-                (self.permanent(s, task)).is_none_or(|it| l.status(s, it) == slot::ETHER)
+                (self.permanent(s, task)).is_none_or(|it| l.activity(s, it) == slot::ETHER)
             }
             Some(Stage::Task(task)) => {
                 l.thread_of(s, task) == thread::IDLE && !l.has(s, task, flag::WAKE)
@@ -149,7 +150,7 @@ impl Servers<'_> {
         match stage {
             Stage::Activities(task) => {
                 let mut marked = false;
-                for it in l.slots(task) {
+                for &it in l.slots(task) {
                     let mode = l.mode(s, it);
                     let begins_or_runs = matches!(mode & slot::STATUS, slot::INIT | slot::RUN);
                     if begins_or_runs && mode & (slot::PERMANENT | slot::MARK) == 0 {
@@ -173,10 +174,10 @@ impl Servers<'_> {
                         self.make_runnable(s, task);
                     }
                     _ => {
-                        let free = |&it: &usize| l.status(s, it) == slot::VOID;
-                        if let Some(it) = place.or_else(|| l.slots(task).find(free)) {
-                            let automaton = self.system.tasks[task].permanent;
-                            l.set_automaton(s, it, automaton.map_or(0, |a| a as u16 + 1));
+                        let free = |&it: &usize| l.activity(s, it) == slot::VOID;
+                        if let Some(it) = place.or_else(|| l.slots(task).iter().copied().find(free))
+                        {
+                            l.set_automaton(s, it, self.system.tasks[task].permanent);
                             l.set_at(s, it, 0);
                             l.set_mode(s, it, slot::INIT | slot::PERMANENT | slot::MARK);
                         }
@@ -189,10 +190,12 @@ impl Servers<'_> {
                 l.lower(s, task, flag::TICK | flag::LATE | flag::RUNNABLE);
                 l.set_thread(s, task, thread::ENDED);
                 l.set_timer(s, task, 0);
-                let ages = l.ages.map(|base| [base + task, base + l.tasks + task]);
-                let clocks = [l.response[task], l.kept(task)].into_iter().flatten();
-                for place in clocks.chain(ages.into_iter().flatten()) {
-                    s.t[place] = 0;
+                if let Some(EdfTimes::Ages { tick, kept }) = l.edf {
+                    s.t[tick + task] = 0;
+                    s.t[kept + task] = 0;
+                }
+                for clock in [l.response[task], l.kept(task)].into_iter().flatten() {
+                    s.t[clock] = 0;
                 }
             }
             Stage::Control => l.set_control(s, component, control::OFF),

@@ -1,13 +1,13 @@
 //! Passes: in each pass, every automaton that runs and is not paused executes one codel, in the order of the
-//! slots.
+//! slots (section 21). Also the counters of entered states, of every automaton with a loop limit.
 
-use super::Servers;
-use super::layout::{flag, slot, thread};
+use super::SystemRules;
+use super::status::{flag, slot, thread};
 use crate::explore::state::State;
 use crate::scn::semantics::{PauseRule, TurnRule};
 use crate::system::{Machine, Yield};
 
-impl Servers<'_> {
+impl SystemRules<'_> {
     /// Begins a pass, up to its first codel. `first`: the first pass of a cycle. Only the first pass of a
     /// periodic task begins activities and resumes paused automata.
     pub(super) fn begin_pass(&self, s: &mut State, task: usize, first: bool) {
@@ -18,10 +18,10 @@ impl Servers<'_> {
         };
         l.lower(s, task, flag::RUNNABLE);
         l.set_thread(s, task, thread::AGAIN);
-        for it in l.slots(task) {
-            self.update_activity(s, task, it, runnable);
+        for &slot in l.slots(task) {
+            self.update_activity(s, task, slot, runnable);
         }
-        self.proceed(s, task, l.slots(task).start);
+        self.proceed(s, task, 0);
     }
 
     /// Updates an activity that was released, interrupted or resumed since the last pass.
@@ -63,17 +63,17 @@ impl Servers<'_> {
         }
     }
 
-    /// Proceeds to the first automaton of a pass from a slot on; ends the pass if there is none.
+    /// Proceeds to the first automaton of a pass from a slot (by index) on; ends the pass if there is none.
     fn proceed(&self, s: &mut State, task: usize, from: usize) {
         let l = &self.layout;
-        for it in from..l.slots(task).end {
+        for (index, &it) in l.slots(task).iter().enumerate().skip(from) {
             let mode = l.mode(s, it);
             let runs = matches!(mode & slot::STATUS, slot::RUN | slot::STOP);
             if !runs || mode & slot::PAUSED != 0 {
                 continue;
             }
             if self.machine_state(s, it).is_some() {
-                l.set_turn(s, task, it);
+                l.set_turn_number(s, task, 1 + index as u16);
                 l.set_thread(s, task, thread::TICKET);
                 return;
             }
@@ -97,7 +97,10 @@ impl Servers<'_> {
     /// Ends a codel: its automaton moves on, and the pass with it.
     pub(super) fn finish_codel(&self, s: &mut State, task: usize, outcome: usize) {
         let l = &self.layout;
-        let it = l.turn(s, task);
+        let next = l.turn_number(s, task) as usize;
+        let Some(it) = l.turn(s, task) else {
+            return;
+        };
         let Some(state) = self.machine_state(s, it) else {
             return;
         };
@@ -105,7 +108,7 @@ impl Servers<'_> {
             Some(&Yield::Next(to)) => {
                 self.enter(s, it, to, &state.yields[outcome]);
                 l.raise(s, task, flag::EVENT);
-                if self.semantics.turns == TurnRule::Pause {
+                if self.points.turns == TurnRule::Pause {
                     l.set_thread(s, task, thread::TICKET);
                     return;
                 }
@@ -120,7 +123,7 @@ impl Servers<'_> {
             Some(Yield::End) => self.end_activity(s, task, it, true),
             None => self.end_activity(s, task, it, false),
         }
-        self.proceed(s, task, it + 1);
+        self.proceed(s, task, next);
     }
 
     /// Ends a pass: sets the flag of the task itself, and signals the control task.
@@ -129,7 +132,7 @@ impl Servers<'_> {
         let component = self.system.tasks[task].component;
         let pass = l.flags(s, task) & flag::OF_PASS;
         l.lower(s, task, flag::OF_PASS);
-        l.set_turn(s, task, l.slots(task).start);
+        l.set_turn_number(s, task, 0);
         if pass & flag::EVENT != 0 {
             self.make_runnable(s, task);
             let mut others = self.system.components[component].tasks.iter();
@@ -137,9 +140,9 @@ impl Servers<'_> {
                 l.raise(s, task, flag::WAKE);
             }
         }
-        if self.semantics.pause == PauseRule::Turns {
+        if self.points.pause == PauseRule::Turns {
             let paused = |it: usize| l.mode(s, it) & slot::PAUSED != 0;
-            if l.slots(task).any(paused) {
+            if l.slots(task).iter().copied().any(paused) {
                 self.make_runnable(s, task);
             }
         }
@@ -153,7 +156,7 @@ impl Servers<'_> {
         }
         let starting = l.starting(s, component) as usize;
         let tasks = &self.system.components[component].tasks;
-        let first = l.mode(s, l.slots(task).start);
+        let first = l.mode(s, l.slots(task)[0]);
         let begun = first & slot::STATUS != slot::INIT || first & slot::PERMANENT == 0;
         // The end of a permanent activity that fails in its first pass is never handled: its component never
         // starts.
@@ -177,7 +180,8 @@ impl Servers<'_> {
         }
     }
 
-    fn begin_turn(&self, s: &mut State, it: usize) {
+    /// Begins the turn of an automaton in its present state.
+    pub(super) fn begin_turn(&self, s: &mut State, it: usize) {
         self.clear_visits(s, it);
         let (base, most) = self.layout.visits[it];
         let limited = self
@@ -194,7 +198,8 @@ impl Servers<'_> {
         }
     }
 
-    fn enter(&self, s: &mut State, it: usize, to: usize, by: &Yield) {
+    /// Enters another state in the same turn. If no turn of the machine ends, a new round can begin.
+    pub(super) fn enter(&self, s: &mut State, it: usize, to: usize, by: &Yield) {
         let within = self.within_limit(s, it, by);
         self.layout.set_at(s, it, to as u16);
         if !within {

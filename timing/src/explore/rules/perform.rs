@@ -1,25 +1,36 @@
-//! The effects of actions, except those of passes and of the control task.
+//! The effects of actions, except those of passes, jobs and the control task.
 
-use super::layout::{control, flag, thread};
-use super::{Action, Servers};
+use super::layout::EdfTimes;
+use super::points::Cycle;
+use super::status::{control, flag, thread};
+use super::{Action, SystemRules};
 use crate::explore::state::{State, phase};
-use crate::system::ClientAction;
+use crate::system::{ClientAction, Policy};
 
-impl Servers<'_> {
+impl SystemRules<'_> {
     /// Performs an action that is enabled.
     pub(super) fn perform(&self, s: &mut State, action: Action) {
         let l = &self.layout;
         match action {
             Action::Proceed { client, next } => self.client_to(s, client, next),
             Action::Tick { task } => self.tick(s, task),
-            Action::Release { task } => self.release(s, task),
+            Action::Release { task } => match self.points.cycle {
+                Cycle::Passes => self.release(s, task),
+                Cycle::Jobs => self.release_job(s, task),
+            },
             Action::Grant { task } => {
                 l.core_queue_remove(s, task);
-                if let Some(base) = l.ages {
-                    s.t[base + task] = 0;
+                match l.edf {
+                    Some(EdfTimes::Ages { tick: base, .. } | EdfTimes::Slack(base)) => {
+                        s.t[base + task] = 0;
+                    }
+                    None => {}
                 }
                 l.raise(s, task, flag::CORE);
-                self.begin_pass(s, task, true);
+                match self.points.cycle {
+                    Cycle::Passes => self.begin_pass(s, task, true),
+                    Cycle::Jobs => self.run_job(s, task),
+                }
             }
             Action::Begin { task } => {
                 let first = l.thread_of(s, task) == thread::IDLE;
@@ -32,13 +43,16 @@ impl Servers<'_> {
             Action::Acquire { executor } => self.execute(s, executor),
             Action::Finish { executor, outcome } => {
                 l.set_window(s, executor, (0, 0));
-                l.set_phase(s, executor, phase::REST);
-                if executor < l.tasks {
-                    self.finish_codel(s, executor, outcome);
-                } else if executor < l.tasks + l.components {
-                    self.finish_control(s, executor - l.tasks, outcome);
+                if executor >= l.threads + l.components {
+                    self.client_to(s, executor - l.threads - l.components, outcome);
+                } else if executor >= l.threads {
+                    l.set_phase(s, executor, phase::REST);
+                    self.finish_control(s, executor - l.threads, outcome);
+                } else if self.points.cycle == Cycle::Jobs {
+                    self.finish_state(s, executor, outcome);
                 } else {
-                    self.client_to(s, executor - l.tasks - l.components, outcome);
+                    l.set_phase(s, executor, phase::REST);
+                    self.finish_codel(s, executor, outcome);
                 }
             }
             Action::Wake { task } => {
@@ -51,9 +65,12 @@ impl Servers<'_> {
                     }
                 }
             }
-            Action::Ready { executor } => l.core_queue_push(s, executor, false),
+            Action::Ready { executor } => l.core_queue_push(s, executor),
             Action::Preempt { executor, by } => self.preempt(s, executor, by),
-            Action::Signal { component } => self.look_at_all(s, component),
+            Action::Signal { component } => {
+                l.set_signal(s, component, 0);
+                self.examine_all(s, component);
+            }
             Action::Request { client, next } => self.request(s, client, next),
             Action::Mark { .. } => {}
             Action::Reply { component } => self.reply(s, component),
@@ -77,11 +94,10 @@ impl Servers<'_> {
         if self.is_periodic(task) {
             l.lower(s, task, flag::TICK | flag::LATE);
         }
-        if let Some(base) = l.ages {
+        if let Some(EdfTimes::Ages { tick, kept }) = l.edf {
             // The kept tick is the tick of this cycle.
-            let kept = base + l.tasks + task;
-            s.t[base + task] = s.t[kept];
-            s.t[kept] = 0;
+            s.t[tick + task] = s.t[kept + task];
+            s.t[kept + task] = 0;
         }
     }
 
@@ -91,9 +107,13 @@ impl Servers<'_> {
         let l = &self.layout;
         self.take_flag(s, task);
         l.set_thread(s, task, thread::WAITING);
-        // The order of waiting tasks is irrelevant if any of them may be next.
-        let sorted = self.system.platform.policy == crate::system::Policy::Any;
-        l.core_queue_push(s, task, sorted);
+        let queue = l.core_queue(s);
+        let position = match self.system.platform.policy {
+            // The order of waiting tasks is irrelevant if any of them may be next.
+            Policy::Any => queue.partition_point(|&other| (other as usize) < task),
+            _ => queue.len(),
+        };
+        l.core_queue_insert(s, position, task);
     }
 
     /// Frees the core of a thread that has neither a pass nor a wake-up left in its cycle.
@@ -107,7 +127,7 @@ impl Servers<'_> {
     /// Makes the paused automata of an aperiodic task runnable. (Those of a periodic task are resumed by
     /// ticks only.)
     pub(super) fn make_runnable(&self, s: &mut State, task: usize) {
-        if !self.is_periodic(task) {
+        if self.points.cycle == Cycle::Passes && !self.is_periodic(task) {
             self.layout.raise(s, task, flag::RUNNABLE);
         }
     }
@@ -117,7 +137,7 @@ impl Servers<'_> {
         let Some(component) = self.component_of(executor) else {
             return;
         };
-        if executor < l.tasks {
+        if executor < l.threads {
             l.set_thread(s, executor, thread::QUEUED);
         } else {
             l.set_control(s, component, control::QUEUED);
@@ -126,21 +146,22 @@ impl Servers<'_> {
         l.lock_queue_push(s, component, executor);
     }
 
-    /// Lets an executor leave the queue and execute its codel.
-    fn execute(&self, s: &mut State, executor: usize) {
+    /// Lets an executor take the locks of its codel and execute the codel.
+    pub(super) fn execute(&self, s: &mut State, executor: usize) {
         let l = &self.layout;
         let (Some(component), Some(codel)) = (self.component_of(executor), self.codel(s, executor))
         else {
             return;
         };
         l.lock_queue_remove(s, component, executor);
-        if executor < l.tasks {
-            l.set_thread(s, executor, thread::EXECUTING);
-        } else {
+        if executor >= l.threads {
             l.set_control(s, component, control::EXECUTING);
+        } else if self.points.cycle == Cycle::Passes {
+            l.set_thread(s, executor, thread::EXECUTING);
         }
         let codel = &self.system.codels[codel];
-        l.set_phase(s, executor, phase::EXECUTING);
+        let flag = l.phase(s, executor) & phase::ASYNC;
+        l.set_phase(s, executor, phase::EXECUTING | flag);
         l.set_window(s, executor, (codel.lower, codel.upper));
     }
 

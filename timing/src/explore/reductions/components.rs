@@ -1,0 +1,181 @@
+//! Independent components: persistent sets of systems with passes.
+//!
+//! Where ports are copied, components meet only through clients and at cores. At one moment it is enough to
+//! follow all actions of one *group* of components that has to act before time passes: no action of other
+//! groups can prevent, enable or delay them (a persistent set). Components belong to one group if a client that
+//! is not done addresses both, or if a watched property is about both. On cores without preemption, actions that
+//! free a core, or let a task ask for one, are followed in every order, as the order of the queue depends on
+//! them. So are the actions of a group of which a task waits for a core.
+//!
+//! The reduction is off under preemption, which lets threads wait for each other across components, and with
+//! locks on ports.
+//!
+//! Inside a component no reduction is used. The end of a codel leads to the ticket of the next one in the lock
+//! queue of the component, and the end of an activity to a step of the control task, which examines all
+//! activities. So the order of two actions of a component is nearly always visible to a third.
+
+use smallvec::SmallVec;
+
+use super::{Kind, Reason, Reduction, Setting, Watched};
+use crate::explore::rules::{Action, Enabled, SystemRules};
+use crate::explore::state::State;
+use crate::property::{Atom, Predicate};
+use crate::scn::semantics::PortRule;
+use crate::system::{ClientAction, TimedSystem};
+
+/// The components of a system, and what connects them.
+#[derive(Debug)]
+pub(crate) struct Components {
+    /// Components that a watched property is about, if the property is about several components or clients.
+    asked: Vec<bool>,
+    /// Components that each client addresses.
+    addressed: Vec<Vec<usize>>,
+}
+
+/// One number for each component: the group.
+pub(super) type Groups = SmallVec<[usize; 16]>;
+
+/// Puts components into one group.
+pub(super) fn join(groups: &mut Groups, mut members: impl Iterator<Item = usize>) {
+    let Some(first) = members.next() else { return };
+    for member in members {
+        let (from, to) = (groups[member], groups[first]);
+        let moved = groups.iter_mut().filter(|group| **group == from);
+        moved.for_each(|group| *group = to);
+    }
+}
+
+impl Reduction for Components {
+    const KIND: Kind = Kind::PersistentSets;
+
+    fn applies(setting: &Setting) -> Result<Self, Reason> {
+        independent(setting)?;
+        let system = setting.system();
+        Ok(Components {
+            asked: asked(system, setting.asked),
+            addressed: addressed(system),
+        })
+    }
+}
+
+impl Components {
+    /// Writes the actions of a group that can be followed alone, or all enabled actions.
+    pub(super) fn select(
+        &self,
+        rules: &SystemRules,
+        s: &State,
+        enabled: &Enabled,
+        out: &mut Vec<Action>,
+    ) {
+        if !self.one_group(rules, s, enabled, out) {
+            out.clone_from(&enabled.actions);
+        }
+    }
+
+    /// Returns the groups of components in a state.
+    fn groups(&self, rules: &SystemRules, s: &State) -> Groups {
+        let mut groups: Groups = (0..self.asked.len()).collect();
+        let asked = self.asked.iter().enumerate().filter(|(_, asked)| **asked);
+        join(&mut groups, asked.map(|(component, _)| component));
+        for (client, addressed) in self.addressed.iter().enumerate() {
+            if rules.is_active(s, client) {
+                join(&mut groups, addressed.iter().copied());
+            }
+        }
+        groups
+    }
+
+    /// Writes the actions of a group that can be followed alone; returns true if there is one.
+    fn one_group(
+        &self,
+        rules: &SystemRules,
+        s: &State,
+        enabled: &Enabled,
+        out: &mut Vec<Action>,
+    ) -> bool {
+        if enabled.committed || enabled.is_calm() {
+            return false;
+        }
+        let groups = self.groups(rules, s);
+        // A step of a client alone, such as the end of a delay, makes a request possible at the same moment:
+        // it belongs to the group that the client addresses.
+        let component = |action: Action| {
+            let own = rules.component_of_action(s, action);
+            own.or_else(|| {
+                self.addressed[rules.client_of_action(action)?]
+                    .first()
+                    .copied()
+            })
+        };
+        let group = |action: Action| component(action).map(|component| groups[component]);
+        let mut tried: SmallVec<[usize; 16]> = SmallVec::new();
+        for &action in &enabled.actions {
+            let Some(own) = group(action).filter(|it| !tried.contains(it)) else {
+                continue;
+            };
+            tried.push(own);
+            out.clear();
+            out.extend(enabled.actions.iter().filter(|&&it| group(it) == Some(own)));
+            let acts = out.iter().any(|&it| rules.has_to_act(s, it));
+            let at_cores = rules.waits_for_core(s, |component| groups[component] == own)
+                || out.iter().any(|&it| rules.is_about_cores(s, it));
+            if acts && !at_cores && out.len() < enabled.actions.len() {
+                return true;
+            }
+        }
+        false
+    }
+}
+
+/// Returns the reason why components are not independent of each other.
+pub(super) fn independent(setting: &Setting) -> Result<(), Reason> {
+    let system = setting.system();
+    if system.has_builtin(|_| true) {
+        Err(Reason::Builtins)
+    } else if setting.rules.preempts() {
+        Err(Reason::Preemption)
+    } else if system.platform.semantics.ports != PortRule::Copy {
+        Err(Reason::LockedPorts)
+    } else {
+        Ok(())
+    }
+}
+
+/// Returns the components that each client addresses.
+pub(super) fn addressed(system: &TimedSystem) -> Vec<Vec<usize>> {
+    let component = |action: &ClientAction| match *action {
+        ClientAction::Send { service, .. } => Some(system.services[service].component),
+        _ => None,
+    };
+    let clients = system.clients.iter();
+    let of_client = clients.map(|client| client.steps.iter());
+    of_client
+        .map(|steps| steps.filter_map(|step| component(&step.action)).collect())
+        .collect()
+}
+
+/// Returns, by component, whether a predicate is about it.
+pub(super) fn asked(system: &TimedSystem, asked: &Watched) -> Vec<bool> {
+    let mut about = vec![false; system.components.len()];
+    for predicate in &asked.predicates {
+        mark(system, predicate, &mut about);
+    }
+    about
+}
+
+/// Marks the components that a predicate is about.
+fn mark(system: &TimedSystem, predicate: &Predicate, about: &mut [bool]) {
+    predicate.atoms(&mut |atom| match *atom {
+        Atom::Task(task, _) => about[system.tasks[task].component] = true,
+        Atom::State { machine, .. } => {
+            for it in system.automata.iter().filter(|it| it.machine == machine) {
+                about[system.tasks[it.task].component] = true;
+            }
+        }
+        Atom::Slot(service, _) | Atom::Handling { service, .. } => {
+            about[system.services[service].component] = true;
+        }
+        Atom::ControlBusy(component) => about[component] = true,
+        Atom::Client(..) => about.fill(true),
+    });
+}

@@ -1,0 +1,222 @@
+//! Lazy groups with jobs.
+//!
+//! A group is a set of tasks, control tasks and clients connected by codels that exclude each other, by
+//! activities and by requests. It is lazy if all its codels and delays have lower bound 0 and its periodic
+//! tasks do not keep ticks. An aperiodic task can belong to a lazy group if it asks for a core at most once, or
+//! never (else waiting changes its place in the queue), and if its response time is not measured (which would
+//! begin later).
+//!
+//! Groups meet only at cores: while a task of another group waits for a core no end can be postponed. (A lazy
+//! task that waits loses nothing by a later grant: its release is past, and its codels have wider windows.)
+//! Start-up is lazy only if no timer starts at its end, and if there are clients (its overtaking, see
+//! [`sleep_sets`](super::super::sleep_sets), is not examined). No group is lazy while a lazy task has a pending tick: its next
+//! job is released, and measured, from the end of the present one. The order of steps of different groups is
+//! not preserved, so groups that a predicate observes are not lazy. And there has to be a next hard moment:
+//! some task is periodic.
+
+use smallvec::SmallVec;
+
+use super::rest;
+use crate::explore::reductions::{Deferrable, Kind, Reason, Setting};
+use crate::explore::rules::SystemRules;
+use crate::explore::rules::status::permanent;
+use crate::explore::state::{State, phase};
+use crate::system::{ClientAction, TimedSystem};
+
+/// The lazy groups. Tasks, control tasks and clients are numbered as *members*, in this order.
+#[derive(Debug)]
+pub(crate) struct LazyMembers {
+    members: Vec<bool>,
+    /// Group of each member.
+    group: Vec<usize>,
+    /// Automata with a resting place, and the state.
+    pub(super) rest: Vec<(usize, usize)>,
+    /// Tasks whose start-up is lazy.
+    starts: Vec<bool>,
+}
+
+impl LazyMembers {
+    /// Returns the lazy groups of a system, or the reason why there are none.
+    pub(super) fn of(setting: &Setting) -> Result<Self, Reason> {
+        if (setting.system().tasks.iter()).all(|task| task.period.is_none()) {
+            return Err(Reason::NothingPeriodic);
+        }
+        let groups = LazyMembers::new(setting);
+        match groups.members.contains(&true) {
+            true => Ok(groups),
+            false => Err(Reason::NothingToPutOff),
+        }
+    }
+
+    /// Returns the lazy groups of a system, possibly none.
+    fn new(setting: &Setting) -> Self {
+        let system = setting.system();
+        let (visible, measured) = (&setting.facts.visible, &setting.facts.measured);
+        let rests = !setting.without.contains(Kind::RestingLoops);
+        let tasks = system.tasks.len();
+        let control = |component: usize| tasks + component;
+        let client = |client: usize| tasks + system.components.len() + client;
+        let n = client(system.clients.len());
+        let mut owner = vec![usize::MAX; system.codels.len()];
+        let mut lazy = vec![true; n];
+        let mut group: Vec<usize> = (0..n).collect();
+        let mut join = |one: usize, other: usize| {
+            let (from, to) = (group[one], group[other]);
+            let members = group.iter_mut().filter(|it| **it == from);
+            members.for_each(|it| *it = to);
+        };
+        let requested = system.requested();
+        let live = |a: usize| system.automata[a].service.is_none_or(|it| requested[it]);
+        for (a, automaton) in system.automata.iter().enumerate() {
+            if live(a) {
+                for state in &system.machine_of(a).states {
+                    owner[state.codel] = automaton.task;
+                }
+                if automaton.service.is_some() {
+                    join(
+                        automaton.task,
+                        control(system.tasks[automaton.task].component),
+                    );
+                }
+            }
+        }
+        for (service, it) in system.services.iter().enumerate() {
+            if requested[service] {
+                for &codel in it.validate.iter().chain(&it.simple) {
+                    owner[codel] = control(it.component);
+                    lazy[control(it.component)] &= system.codels[codel].lower == 0;
+                }
+            }
+        }
+        for (k, it) in system.clients.iter().enumerate() {
+            for step in &it.steps {
+                match step.action {
+                    ClientAction::Send { service, .. } => {
+                        join(client(k), control(system.services[service].component));
+                    }
+                    ClientAction::Delay(lower, _) => lazy[client(k)] &= lower == 0,
+                    ClientAction::AwaitAccepted
+                    | ClientAction::AwaitEnded(_)
+                    | ClientAction::AwaitAny
+                    | ClientAction::AwaitOutcome(..) => {}
+                }
+            }
+        }
+        if visible.others {
+            lazy[tasks..].fill(false);
+        }
+        let mut rest = Vec::new();
+        for (a, automaton) in system.automata.iter().enumerate() {
+            if !live(a) {
+                continue;
+            }
+            let task = automaton.task;
+            let place = rest::place(system, a, &owner)
+                .filter(|_| rests && !measured[task] && endless(system, task, &requested));
+            rest.extend(place.map(|state| (a, state)));
+            for (number, state) in system.machine_of(a).states.iter().enumerate() {
+                let separate = state.is_async && system.platform.async_free;
+                let slow = system.codels[state.codel].lower > 0 && place != Some(number);
+                if separate || slow {
+                    lazy[task] = false;
+                }
+            }
+        }
+        for (task, it) in system.tasks.iter().enumerate() {
+            let fits = if it.period.is_some() {
+                !it.keep_idle_tick
+            } else {
+                !measured[task] && (!system.needs_core(task) || endless(system, task, &requested))
+            };
+            lazy[task] &= fits && !visible.tasks[task];
+        }
+        for (one, codel) in system.codels.iter().enumerate() {
+            for other in codel.conflicts.iter() {
+                let (Some(&a), Some(&b)) = (owner.get(one), owner.get(other)) else {
+                    continue;
+                };
+                if a < n && b < n {
+                    join(a, b);
+                }
+            }
+        }
+        let not_lazy: Vec<usize> = (0..n).filter(|&it| !lazy[it]).map(|it| group[it]).collect();
+        let members: Vec<bool> = (0..n).map(|it| !not_lazy.contains(&group[it])).collect();
+        rest.retain(|&(a, _)| members[system.automata[a].task]);
+        // The end of start-up lets the control task begin, so the group of the control task must be lazy as
+        // well.
+        let can_start = |task: usize| {
+            let control = control(system.tasks[task].component);
+            let mut resting = rest.iter().map(|&(a, _)| group[system.automata[a].task]);
+            members[control] && resting.all(|it| it != group[control])
+        };
+        LazyMembers {
+            starts: (0..system.tasks.len())
+                .map(|task| {
+                    !system.clients.is_empty() && starts_no_timer(system, task) && can_start(task)
+                })
+                .collect(),
+            members,
+            group,
+            rest,
+        }
+    }
+
+    /// Returns the members whose ends can be postponed in a calm state, if there are any.
+    pub(crate) fn waiters(&self, rules: &SystemRules, s: &State) -> Option<Deferrable> {
+        let l = &rules.layout;
+        let settled = rules
+            .system
+            .tasks
+            .iter()
+            .zip(&self.members)
+            .enumerate()
+            .all(|(task, (it, &lazy))| {
+                let normal = |a| match l.mode(s, a) {
+                    permanent::NORMAL | permanent::ENDED => true,
+                    permanent::FIRST_CODEL | permanent::FIRST_TURN => self.starts[task],
+                    _ => false,
+                };
+                !lazy || (!l.pending(s, task) && it.permanent.is_none_or(normal))
+            });
+        if !settled {
+            return None;
+        }
+        let mut out: SmallVec<[bool; 24]> = SmallVec::from_slice(&self.members);
+        for &(a, state) in &self.rest {
+            let resting = l.phase(s, a) == phase::EXECUTING && l.at(s, a) as usize == state;
+            if !resting {
+                let group = self.group[rules.system.automata[a].task];
+                for (member, it) in out.iter_mut().enumerate() {
+                    *it &= self.group[member] != group;
+                }
+            }
+        }
+        let queue = l.core_queue(s);
+        let all = queue.iter().all(|&task| out[task as usize]);
+        all.then_some(Deferrable {
+            members: out,
+            automata: true,
+        })
+    }
+}
+
+/// Returns true if no timer starts when a periodic task has been started.
+fn starts_no_timer(system: &TimedSystem, task: usize) -> bool {
+    let it = &system.tasks[task];
+    let mut later = (system.components[it.component].tasks.iter()).skip_while(|&&it| it != task);
+    later.next();
+    it.period.is_some()
+        && later
+            .all(|&it| system.tasks[it].period.is_none() && system.tasks[it].permanent.is_none())
+}
+
+/// Returns true for an aperiodic task whose cycle never ends.
+fn endless(system: &TimedSystem, task: usize, requested: &[bool]) -> bool {
+    let it = &system.tasks[task];
+    it.period.is_none()
+        && !system.has_activities(task, requested)
+        && it
+            .permanent
+            .is_some_and(|a| system.machine_of(a).is_endless())
+}

@@ -1,0 +1,145 @@
+//! Lazy groups with passes.
+//!
+//! Tickets are taken in the order of the postponed ends, so that the queue is the same. A group of components
+//! is *lazy* if all its codels and delays have lower bound 0, no predicate is about it, and the response time
+//! of none of its aperiodic tasks is measured. No end is postponed while a first cycle has a tick that is kept:
+//! the next job is measured from the end of that cycle. Because of the queue for cores either all groups are
+//! lazy or, with limited cores, none is. A polling loop may rest if its rounds could wake no other aperiodic
+//! task of its component.
+//!
+//! The reduction is off where components are not independent, see [`components`].
+
+use smallvec::SmallVec;
+
+use super::rest;
+use crate::explore::reductions::components::{self, Groups, join};
+use crate::explore::reductions::{Deferrable, Kind, Reason, Setting, Watched};
+use crate::explore::rules::SystemRules;
+use crate::explore::state::State;
+use crate::scn::semantics::{PauseRule, TickRule};
+use crate::system::{ClientAction, TimedSystem};
+
+/// The lazy groups of components.
+#[derive(Debug)]
+pub(crate) struct LazyComponents {
+    /// Executors of lazy groups, by executor.
+    lazy: SmallVec<[bool; 24]>,
+    /// Tasks with a polling loop that may rest, and the resting place.
+    pub(super) rest: Vec<(usize, usize)>,
+}
+
+impl LazyComponents {
+    /// Returns the lazy groups of a system, or the reason why there are none.
+    pub(super) fn of(setting: &Setting) -> Result<Self, Reason> {
+        components::independent(setting)?;
+        let (lazy, rest) = lazy_groups(setting.system(), setting.asked);
+        let without_rest = setting.without.contains(Kind::RestingLoops) && !rest.is_empty();
+        if without_rest || !lazy.contains(&true) {
+            return Err(Reason::NothingToPutOff);
+        }
+        Ok(LazyComponents {
+            lazy: SmallVec::from_vec(lazy),
+            rest,
+        })
+    }
+
+    /// Returns the executors whose ends can be postponed in a calm state, if there are any.
+    pub(super) fn waiters(&self, rules: &SystemRules, s: &State) -> Option<Deferrable> {
+        let can_defer_ends = !rules.keeps_first_tick(s, |task| self.lazy[task])
+            && (self.rest.iter()).all(|&(task, state)| rules.rests(s, task, state));
+        can_defer_ends.then(|| Deferrable {
+            members: self.lazy.clone(),
+            automata: false,
+        })
+    }
+}
+
+/// Returns the executors of lazy groups, and the polling loops that may rest: task and state.
+fn lazy_groups(system: &TimedSystem, asked: &Watched) -> (Vec<bool>, Vec<(usize, usize)>) {
+    let addressed = components::addressed(system);
+    let about = components::asked(system, asked);
+    let (tasks, components) = (system.tasks.len(), system.components.len());
+    let executors = tasks + components + system.clients.len();
+    let none = || (vec![false; executors], Vec::new());
+    let periodic = system.tasks.iter().any(|it| it.period.is_some());
+    let semantics = system.platform.semantics;
+    // If timers start when another task has been started, a postponed end moves all ticks.
+    if !periodic || semantics.pause == PauseRule::Turns || semantics.ticks == TickRule::Task {
+        return none();
+    }
+    let mut groups: Groups = (0..components).collect();
+    for it in &addressed {
+        join(&mut groups, it.iter().copied());
+    }
+    let requested = system.requested();
+    let mut lazy: Vec<bool> = about.iter().map(|it| !it).collect();
+    let mut resting = Vec::new();
+    let mut owner = vec![usize::MAX; system.codels.len()];
+    for automaton in &system.automata {
+        for state in &system.machines[automaton.machine].states {
+            owner[state.codel] = automaton.task;
+        }
+    }
+    for (number, component) in system.components.iter().enumerate() {
+        for &task in &component.tasks {
+            let it = &system.tasks[task];
+            lazy[number] &= it.period.is_some() || !asked.measured[task];
+            for &a in it.permanent.iter().chain(&it.slots) {
+                let machine = system.machine_of(a);
+                let slow = |codel: usize| system.codels[codel].lower > 0;
+                if !machine.states.iter().any(|it| slow(it.codel)) {
+                    continue;
+                }
+                // The rounds of the loop are events: there must be no other task to be woken by them.
+                let others = component.tasks.iter().filter(|&&other| other != task);
+                let alone = others.clone().all(|&it| system.tasks[it].period.is_some())
+                    && it.slots.is_empty()
+                    && it.period.is_none()
+                    && machine.is_endless()
+                    && !component.services.iter().any(|&it| requested[it]);
+                // After all threads have begun, no executor waits for the resting codel. Before that, no end
+                // is postponed.
+                let unwaited = |&state: &usize| {
+                    let codel = machine.states[state].codel;
+                    let mut others = system.codels.iter().enumerate();
+                    others.all(|(it, other)| {
+                        let own = owner[it] == task || owner[it] == usize::MAX;
+                        own || !other.conflicts.contains(codel) || rest::start_up_only(system, it)
+                    })
+                };
+                match rest::place(system, a, &owner).filter(|it| alone && unwaited(it)) {
+                    Some(place) => resting.push((number, task, place)),
+                    None => lazy[number] = false,
+                }
+            }
+        }
+        for &service in component.services.iter().filter(|&&it| requested[it]) {
+            let it = &system.services[service];
+            let mut codels = it.validate.iter().chain(&it.simple);
+            lazy[number] &= codels.all(|&it| system.codels[it].lower == 0);
+        }
+    }
+    for (client, addressed) in system.clients.iter().zip(&addressed) {
+        let slow = |it: &ClientAction| matches!(*it, ClientAction::Delay(lower, _) if lower > 0);
+        if client.steps.iter().any(|it| slow(&it.action)) {
+            addressed.iter().for_each(|&it| lazy[it] = false);
+        }
+    }
+    let of_group: Vec<bool> = (0..components)
+        .map(|it| (0..components).all(|other| groups[other] != groups[it] || lazy[other]))
+        .collect();
+    if system.platform.cores.is_some() && of_group.contains(&false) {
+        return none();
+    }
+    let mut out: Vec<bool> = (system.tasks.iter())
+        .map(|it| of_group[it.component])
+        .collect();
+    out.extend(&of_group);
+    let clients = addressed.iter();
+    out.extend(clients.map(|it| it.iter().all(|&it| of_group[it])));
+    let resting = (resting.into_iter())
+        .filter(|it| of_group[it.0])
+        .map(|(_, task, place)| (task, place))
+        .collect();
+    (out, resting)
+}

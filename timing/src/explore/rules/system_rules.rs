@@ -1,0 +1,447 @@
+//! The rules of a system, for every reading of the points of its semantics.
+//!
+//! Every *atomic step* is one action (sections 3 to 9, and 21). With passes: a tick for one task; the
+//! beginning of a pass up to its first codel; taking a ticket; leaving the queue; the end of a codel; waking
+//! the other tasks; taking a request; the end of a control codel; the rest of the handling. With jobs: a
+//! tick; the release of a task; taking locks; the end of a codel, up to the locks of the next codel; a
+//! message. Between them any other action may happen. There are four ranks: clients that proceed, tasks that
+//! ask for a core, granting cores, and all other actions.
+//!
+//! [`Points`] has the reading of each point. The code names the point wherever readings differ.
+
+use std::cell::Cell;
+
+use super::layout::Layout;
+use super::points::{Cycle, Points, StartUp};
+use super::status::{control, flag, permanent, slot, thread};
+use super::{Action, Enabled, Moment, Rules, Work};
+use crate::explore::state::{Clocks, Frame, State, TaskStatus, phase};
+use crate::property::Atom;
+use crate::scn::semantics::TickRule;
+use crate::system::{ClientAction, Codel, Machine, State as MachineState, Ticks, TimedSystem};
+
+/// The rules applied to one system.
+#[derive(Debug)]
+pub(crate) struct SystemRules<'s> {
+    pub(crate) system: &'s TimedSystem,
+    pub(crate) points: Points,
+    pub(crate) layout: Layout,
+    /// Priority of every executor that needs a core; the lower number goes first.
+    pub(super) priorities: Vec<u64>,
+    /// Services with a request that was rejected for lack of a slot.
+    pub(super) rejected: Vec<Cell<bool>>,
+    /// Services of which two waiting instances have interrupted each other.
+    pub(super) restarts: Vec<Cell<bool>>,
+    /// Codels (by number) that exclude no other codel.
+    pub(super) lockless: Vec<bool>,
+}
+
+impl<'s> SystemRules<'s> {
+    /// Creates the rules for a system, without clocks.
+    pub(crate) fn new(system: &'s TimedSystem) -> Self {
+        SystemRules::with(system, &Clocks::none(system.tasks.len()))
+    }
+
+    fn with(system: &'s TimedSystem, clocks: &Clocks) -> Self {
+        let points = Points::of(system);
+        SystemRules {
+            layout: Layout::new(system, &points, clocks),
+            points,
+            priorities: system.priorities(),
+            rejected: vec![Cell::new(false); system.services.len()],
+            restarts: vec![Cell::new(false); system.services.len()],
+            lockless: (system.codels.iter())
+                .map(|codel| codel.conflicts.is_empty())
+                .collect(),
+            system,
+        }
+    }
+
+    /// Returns the task of an executor of state machines; `None` for control tasks and clients.
+    #[inline]
+    pub(crate) fn task_of_executor(&self, executor: usize) -> Option<usize> {
+        match self.points.cycle {
+            Cycle::Passes => (executor < self.layout.tasks).then_some(executor),
+            Cycle::Jobs => self
+                .system
+                .automata
+                .get(executor)
+                .map(|automaton| automaton.task),
+        }
+    }
+
+    /// Returns the component of an executor; `None` for clients.
+    #[inline]
+    pub(super) fn component_of(&self, executor: usize) -> Option<usize> {
+        match self.task_of_executor(executor) {
+            Some(task) => Some(self.system.tasks[task].component),
+            None => {
+                let component = executor - self.layout.threads;
+                (component < self.layout.components).then_some(component)
+            }
+        }
+    }
+
+    pub(super) fn is_periodic(&self, task: usize) -> bool {
+        self.system.tasks[task].period.is_some()
+    }
+
+    /// Returns the machine of a slot; `None` for a permanent activity without codels.
+    #[inline]
+    pub(super) fn machine(&self, s: &State, slot: usize) -> Option<&'s Machine> {
+        let automaton = self.layout.automaton(s, slot)?;
+        Some(self.system.machine_of(automaton))
+    }
+
+    /// Returns the machine state of a slot; `None` if no codel runs there: the default `start` and `stop`.
+    #[inline]
+    pub(super) fn machine_state(&self, s: &State, slot: usize) -> Option<&'s MachineState> {
+        (self.machine(s, slot)?.states).get(self.layout.at(s, slot) as usize)
+    }
+
+    /// Returns the service of a slot; `None` for a permanent activity.
+    pub(super) fn service(&self, s: &State, slot: usize) -> Option<usize> {
+        self.system.automata[self.layout.automaton(s, slot)?].service
+    }
+
+    /// Returns the slot whose codel an executor takes a ticket for, waits for or executes; with jobs, also
+    /// the slot of an automaton at rest.
+    #[inline]
+    pub(super) fn slot_of(&self, s: &State, executor: usize) -> Option<usize> {
+        let l = &self.layout;
+        if executor >= l.threads {
+            return None;
+        }
+        match self.points.cycle {
+            Cycle::Jobs => Some(executor),
+            Cycle::Passes => {
+                let at_codel = thread::TICKET..=thread::EXECUTING;
+                (at_codel.contains(&l.thread_of(s, executor)))
+                    .then(|| l.turn(s, executor))
+                    .flatten()
+            }
+        }
+    }
+
+    /// Returns the codel for which an executor takes a ticket, waits or executes; with jobs, also the present
+    /// codel of an automaton at rest.
+    #[inline]
+    pub(crate) fn codel(&self, s: &State, executor: usize) -> Option<usize> {
+        let l = &self.layout;
+        if executor < l.threads {
+            let slot = self.slot_of(s, executor)?;
+            return self.machine_state(s, slot).map(|state| state.codel);
+        }
+        let component = executor - l.threads;
+        if component >= l.components {
+            return None;
+        }
+        let at_codel = control::TICKET..=control::EXECUTING;
+        if !at_codel.contains(&l.control(s, component)) {
+            return None;
+        }
+        let service = &self.system.services[l.handled(s, component)?];
+        let mut codels = service.validate.iter().chain(&service.simple);
+        codels.nth(l.codel_number(s, component) as usize).copied()
+    }
+
+    /// Returns true if a control task validates a request.
+    #[inline]
+    pub(crate) fn validates(&self, s: &State, component: usize) -> bool {
+        let service = self.layout.handled(s, component);
+        service.is_some_and(|service| self.system.services[service].validate.is_some())
+            && self.layout.codel_number(s, component) == 0
+    }
+
+    /// Returns true if an executor executes a codel that blocks the waiting one.
+    pub(super) fn blocks(&self, s: &State, waiting: &Codel, executor: usize) -> bool {
+        (self.codel(s, executor)).is_some_and(|codel| waiting.conflicts.contains(codel))
+    }
+
+    /// Returns true if a task is in a cycle.
+    pub(super) fn in_cycle(&self, s: &State, task: usize) -> bool {
+        self.layout.status(s, task) != TaskStatus::Idle
+    }
+
+    /// Returns the state at time 0, with the first task of every component started.
+    fn at_start(&self) -> State {
+        let l = &self.layout;
+        let mut s = l.blank();
+        for component in 0..l.components {
+            match self.points.start_up {
+                StartUp::FirstCodel => self.start_tasks(&mut s, component),
+                StartUp::FirstPass => {
+                    self.prepare_tasks(&mut s, component);
+                    l.set_starting(&mut s, component, u16::MAX);
+                    self.start_next(&mut s, component);
+                }
+            }
+        }
+        for (k, client) in self.system.clients.iter().enumerate() {
+            // One past the end: the position before the first step.
+            l.set_position(&mut s, k, client.done() as u16 + 1);
+        }
+        self.list_ready(&mut s);
+        s
+    }
+
+    /// Sets the flags and the timers of the tasks of a component before they are started with a first pass.
+    fn prepare_tasks(&self, s: &mut State, component: usize) {
+        let l = &self.layout;
+        for &task in &self.system.components[component].tasks {
+            let it = &self.system.tasks[task];
+            l.raise(s, task, flag::FIRST);
+            if it.period.is_none() {
+                l.raise(s, task, flag::RUNNABLE);
+            } else if self.points.ticks == TickRule::Component {
+                l.set_timer(s, task, self.first_tick(task));
+            }
+            let first = l.slots(task)[0];
+            l.set_mode(s, first, slot::INIT | slot::START | slot::PERMANENT);
+            l.set_automaton(s, first, it.permanent);
+        }
+    }
+
+    /// Returns the time from the start of a clock to the first tick in base units.
+    pub(super) fn first_tick(&self, task: usize) -> Ticks {
+        let it = &self.system.tasks[task];
+        match (self.points.ticks, it.delay) {
+            (TickRule::Component, 0) => it.period.unwrap_or(0),
+            (TickRule::Component, delay) => delay,
+            (TickRule::Task, delay) => it.period.unwrap_or(0) + delay,
+        }
+    }
+
+    /// Starts the next task of a component, or the control task after all other tasks.
+    pub(super) fn start_next(&self, s: &mut State, component: usize) {
+        let l = &self.layout;
+        let next = l.starting(s, component).wrapping_add(1);
+        l.set_starting(s, component, next);
+        let Some(&task) = self.system.components[component].tasks.get(next as usize) else {
+            l.set_control(s, component, control::READY);
+            return;
+        };
+        l.set_thread(s, task, thread::IDLE);
+        if self.points.ticks == TickRule::Task && self.is_periodic(task) {
+            // Its timer starts now, and its first pass needs no tick.
+            l.set_timer(s, task, self.first_tick(task));
+            l.raise(s, task, flag::TICK);
+        }
+    }
+}
+
+impl Rules for SystemRules<'_> {
+    fn with_clocks(&self, clocks: &Clocks) -> Self {
+        SystemRules::with(self.system, clocks)
+    }
+
+    #[inline]
+    fn system(&self) -> &TimedSystem {
+        self.system
+    }
+
+    #[inline]
+    fn frame(&self) -> &Frame {
+        &self.layout
+    }
+
+    fn initial(&self) -> State {
+        self.at_start()
+    }
+
+    #[inline]
+    fn enabled(&self, s: &State, out: &mut Enabled) {
+        self.list_enabled(s, out);
+    }
+
+    fn apply(&self, s: &mut State, action: Action) {
+        self.perform(s, action);
+        self.list_ready(s);
+    }
+
+    fn next_moment(&self, s: &State, can_be_deferred: &dyn Fn(usize) -> bool) -> Option<Ticks> {
+        self.until_next(s, can_be_deferred)
+    }
+
+    fn elapse(&self, s: &mut State, time: Ticks) {
+        self.pass_time(s, time);
+    }
+
+    fn progresses(&self, s: &State, executor: usize) -> bool {
+        !self.preempts() || self.executes_on(s, self.running(s), executor)
+    }
+
+    #[inline]
+    fn job(&self, s: &State, task: usize) -> TaskStatus {
+        let l = &self.layout;
+        match l.status(s, task) {
+            // The first cycle of a task is not measured.
+            _ if l.has(s, task, flag::FIRST) => TaskStatus::Idle,
+            TaskStatus::Idle if self.points.cycle == Cycle::Passes => match l.thread_of(s, task) {
+                _ if self.waits_to_begin(s, task) => TaskStatus::Waiting,
+                // A job begins with its tick.
+                thread::IDLE if l.has(s, task, flag::TICK) => TaskStatus::Running,
+                _ => TaskStatus::Idle,
+            },
+            status => status,
+        }
+    }
+
+    fn awaits_start_up(&self, s: &State, task: usize) -> Option<usize> {
+        let l = &self.layout;
+        let component = self.system.tasks[task].component;
+        let tasks = &self.system.components[component].tasks;
+        let starting = tasks.get(l.starting(s, component) as usize).copied();
+        match self.points.start_up {
+            StartUp::FirstPass => {
+                let first = l.has(s, task, flag::FIRST).then_some(task);
+                starting.filter(|&earlier| earlier < task).or(first)
+            }
+            StartUp::FirstCodel if !l.started(s, task) => starting,
+            StartUp::FirstCodel => {
+                let in_first_turn = |&automaton: &usize| {
+                    let mode = l.mode(s, automaton);
+                    mode == permanent::FIRST_CODEL || mode == permanent::FIRST_TURN
+                };
+                let own = self.system.tasks[task].permanent;
+                own.filter(in_first_turn).map(|_| task)
+            }
+        }
+    }
+
+    #[inline]
+    fn missed(&self, s: &State, task: usize) -> bool {
+        let flags = self.layout.flags(s, task);
+        let in_cycle = || flags & flag::TICK != 0 && self.in_cycle(s, task);
+        flags & (flag::TICK | flag::LATE) != 0
+            && flags & flag::FIRST == 0
+            && self.is_periodic(task)
+            && (flags & flag::LATE != 0 || in_cycle())
+    }
+
+    fn may_begin_to_wait(&self, action: Action, task: usize) -> bool {
+        // Under preemption any thread that becomes ready may take a core.
+        self.preempts() || action == Action::Release { task }
+    }
+
+    fn atom(&self, s: &State, atom: &Atom) -> bool {
+        self.holds(s, atom)
+    }
+
+    fn has_refused(&self, service: usize) -> bool {
+        self.rejected[service].get()
+    }
+
+    fn has_ended_restarts(&self, service: usize) -> bool {
+        self.restarts[service].get()
+    }
+
+    fn task_of(&self, action: Action) -> Option<usize> {
+        let of_executor = |executor: usize| self.task_of_executor(executor);
+        match action {
+            Action::Release { task }
+            | Action::Grant { task }
+            | Action::Tick { task }
+            | Action::Begin { task }
+            | Action::Wake { task } => Some(task),
+            Action::Ticket { executor }
+            | Action::Acquire { executor }
+            | Action::Ready { executor }
+            | Action::Finish { executor, .. } => of_executor(executor),
+            Action::Preempt { by, .. } => of_executor(by),
+            Action::Signal { .. }
+            | Action::Request { .. }
+            | Action::Reply { .. }
+            | Action::Shut { .. }
+            | Action::Mark { .. }
+            | Action::Proceed { .. } => None,
+        }
+    }
+
+    fn duration(&self, s: &State, executor: usize) -> (Ticks, Ticks) {
+        if let Some(codel) = self.codel(s, executor) {
+            let codel = &self.system.codels[codel];
+            return (codel.lower, codel.upper);
+        }
+        let l = &self.layout;
+        let Some(client) = executor.checked_sub(l.threads + l.components) else {
+            return (0, 0);
+        };
+        let steps = &self.system.clients[client].steps;
+        let step = steps.get(l.position(s, client) as usize);
+        match step.map(|step| &step.action) {
+            Some(&ClientAction::Delay(lower, upper)) => (lower, upper),
+            _ => (0, 0),
+        }
+    }
+
+    fn work(&self, s: &State, executor: usize) -> Option<Work> {
+        let l = &self.layout;
+        if let Some(client) = executor.checked_sub(l.threads + l.components) {
+            let waits = l.is_executing(s, executor);
+            return waits.then_some(Work::Delay { client });
+        }
+        if self.points.cycle == Cycle::Jobs && l.phase(s, executor) == phase::REST {
+            return None;
+        }
+        let codel = self.codel(s, executor)?;
+        if let Some(component) = executor.checked_sub(l.threads) {
+            return Some(Work::Control {
+                codel,
+                service: l.handled(s, component)?,
+                number: l.codel_number(s, component) as usize,
+            });
+        }
+        let slot = self.slot_of(s, executor)?;
+        Some(Work::State {
+            codel,
+            task: self.task_of_executor(executor)?,
+            automaton: l.automaton(s, slot)?,
+            state: l.at(s, slot) as usize,
+            slot,
+        })
+    }
+
+    fn position(&self, s: &State, client: usize) -> usize {
+        self.layout.position(s, client) as usize
+    }
+
+    fn places(&self) -> usize {
+        self.layout.all_slots()
+    }
+
+    fn activity(&self, s: &State, place: usize) -> Option<usize> {
+        let l = &self.layout;
+        match l.activity(s, place) {
+            slot::VOID => None,
+            _ => l.automaton(s, place),
+        }
+    }
+
+    fn interrupt_activity(&self, s: &mut State, place: usize) {
+        let l = &self.layout;
+        if let Some(task) = (0..l.tasks).find(|&task| l.slots(task).contains(&place)) {
+            self.mark(s, task, place);
+        }
+    }
+
+    fn handling(&self, s: &State, component: usize) -> Option<(usize, bool)> {
+        let l = &self.layout;
+        let service = l.handled(s, component)?;
+        Some((service, l.refused(s, component) != 0))
+    }
+
+    fn requested_place(&self, s: &State, component: usize) -> Option<usize> {
+        (self.layout.given(s, component) as usize).checked_sub(1)
+    }
+
+    fn tell(
+        &self,
+        change: (&State, &State),
+        action: Option<Action>,
+        time: u64,
+        out: &mut Vec<Moment>,
+    ) {
+        self.moments(change, action, time, out);
+    }
+}
