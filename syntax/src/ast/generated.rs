@@ -90,22 +90,22 @@ impl AstNode for Item {
     }
     fn syntax(&self) -> &SyntaxNode {
         match self {
-            Item::Directive(it) => it.syntax(),
-            Item::Module(it) => it.syntax(),
-            Item::ConstDecl(it) => it.syntax(),
-            Item::TypedefDecl(it) => it.syntax(),
-            Item::NativeDecl(it) => it.syntax(),
-            Item::ExceptionDecl(it) => it.syntax(),
-            Item::TypeDecl(it) => it.syntax(),
-            Item::ForwardDecl(it) => it.syntax(),
-            Item::Component(it) => it.syntax(),
-            Item::Ids(it) => it.syntax(),
-            Item::Task(it) => it.syntax(),
-            Item::Port(it) => it.syntax(),
-            Item::Service(it) => it.syntax(),
-            Item::Member(it) => it.syntax(),
-            Item::Case(it) => it.syntax(),
-            Item::Property(it) => it.syntax(),
+            Item::Directive(directive) => directive.syntax(),
+            Item::Module(module) => module.syntax(),
+            Item::ConstDecl(constant) => constant.syntax(),
+            Item::TypedefDecl(typedef) => typedef.syntax(),
+            Item::NativeDecl(native) => native.syntax(),
+            Item::ExceptionDecl(exception) => exception.syntax(),
+            Item::TypeDecl(ty) => ty.syntax(),
+            Item::ForwardDecl(declaration) => declaration.syntax(),
+            Item::Component(component) => component.syntax(),
+            Item::Ids(id) => id.syntax(),
+            Item::Task(task) => task.syntax(),
+            Item::Port(port) => port.syntax(),
+            Item::Service(service) => service.syntax(),
+            Item::Member(member) => member.syntax(),
+            Item::Case(case) => case.syntax(),
+            Item::Property(property) => property.syntax(),
         }
     }
 }
@@ -753,19 +753,19 @@ impl AstNode for Property {
     }
     fn syntax(&self) -> &SyntaxNode {
         match self {
-            Property::StringProperty(it) => it.syntax(),
-            Property::RequiresProperty(it) => it.syntax(),
-            Property::DurationProperty(it) => it.syntax(),
-            Property::InterfacesProperty(it) => it.syntax(),
-            Property::ThrowsProperty(it) => it.syntax(),
-            Property::PriorityProperty(it) => it.syntax(),
-            Property::SchedulingProperty(it) => it.syntax(),
-            Property::StackProperty(it) => it.syntax(),
-            Property::TaskProperty(it) => it.syntax(),
-            Property::ServicesProperty(it) => it.syntax(),
-            Property::ValidateProperty(it) => it.syntax(),
-            Property::LocalProperty(it) => it.syntax(),
-            Property::CodelProperty(it) => it.syntax(),
+            Property::StringProperty(property) => property.syntax(),
+            Property::RequiresProperty(property) => property.syntax(),
+            Property::DurationProperty(property) => property.syntax(),
+            Property::InterfacesProperty(property) => property.syntax(),
+            Property::ThrowsProperty(property) => property.syntax(),
+            Property::PriorityProperty(property) => property.syntax(),
+            Property::SchedulingProperty(property) => property.syntax(),
+            Property::StackProperty(property) => property.syntax(),
+            Property::TaskProperty(property) => property.syntax(),
+            Property::ServicesProperty(property) => property.syntax(),
+            Property::ValidateProperty(property) => property.syntax(),
+            Property::LocalProperty(property) => property.syntax(),
+            Property::CodelProperty(property) => property.syntax(),
         }
     }
 }
@@ -941,15 +941,15 @@ impl AstNode for TypeSpec {
     }
     fn syntax(&self) -> &SyntaxNode {
         match self {
-            TypeSpec::BaseType(it) => it.syntax(),
-            TypeSpec::StringType(it) => it.syntax(),
-            TypeSpec::SequenceType(it) => it.syntax(),
-            TypeSpec::OptionalType(it) => it.syntax(),
-            TypeSpec::FixedType(it) => it.syntax(),
-            TypeSpec::NamedType(it) => it.syntax(),
-            TypeSpec::Struct(it) => it.syntax(),
-            TypeSpec::Union(it) => it.syntax(),
-            TypeSpec::Enum(it) => it.syntax(),
+            TypeSpec::BaseType(ty) => ty.syntax(),
+            TypeSpec::StringType(ty) => ty.syntax(),
+            TypeSpec::SequenceType(ty) => ty.syntax(),
+            TypeSpec::OptionalType(ty) => ty.syntax(),
+            TypeSpec::FixedType(ty) => ty.syntax(),
+            TypeSpec::NamedType(ty) => ty.syntax(),
+            TypeSpec::Struct(structure) => structure.syntax(),
+            TypeSpec::Union(union) => union.syntax(),
+            TypeSpec::Enum(enumeration) => enumeration.syntax(),
         }
     }
 }
@@ -1027,11 +1027,11 @@ impl AstNode for Expr {
     }
     fn syntax(&self) -> &SyntaxNode {
         match self {
-            Expr::Literal(it) => it.syntax(),
-            Expr::PathExpr(it) => it.syntax(),
-            Expr::ParenExpr(it) => it.syntax(),
-            Expr::PrefixExpr(it) => it.syntax(),
-            Expr::BinaryExpr(it) => it.syntax(),
+            Expr::Literal(literal) => literal.syntax(),
+            Expr::PathExpr(expression) => expression.syntax(),
+            Expr::ParenExpr(expression) => expression.syntax(),
+            Expr::PrefixExpr(expression) => expression.syntax(),
+            Expr::BinaryExpr(expression) => expression.syntax(),
         }
     }
 }
@@ -2234,8 +2234,8 @@ impl AstNode for Param {
     }
     fn syntax(&self) -> &SyntaxNode {
         match self {
-            Param::TypedParam(it) => it.syntax(),
-            Param::PathParam(it) => it.syntax(),
+            Param::TypedParam(param) => param.syntax(),
+            Param::PathParam(param) => param.syntax(),
         }
     }
 }
@@ -2436,8 +2436,8 @@ impl AstNode for PathStep {
     }
     fn syntax(&self) -> &SyntaxNode {
         match self {
-            PathStep::MemberStep(it) => it.syntax(),
-            PathStep::IndexStep(it) => it.syntax(),
+            PathStep::MemberStep(step) => step.syntax(),
+            PathStep::IndexStep(step) => step.syntax(),
         }
     }
 }
@@ -2521,8 +2521,8 @@ impl AstNode for Designator {
     }
     fn syntax(&self) -> &SyntaxNode {
         match self {
-            Designator::MemberDesignator(it) => it.syntax(),
-            Designator::IndexDesignator(it) => it.syntax(),
+            Designator::MemberDesignator(designator) => designator.syntax(),
+            Designator::IndexDesignator(designator) => designator.syntax(),
         }
     }
 }
