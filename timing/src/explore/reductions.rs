@@ -84,15 +84,15 @@ pub(crate) trait Reduction<R>: Sized {
 
     /// Applies the reduction unless it is switched off, and records the outcome in `notes`.
     fn examine(setting: &Setting<R>, notes: &mut Vec<Activity>) -> Option<Self> {
-        let it = match setting.without.contains(Self::KIND) {
+        let result = match setting.without.contains(Self::KIND) {
             true => Err(Reason::SwitchedOff),
             false => Self::applies(setting),
         };
         notes.push(Activity {
             kind: Self::KIND,
-            off: it.as_ref().err().copied(),
+            off: result.as_ref().err().copied(),
         });
-        it.ok()
+        result.ok()
     }
 }
 
@@ -147,7 +147,7 @@ pub(crate) trait Reductions<R: Rules>: Sized {
         let waiters = self.waiters(rules, s);
         rules.next_moment(s, &|executor| {
             let waits = waiters.as_ref();
-            waits.is_some_and(|it| it.can_be_deferred(rules.system(), executor))
+            waits.is_some_and(|wait| wait.can_be_deferred(rules.system(), executor))
         })
     }
 }
@@ -162,7 +162,7 @@ impl Deferrable {
     pub(crate) fn can_be_deferred(&self, system: &TimedSystem, executor: usize) -> bool {
         let automata = &system.automata;
         let member = match automata.get(executor) {
-            Some(it) => it.task,
+            Some(automaton) => automaton.task,
             // Control tasks and clients follow the automata, and among the members they follow the tasks.
             None => executor - automata.len() + system.tasks.len(),
         };
@@ -214,7 +214,7 @@ impl<R: Rules> Reductions<R> for NoReductions {
         out: &mut Vec<(Action, SleepSet)>,
     ) {
         out.clear();
-        out.extend(enabled.actions.iter().map(|&it| (it, held)));
+        out.extend(enabled.actions.iter().map(|&action| (action, held)));
     }
 
     fn sleep_set_after(&self, _: &R, _: &State, _: Action, _: &State, _: SleepSet) -> SleepSet {

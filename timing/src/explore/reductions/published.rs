@@ -50,7 +50,7 @@ impl Reductions<Published<'_>> for OfPublished {
         ));
         let overtake = Overtake::examine(&setting, &mut notes);
         let lazy = Deferral::examine(&setting, &mut notes);
-        let resting = lazy.as_ref().map(|it| it.without_rest(&setting));
+        let resting = lazy.as_ref().map(|examine| examine.without_rest(&setting));
         notes.push(part(Kind::RestingLoops, resting, Kind::Deferral));
         let symmetry = Symmetry::examine(&setting, &mut notes);
         OfPublished {
@@ -70,7 +70,7 @@ impl Reductions<Published<'_>> for OfPublished {
 
     fn persistent(&self, rules: &Published, s: &State, enabled: &Enabled, out: &mut Vec<Action>) {
         match &self.ample {
-            Some(it) => it.select((rules, &self.facts), s, enabled, out),
+            Some(ample) => ample.select((rules, &self.facts), s, enabled, out),
             None => out.clone_from(&enabled.actions),
         }
     }
@@ -91,16 +91,18 @@ impl Reductions<Published<'_>> for OfPublished {
             enabled,
         };
         match &self.overtake {
-            Some(it) => it.select(now, held, first, out),
+            Some(overtake) => overtake.select(now, held, first, out),
             None => {
                 out.clear();
-                out.extend(first.iter().map(|&it| (it, held)));
+                out.extend(first.iter().map(|&action| (action, held)));
             }
         }
         let waiters = self.lazy.as_ref().filter(|_| enabled.is_calm());
-        if let Some(waiters) = waiters.and_then(|it| it.waiters(rules, s)) {
+        if let Some(waiters) = waiters.and_then(|waiter| waiter.waiters(rules, s)) {
             let waits = |executor| waiters.can_be_deferred(rules.system, executor);
-            out.retain(|it| !matches!(it.0, Action::Finish { executor, .. } if waits(executor)));
+            out.retain(
+                |pair| !matches!(pair.0, Action::Finish { executor, .. } if waits(executor)),
+            );
         }
     }
 
@@ -113,7 +115,7 @@ impl Reductions<Published<'_>> for OfPublished {
         held: SleepSet,
     ) -> SleepSet {
         let overtake = self.overtake.as_ref();
-        overtake.map_or(0, |it| it.after(rules, before, action, s, held))
+        overtake.map_or(0, |overtake| overtake.after(rules, before, action, s, held))
     }
 
     fn waiters(&self, rules: &Published, s: &State) -> Option<Deferrable> {
@@ -127,8 +129,8 @@ impl Reductions<Published<'_>> for OfPublished {
         budget: &mut usize,
         found: impl FnMut(&Encoded),
     ) {
-        if let Some(it) = &self.lazy {
-            it.closure(rules, s, budget, found);
+        if let Some(deferral) = &self.lazy {
+            deferral.closure(rules, s, budget, found);
         }
     }
 

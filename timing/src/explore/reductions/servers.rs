@@ -77,16 +77,16 @@ impl OfServers {
             let (from, to) = (groups[member], groups[first]);
             groups
                 .iter_mut()
-                .filter(|it| **it == from)
-                .for_each(|it| *it = to);
+                .filter(|group| **group == from)
+                .for_each(|group| *group = to);
         }
     }
 
     /// Returns the groups of components in a state.
     fn groups(&self, rules: &Servers, s: &State) -> Groups {
         let mut groups: Groups = (0..self.asked.len()).collect();
-        let asked = self.asked.iter().enumerate().filter(|it| *it.1);
-        Self::group_of(&mut groups, asked.map(|it| it.0));
+        let asked = self.asked.iter().enumerate().filter(|pair| *pair.1);
+        Self::group_of(&mut groups, asked.map(|pair| pair.0));
         for (client, addressed) in self.addressed.iter().enumerate() {
             if rules.is_active(s, client) {
                 Self::group_of(&mut groups, addressed.iter().copied());
@@ -109,22 +109,31 @@ impl OfServers {
         let groups = self.groups(rules, s);
         // A step of a client alone, such as the end of a delay, makes a request possible at the same moment:
         // it belongs to the group that the client addresses.
-        let component = |it: Action| {
-            let own = rules.component_of_action(s, it);
-            own.or_else(|| self.addressed[rules.client_of_action(it)?].first().copied())
+        let component = |action: Action| {
+            let own = rules.component_of_action(s, action);
+            own.or_else(|| {
+                self.addressed[rules.client_of_action(action)?]
+                    .first()
+                    .copied()
+            })
         };
-        let group = |it: Action| component(it).map(|it| groups[it]);
+        let group = |action: Action| component(action).map(|component| groups[component]);
         let mut tried: SmallVec<[usize; 16]> = SmallVec::new();
         for &action in &enabled.actions {
-            let Some(own) = group(action).filter(|it| !tried.contains(it)) else {
+            let Some(own) = group(action).filter(|group| !tried.contains(group)) else {
                 continue;
             };
             tried.push(own);
             out.clear();
-            out.extend(enabled.actions.iter().filter(|&&it| group(it) == Some(own)));
-            let acts = out.iter().any(|&it| rules.has_to_act(s, it));
+            out.extend(
+                enabled
+                    .actions
+                    .iter()
+                    .filter(|&&action| group(action) == Some(own)),
+            );
+            let acts = out.iter().any(|&action| rules.has_to_act(s, action));
             let at_cores = rules.waits_for_core(s, |component| groups[component] == own)
-                || out.iter().any(|&it| rules.is_about_cores(s, it));
+                || out.iter().any(|&action| rules.is_about_cores(s, action));
             if acts && !at_cores && out.len() < enabled.actions.len() {
                 return true;
             }
@@ -152,8 +161,8 @@ impl Reductions<Servers<'_>> for OfServers {
             mark(system, predicate, &mut about);
         }
         let addressed: Vec<Vec<usize>> = (system.clients.iter())
-            .map(|it| {
-                let sends = it.steps.iter().filter_map(|it| match it.action {
+            .map(|client| {
+                let sends = client.steps.iter().filter_map(|step| match step.action {
                     ClientAction::Send { service, .. } => Some(system.services[service].component),
                     _ => None,
                 });
@@ -230,10 +239,10 @@ impl Reductions<Servers<'_>> for OfServers {
     ) {
         self.persistent(rules, s, enabled, first);
         out.clear();
-        out.extend(first.iter().map(|&it| (it, held)));
+        out.extend(first.iter().map(|&action| (action, held)));
         if enabled.is_calm() && self.can_defer_ends(rules, s) {
             out.retain(
-                |it| !matches!(it.0, Action::Finish { executor, .. } if self.lazy[executor]),
+                |pair| !matches!(pair.0, Action::Finish { executor, .. } if self.lazy[executor]),
             );
         }
     }
@@ -266,7 +275,7 @@ impl Reductions<Servers<'_>> for OfServers {
         let mut seen: FxHashSet<Encoded> = FxHashSet::default();
         let mut stack = vec![s.clone()];
         let mut enabled = Enabled::default();
-        let mut it = Encoded::default();
+        let mut encoding = Encoded::default();
         while let Some(s) = stack.pop() {
             rules.enabled(&s, &mut enabled);
             *budget = budget.saturating_sub(1);
@@ -297,9 +306,9 @@ impl Reductions<Servers<'_>> for OfServers {
                 }
                 let mut next = s.clone();
                 rules.apply(&mut next, action);
-                encode(rules.frame(), &next, &mut it);
-                if seen.insert(it.clone()) {
-                    found(&it);
+                encode(rules.frame(), &next, &mut encoding);
+                if seen.insert(encoding.clone()) {
+                    found(&encoding);
                     stack.push(next);
                 }
             }
@@ -333,8 +342,12 @@ fn mark(system: &TimedSystem, predicate: &Predicate, about: &mut [bool]) {
     predicate.atoms(&mut |atom| match *atom {
         Atom::Task(task, _) => about[system.tasks[task].component] = true,
         Atom::State { machine, .. } => {
-            for it in system.automata.iter().filter(|it| it.machine == machine) {
-                about[system.tasks[it.task].component] = true;
+            for automaton in system
+                .automata
+                .iter()
+                .filter(|automaton| automaton.machine == machine)
+            {
+                about[system.tasks[automaton.task].component] = true;
             }
         }
         Atom::Slot(service, _) | Atom::Handling { service, .. } => {
@@ -355,18 +368,18 @@ fn lazy_groups(
     let (tasks, components) = (system.tasks.len(), system.components.len());
     let executors = tasks + components + system.clients.len();
     let none = || (vec![false; executors], Vec::new());
-    let periodic = system.tasks.iter().any(|it| it.period.is_some());
+    let periodic = system.tasks.iter().any(|task| task.period.is_some());
     let semantics = system.platform.semantics;
     // If timers start when another task has been started, a postponed end moves all ticks.
     if !periodic || semantics.pause == PauseRule::Turns || semantics.ticks == TickRule::Task {
         return none();
     }
     let mut groups: Groups = (0..components).collect();
-    for it in addressed {
-        OfServers::group_of(&mut groups, it.iter().copied());
+    for services in addressed {
+        OfServers::group_of(&mut groups, services.iter().copied());
     }
     let requested = system.requested();
-    let mut lazy: Vec<bool> = about.iter().map(|it| !it).collect();
+    let mut lazy: Vec<bool> = about.iter().map(|flag| !flag).collect();
     let mut resting = Vec::new();
     let mut owner = vec![usize::MAX; system.codels.len()];
     for automaton in &system.automata {
@@ -376,63 +389,73 @@ fn lazy_groups(
     }
     for (number, component) in system.components.iter().enumerate() {
         for &task in &component.tasks {
-            let it = &system.tasks[task];
-            lazy[number] &= it.period.is_some() || !asked.measured[task];
-            for &a in it.permanent.iter().chain(&it.slots) {
+            let definition = &system.tasks[task];
+            lazy[number] &= definition.period.is_some() || !asked.measured[task];
+            for &a in definition.permanent.iter().chain(&definition.slots) {
                 let machine = system.machine_of(a);
                 let slow = |codel: usize| system.codels[codel].lower > 0;
-                if !machine.states.iter().any(|it| slow(it.codel)) {
+                if !machine.states.iter().any(|state| slow(state.codel)) {
                     continue;
                 }
                 // The rounds of the loop are events: there must be no other task to be woken by them.
                 let others = component.tasks.iter().filter(|&&other| other != task);
-                let alone = others.clone().all(|&it| system.tasks[it].period.is_some())
-                    && it.slots.is_empty()
-                    && it.period.is_none()
+                let alone = others
+                    .clone()
+                    .all(|&task| system.tasks[task].period.is_some())
+                    && definition.slots.is_empty()
+                    && definition.period.is_none()
                     && machine.is_endless()
-                    && !component.services.iter().any(|&it| requested[it]);
+                    && !component.services.iter().any(|&service| requested[service]);
                 // After all threads have begun, no executor waits for the resting codel. Before that, no end
                 // is postponed.
                 let unwaited = |&state: &usize| {
                     let codel = machine.states[state].codel;
                     let mut others = system.codels.iter().enumerate();
-                    others.all(|(it, other)| {
-                        let own = owner[it] == task || owner[it] == usize::MAX;
-                        own || !other.conflicts.contains(codel) || rest::start_up_only(system, it)
+                    others.all(|(index, other)| {
+                        let own = owner[index] == task || owner[index] == usize::MAX;
+                        own || !other.conflicts.contains(codel)
+                            || rest::start_up_only(system, index)
                     })
                 };
-                match rest::place(system, a, &owner).filter(|it| alone && unwaited(it)) {
+                match rest::place(system, a, &owner).filter(|place| alone && unwaited(place)) {
                     Some(place) => resting.push((number, task, place)),
                     None => lazy[number] = false,
                 }
             }
         }
-        for &service in component.services.iter().filter(|&&it| requested[it]) {
-            let it = &system.services[service];
-            let mut codels = it.validate.iter().chain(&it.simple);
-            lazy[number] &= codels.all(|&it| system.codels[it].lower == 0);
+        for &service in component
+            .services
+            .iter()
+            .filter(|&&service| requested[service])
+        {
+            let service = &system.services[service];
+            let mut codels = service.validate.iter().chain(&service.simple);
+            lazy[number] &= codels.all(|&codel| system.codels[codel].lower == 0);
         }
     }
     for (client, addressed) in system.clients.iter().zip(addressed) {
-        let slow = |it: &ClientAction| matches!(*it, ClientAction::Delay(lower, _) if lower > 0);
-        if client.steps.iter().any(|it| slow(&it.action)) {
-            addressed.iter().for_each(|&it| lazy[it] = false);
+        let slow =
+            |action: &ClientAction| matches!(*action, ClientAction::Delay(lower, _) if lower > 0);
+        if client.steps.iter().any(|step| slow(&step.action)) {
+            addressed.iter().for_each(|&index| lazy[index] = false);
         }
     }
     let of_group: Vec<bool> = (0..components)
-        .map(|it| (0..components).all(|other| groups[other] != groups[it] || lazy[other]))
+        .map(|component| {
+            (0..components).all(|other| groups[other] != groups[component] || lazy[other])
+        })
         .collect();
     if system.platform.cores.is_some() && of_group.contains(&false) {
         return none();
     }
     let mut out: Vec<bool> = (system.tasks.iter())
-        .map(|it| of_group[it.component])
+        .map(|task| of_group[task.component])
         .collect();
     out.extend(&of_group);
     let clients = addressed.iter();
-    out.extend(clients.map(|it| it.iter().all(|&it| of_group[it])));
+    out.extend(clients.map(|client| client.iter().all(|&client| of_group[client])));
     let resting = (resting.into_iter())
-        .filter(|it| of_group[it.0])
+        .filter(|triple| of_group[triple.0])
         .map(|(_, task, place)| (task, place))
         .collect();
     (out, resting)

@@ -46,8 +46,8 @@ impl<'s> Published<'s> {
 
     fn with(system: &'s TimedSystem, layout: Layout) -> Self {
         let mut automata_of = vec![Vec::new(); system.machines.len()];
-        for (a, it) in system.automata.iter().enumerate() {
-            automata_of[it.machine].push(a);
+        for (a, automaton) in system.automata.iter().enumerate() {
+            automata_of[automaton.machine].push(a);
         }
         Published {
             automata_of,
@@ -57,7 +57,7 @@ impl<'s> Published<'s> {
             lockless: system
                 .codels
                 .iter()
-                .map(|it| it.conflicts.is_empty())
+                .map(|codel| codel.conflicts.is_empty())
                 .collect(),
         }
     }
@@ -148,16 +148,18 @@ impl Rules for Published<'_> {
 
     fn awaits_start_up(&self, s: &State, task: usize) -> Option<usize> {
         let l = &self.layout;
-        let it = &self.system.tasks[task];
+        let definition = &self.system.tasks[task];
         if !l.started(s, task) {
-            let tasks = &self.system.components[it.component].tasks;
-            return tasks.get(l.starting(s, it.component) as usize).copied();
+            let tasks = &self.system.components[definition.component].tasks;
+            return tasks
+                .get(l.starting(s, definition.component) as usize)
+                .copied();
         }
         let first_run = |a: usize| {
             let mode = l.mode(s, a);
             mode == layout::mode::FIRST_CODEL || mode == layout::mode::FIRST_RUN
         };
-        it.permanent.filter(|&a| first_run(a)).map(|_| task)
+        definition.permanent.filter(|&a| first_run(a)).map(|_| task)
     }
 
     #[inline]
@@ -176,9 +178,11 @@ impl Rules for Published<'_> {
     fn task_of(&self, action: Action) -> Option<usize> {
         match action {
             Action::Grant { task } | Action::Release { task } | Action::Tick { task } => Some(task),
-            Action::Acquire { executor } | Action::Finish { executor, .. } => {
-                self.system.automata.get(executor).map(|it| it.task)
-            }
+            Action::Acquire { executor } | Action::Finish { executor, .. } => self
+                .system
+                .automata
+                .get(executor)
+                .map(|automaton| automaton.task),
             Action::Proceed { .. } | Action::Signal { .. } | Action::Request { .. } => None,
             // Actions of other rules.
             Action::Begin { .. }
@@ -203,7 +207,7 @@ impl Rules for Published<'_> {
         match self.system.clients[client]
             .steps
             .get(position)
-            .map(|it| &it.action)
+            .map(|step| &step.action)
         {
             Some(&ClientAction::Delay(lower, upper)) => (lower, upper),
             _ => (0, 0),

@@ -121,7 +121,7 @@ impl<'s> Servers<'s> {
 
     /// Returns true if an executor executes a codel that blocks the waiting one.
     fn blocks(&self, s: &State, waiting: &Codel, executor: usize) -> bool {
-        (self.codel(s, executor)).is_some_and(|it| waiting.conflicts.contains(it))
+        (self.codel(s, executor)).is_some_and(|codel| waiting.conflicts.contains(codel))
     }
 
     /// Returns true if a task has a measured job: after its first cycle.
@@ -133,16 +133,16 @@ impl<'s> Servers<'s> {
     fn at_start(&self) -> State {
         let l = &self.layout;
         let mut s = l.blank();
-        for (task, it) in self.system.tasks.iter().enumerate() {
+        for (task, entry) in self.system.tasks.iter().enumerate() {
             l.raise(&mut s, task, flag::FIRST);
-            if it.period.is_none() {
+            if entry.period.is_none() {
                 l.raise(&mut s, task, flag::RUNNABLE);
             } else if self.semantics.ticks == TickRule::Component {
                 l.set_timer(&mut s, task, self.first_tick(task));
             }
             let first = l.slots(task).start;
             l.set_mode(&mut s, first, slot::INIT | slot::START | slot::PERMANENT);
-            l.set_automaton(&mut s, first, it.permanent.map_or(0, |a| a as u16 + 1));
+            l.set_automaton(&mut s, first, entry.permanent.map_or(0, |a| a as u16 + 1));
         }
         for component in 0..l.components {
             l.set_starting(&mut s, component, u16::MAX);
@@ -158,11 +158,11 @@ impl<'s> Servers<'s> {
     /// Returns the time from the start of a clock to the first tick in base units: the delay, or else the
     /// period.
     fn first_tick(&self, task: usize) -> Ticks {
-        let it = &self.system.tasks[task];
-        match (self.semantics.ticks, it.delay) {
-            (TickRule::Component, 0) => it.period.unwrap_or(0),
+        let task = &self.system.tasks[task];
+        match (self.semantics.ticks, task.delay) {
+            (TickRule::Component, 0) => task.period.unwrap_or(0),
             (TickRule::Component, delay) => delay,
-            (TickRule::Task, delay) => it.period.unwrap_or(0) + delay,
+            (TickRule::Task, delay) => task.period.unwrap_or(0) + delay,
         }
     }
 
@@ -243,7 +243,7 @@ impl Rules for Servers<'_> {
         let tasks = &self.system.components[component].tasks;
         let before = tasks.get(l.starting(s, component) as usize);
         let first = l.has(s, task, flag::FIRST).then_some(task);
-        before.copied().filter(|&it| it < task).or(first)
+        before.copied().filter(|&index| index < task).or(first)
     }
 
     fn missed(&self, s: &State, task: usize) -> bool {
@@ -304,7 +304,7 @@ impl Rules for Servers<'_> {
         };
         let steps = &self.system.clients[client].steps;
         let step = steps.get(l.position(s, client) as usize);
-        match step.map(|it| &it.action) {
+        match step.map(|step| &step.action) {
             Some(&ClientAction::Delay(lower, upper)) => (lower, upper),
             _ => (0, 0),
         }
@@ -354,7 +354,7 @@ impl Rules for Servers<'_> {
 
     fn interrupt_activity(&self, s: &mut State, place: usize) {
         let l = &self.layout;
-        if let Some(task) = (0..l.tasks).find(|&it| l.slots(it).contains(&place)) {
+        if let Some(task) = (0..l.tasks).find(|&task| l.slots(task).contains(&place)) {
             self.mark(s, task, place);
         }
     }

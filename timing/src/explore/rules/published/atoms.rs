@@ -32,11 +32,13 @@ impl Published<'_> {
                     .iter()
                     .map(|&a| l.mode(s, a));
                 match status {
-                    SlotStatus::Void => modes.all(|it| it == slot::VOID),
-                    SlotStatus::Wait => modes.any(|it| it == slot::WAIT),
-                    SlotStatus::Run => modes.any(|it| it == slot::RUN),
-                    SlotStatus::Stop => modes.any(|it| matches!(it, slot::STOP | slot::STOPPING)),
-                    SlotStatus::Active => modes.any(|it| it != slot::VOID),
+                    SlotStatus::Void => modes.all(|mode| mode == slot::VOID),
+                    SlotStatus::Wait => modes.any(|mode| mode == slot::WAIT),
+                    SlotStatus::Run => modes.any(|mode| mode == slot::RUN),
+                    SlotStatus::Stop => {
+                        modes.any(|mode| matches!(mode, slot::STOP | slot::STOPPING))
+                    }
+                    SlotStatus::Active => modes.any(|mode| mode != slot::VOID),
                 }
             }
             Atom::Handling {
@@ -45,9 +47,11 @@ impl Published<'_> {
                 phase,
             } => {
                 let component = self.system.services[service].component;
-                l.request(s, component).is_some_and(|it| it.0 == service)
-                    && codel
-                        .is_none_or(|it| self.codel(s, l.control_executor(component)) == Some(it))
+                l.request(s, component)
+                    .is_some_and(|request| request.0 == service)
+                    && codel.is_none_or(|codel| {
+                        self.codel(s, l.control_executor(component)) == Some(codel)
+                    })
                     && in_phase(l.phase(s, l.control_executor(component)), phase)
             }
             Atom::ControlBusy(component) => l.control(s, component) != control::READY,

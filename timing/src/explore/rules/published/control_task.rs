@@ -36,7 +36,10 @@ impl Published<'_> {
         let l = &self.layout;
         let executor = l.control_executor(component);
         l.set_phase(s, executor, phase::LOCKING);
-        if self.codel(s, executor).is_some_and(|it| self.lockless[it]) {
+        if self
+            .codel(s, executor)
+            .is_some_and(|codel| self.lockless[codel])
+        {
             self.execute(s, executor);
         } else {
             l.lock_queue_push(s, executor);

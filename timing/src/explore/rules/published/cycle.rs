@@ -40,14 +40,14 @@ impl Published<'_> {
         let position = if l.has_slack() {
             l.queue(s)
                 .iter()
-                .position(|&it| l.slack(s, it as usize) > deadline)
+                .position(|&queue| l.slack(s, queue as usize) > deadline)
         } else {
             None
         };
         let position = match (position, self.system.platform.policy) {
             (Some(position), _) => position,
             // Any of the tasks may be chosen, so their order is irrelevant.
-            (None, Policy::Any) => l.queue(s).partition_point(|&it| (it as usize) < task),
+            (None, Policy::Any) => l.queue(s).partition_point(|&queue| (queue as usize) < task),
             (None, _) => l.queue(s).len(),
         };
         l.queue_insert(s, position, task as u16);
@@ -63,16 +63,16 @@ impl Published<'_> {
     /// Returns the first position at or after `from` whose automaton has work.
     pub(super) fn next_turn(&self, s: &State, task: usize, from: usize) -> Option<usize> {
         let l = &self.layout;
-        let it = &self.system.tasks[task];
+        let task = &self.system.tasks[task];
         if from == 0
-            && let Some(a) = it.permanent
+            && let Some(a) = task.permanent
             && l.mode(s, a) == mode::NORMAL
             && l.phase(s, a) == phase::REST
         {
             return Some(0);
         }
-        (from.max(1)..=it.slots.len()).find(|&position| {
-            let a = it.slots[position - 1];
+        (from.max(1)..=task.slots.len()).find(|&position| {
+            let a = task.slots[position - 1];
             matches!(l.mode(s, a), slot::RUN | slot::STOP | slot::STOPPING)
                 && l.phase(s, a) == phase::REST
         })
@@ -81,12 +81,14 @@ impl Published<'_> {
     /// Gives turns from a position on, until an automaton executes or the cycle ends.
     fn give_turn(&self, s: &mut State, task: usize, mut from: usize) {
         let l = &self.layout;
-        let it = &self.system.tasks[task];
+        let definition = &self.system.tasks[task];
         while let Some(position) = self.next_turn(s, task, from) {
             from = position + 1;
             let a = match position {
-                0 => it.permanent.expect("position 0 is the permanent activity"),
-                _ => it.slots[position - 1],
+                0 => definition
+                    .permanent
+                    .expect("position 0 is the permanent activity"),
+                _ => definition.slots[position - 1],
             };
             let mut state = l.at(s, a) as usize;
             if position > 0 && l.mode(s, a) == slot::STOP {
@@ -106,8 +108,12 @@ impl Published<'_> {
         // End of the cycle.
         l.set_turn(s, task, 0);
         l.set_status(s, task, TaskStatus::Idle);
-        if it.slots.iter().any(|&a| l.mode(s, a) == slot::ETHER) {
-            l.set_signal(s, it.component, 1);
+        if definition
+            .slots
+            .iter()
+            .any(|&a| l.mode(s, a) == slot::ETHER)
+        {
+            l.set_signal(s, definition.component, 1);
         }
         if let Some(clock) = l.response[task] {
             s.t[clock] = 0;
@@ -133,13 +139,13 @@ impl Published<'_> {
             s.d[base + state] += 1;
         }
         l.set_at(s, automaton, state as u16);
-        let it = &self.system.machine_of(automaton).states[state];
+        let state = &self.system.machine_of(automaton).states[state];
         let first_run = self.system.automata[automaton].service.is_none()
             && l.mode(s, automaton) != mode::NORMAL;
-        let separate = it.is_async && self.system.platform.async_free && !first_run;
+        let separate = state.is_async && self.system.platform.async_free && !first_run;
         let flag = if separate { phase::ASYNC } else { 0 };
         l.set_phase(s, automaton, phase::LOCKING | flag);
-        if self.lockless[it.codel] {
+        if self.lockless[state.codel] {
             self.execute(s, automaton);
         } else {
             l.lock_queue_push(s, automaton);
@@ -150,15 +156,15 @@ impl Published<'_> {
         let l = &self.layout;
         let automaton = &self.system.automata[a];
         let machine = self.system.machine_of(a);
-        let it = machine.states[l.at(s, a) as usize].yields[outcome];
+        let transition = machine.states[l.at(s, a) as usize].yields[outcome];
         let permanent = automaton.service.is_none();
         let first_codel = permanent && l.mode(s, a) == mode::FIRST_CODEL;
         let first_run = permanent && l.mode(s, a) != mode::NORMAL;
         let separate = l.phase(s, a) & phase::ASYNC != 0;
-        let new_round = machine.rounds && !self.within_limit(s, a, &it);
+        let new_round = machine.rounds && !self.within_limit(s, a, &transition);
 
         l.set_phase(s, a, phase::REST);
-        match it {
+        match transition {
             // An aperiodic task has a core for all but its start-up codel (section 8): its first cycle
             // follows.
             Yield::Next(state)

@@ -186,18 +186,21 @@ impl Published<'_> {
             return;
         }
         let was = self.layout.phase(before, executor) & !phase::ASYNC;
-        let again = matches!(action, Some(Action::Finish { executor: it, .. }) if it == executor);
+        let again = matches!(action, Some(Action::Finish { executor: finished, .. }) if finished == executor);
         let Some(codel) = self.codel(after, executor) else {
             return;
         };
         let path = &system.codels[codel].path;
         // Locks that were free for a moment, and were taken by another executor.
         let faster = match action {
-            Some(Action::Acquire { executor: it }) if it != executor => self.blocker(after, it),
+            Some(Action::Acquire { executor: index }) if index != executor => {
+                self.blocker(after, index)
+            }
             _ => None,
         };
         let conflicts = &system.codels[codel].conflicts;
-        let faster = faster.filter(|it| now != phase::EXECUTING && conflicts.contains(it.codel));
+        let faster =
+            faster.filter(|blocker| now != phase::EXECUTING && conflicts.contains(blocker.codel));
         if was == now && !again && faster.is_none() {
             return;
         }
@@ -219,12 +222,14 @@ impl Published<'_> {
             let holders: Vec<Blocker> = (0..l.automata + l.components)
                 .filter(|&e| self.layout.phase(after, e) & !phase::ASYNC == phase::EXECUTING)
                 .filter_map(|e| self.blocker(after, e))
-                .filter(|it| conflicts.contains(it.codel))
+                .filter(|blocker| conflicts.contains(blocker.codel))
                 .collect();
             if holders.is_empty() {
                 return;
             }
-            let paths = holders.iter().map(|it| &*system.codels[it.codel].path);
+            let paths = holders
+                .iter()
+                .map(|holder| &*system.codels[holder.codel].path);
             let paths: Vec<&str> = paths.collect();
             (
                 MomentKind::Wait,

@@ -101,7 +101,7 @@ impl Layout {
         let client_base = system
             .clients
             .iter()
-            .map(|it| places.discrete(2 + it.trackers))
+            .map(|client| places.discrete(2 + client.trackers))
             .collect();
         let queue_base = places.discrete(1 + system.tasks.len());
         let lock_queue_base = (system.platform.locks == crate::system::LockOrder::Fifo)
@@ -116,7 +116,7 @@ impl Layout {
             .collect();
         let counted = (0..system.automata.len())
             .map(|a| system.machine_of(a))
-            .map(|it| it.loop_limit.map_or(0, |_| it.states.len()))
+            .map(|number| number.loop_limit.map_or(0, |_| number.states.len()))
             .collect();
         // Timers, at 0.
         places.times(system.tasks.len());
@@ -135,7 +135,11 @@ impl Layout {
             lock_queue_base,
             visits,
             counted,
-            trackers: system.clients.iter().map(|it| it.trackers).collect(),
+            trackers: system
+                .clients
+                .iter()
+                .map(|client| client.trackers)
+                .collect(),
             slack_base,
         }
     }
@@ -155,8 +159,10 @@ impl Exchangeable for Published<'_> {
         parts[Part::Place] = parts[Part::Automaton].clone();
         let controls = parts[Part::Component]
             .iter()
-            .map(|&it| l.control_executor(it));
-        let clients = parts[Part::Client].iter().map(|&it| l.client_executor(it));
+            .map(|&component| l.control_executor(component));
+        let clients = parts[Part::Client]
+            .iter()
+            .map(|&index| l.client_executor(index));
         let executors = parts[Part::Automaton]
             .iter()
             .copied()
@@ -211,7 +217,7 @@ impl Exchangeable for Published<'_> {
         for (client, &base) in l.client_base.iter().enumerate() {
             let trackers = base + 2..base + 2 + l.trackers[client];
             out.single
-                .extend(trackers.map(|it| (it, Part::Place, tracker::SLOT)));
+                .extend(trackers.map(|tracker| (tracker, Part::Place, tracker::SLOT)));
         }
         let cores = (l.queue_base, l.tasks, Part::Task);
         match self.any_order() {
@@ -374,9 +380,9 @@ impl Layout {
         request: Option<(usize, usize)>,
     ) {
         let base = self.component_base + 6 * component;
-        let number = |it: Option<usize>| it.map_or(0, |it| it as u16 + 1);
-        s.d[base + 2] = number(request.map(|it| it.0));
-        s.d[base + 4] = number(request.map(|it| it.1));
+        let number = |optional: Option<usize>| optional.map_or(0, |number| number as u16 + 1);
+        s.d[base + 2] = number(request.map(|request| request.0));
+        s.d[base + 4] = number(request.map(|request| request.1));
     }
 
     /// Returns the tasks that wait for a core, in the order in which they get one.
@@ -407,7 +413,9 @@ impl Layout {
 
     pub(crate) fn lock_queue_remove(&self, s: &mut State, executor: usize) {
         if let Some(base) = self.lock_queue_base
-            && let Some(at) = list(s, base).iter().position(|&it| it as usize == executor)
+            && let Some(at) = list(s, base)
+                .iter()
+                .position(|&number| number as usize == executor)
         {
             list_remove(s, base, at);
         }

@@ -13,7 +13,7 @@ impl Published<'_> {
             Action::Proceed { client, next } => self.client_to(s, client, next),
             Action::Release { task } => self.release(s, task),
             Action::Grant { task } => {
-                let at = l.queue(s).iter().position(|&it| it as usize == task);
+                let at = l.queue(s).iter().position(|&queue| queue as usize == task);
                 l.queue_remove(s, at.expect("a granted task waits"));
                 l.set_slack(s, task, 0);
                 self.run(s, task);

@@ -68,9 +68,10 @@ impl Published<'_> {
         if l.status(s, task) != TaskStatus::Idle {
             return false;
         }
-        let it = &self.system.tasks[task];
-        if it.period.is_some() {
-            l.pending(s, task) && (!it.keep_idle_tick || self.next_turn(s, task, 0).is_some())
+        let definition = &self.system.tasks[task];
+        if definition.period.is_some() {
+            l.pending(s, task)
+                && (!definition.keep_idle_tick || self.next_turn(s, task, 0).is_some())
         } else {
             self.next_turn(s, task, 0).is_some()
         }
@@ -109,10 +110,10 @@ impl Published<'_> {
     fn ordinary(&self, s: &State, out: &mut Enabled) {
         let l = &self.layout;
         let mut urgent = false;
-        for (task, it) in self.system.tasks.iter().enumerate() {
-            if let Some(period) = it.period
+        for (task, entry) in self.system.tasks.iter().enumerate() {
+            if let Some(period) = entry.period
                 && l.started(s, task)
-                && l.timer(s, task) == period + it.delay
+                && l.timer(s, task) == period + entry.delay
             {
                 out.actions.push(Action::Tick { task });
                 urgent = true;
@@ -171,15 +172,15 @@ impl Published<'_> {
             let machine = self.system.machine_of(executor);
             let yields = &machine.states[l.at(s, executor) as usize].yields;
             let mut any = false;
-            for (outcome, it) in yields.iter().enumerate() {
-                if self.within_limit(s, executor, it) {
+            for (outcome, transition) in yields.iter().enumerate() {
+                if self.within_limit(s, executor, transition) {
                     push(outcome);
                     any = true;
                 }
             }
             if !any && machine.rounds {
-                for (outcome, it) in yields.iter().enumerate() {
-                    if *it != Yield::Next(l.at(s, executor) as usize) {
+                for (outcome, transition) in yields.iter().enumerate() {
+                    if *transition != Yield::Next(l.at(s, executor) as usize) {
                         push(outcome);
                     }
                 }
@@ -198,9 +199,9 @@ impl Published<'_> {
         }
     }
 
-    pub(super) fn within_limit(&self, s: &State, automaton: usize, it: &Yield) -> bool {
+    pub(super) fn within_limit(&self, s: &State, automaton: usize, transition: &Yield) -> bool {
         match (
-            it,
+            transition,
             self.layout.visits[automaton],
             self.system.machine_of(automaton).loop_limit,
         ) {
@@ -220,7 +221,7 @@ impl Published<'_> {
             if other != executor
                 && self
                     .codel(s, other)
-                    .is_some_and(|it| conflicts.contains(it))
+                    .is_some_and(|codel| conflicts.contains(codel))
             {
                 return false;
             }
@@ -232,7 +233,7 @@ impl Published<'_> {
                 }
                 if self
                     .codel(s, other as usize)
-                    .is_some_and(|it| conflicts.contains(it))
+                    .is_some_and(|codel| conflicts.contains(codel))
                 {
                     return false;
                 }

@@ -15,11 +15,11 @@ impl Published<'_> {
     ) -> Option<Ticks> {
         let l = &self.layout;
         let mut least = FOREVER;
-        for (task, it) in self.system.tasks.iter().enumerate() {
-            if let Some(period) = it.period
+        for (task, entry) in self.system.tasks.iter().enumerate() {
+            if let Some(period) = entry.period
                 && l.started(s, task)
             {
-                least = least.min(period + it.delay - l.timer(s, task));
+                least = least.min(period + entry.delay - l.timer(s, task));
             }
         }
         for executor in l.executing(s) {
@@ -36,8 +36,8 @@ impl Published<'_> {
     /// Lets time pass, at most [`Published::until_next`].
     pub(super) fn pass(&self, s: &mut State, time: Ticks) {
         let l = &self.layout;
-        for (task, it) in self.system.tasks.iter().enumerate() {
-            if it.period.is_some() && l.started(s, task) {
+        for (task, entry) in self.system.tasks.iter().enumerate() {
+            if entry.period.is_some() && l.started(s, task) {
                 l.set_timer(s, task, l.timer(s, task) + time);
             }
             let status = l.status(s, task);

@@ -25,14 +25,14 @@ impl Servers<'_> {
         self.client_to(s, client, next);
         let sent = if l.follows[client] { at as u16 + 1 } else { 1 };
         l.set_outstanding(s, client, sent);
-        let it = &self.system.services[service];
-        let component = it.component;
+        let definition = &self.system.services[service];
+        let component = definition.component;
         l.set_handled_number(s, component, service as u16 + 1);
         l.set_sender(s, component, client as u16 + 1);
         l.set_codel_number(s, component, 0);
-        if let Some(&automaton) = it.slots.first() {
+        if let Some(&automaton) = definition.slots.first() {
             let task = self.system.automata[automaton].task;
-            let free = l.slots(task).find(|&it| l.status(s, it) == slot::VOID);
+            let free = l.slots(task).find(|&slot| l.status(s, slot) == slot::VOID);
             let Some(free) = free else {
                 // Rejected: nothing is validated, and no task is woken.
                 self.rejected[service].set(true);
@@ -45,8 +45,9 @@ impl Servers<'_> {
             l.set_at(s, free, 0);
             l.set_given(s, component, free as u16 + 1);
         }
-        let succeeded = |it: &usize| l.success[*it].is_some_and(|place| s.d[place] != 0);
-        let allowed = it.after.iter().all(succeeded) && !it.before.iter().any(succeeded);
+        let succeeded = |index: &usize| l.success[*index].is_some_and(|place| s.d[place] != 0);
+        let allowed =
+            definition.after.iter().all(succeeded) && !definition.before.iter().any(succeeded);
         if allowed {
             self.next_codel(s, component);
         } else {
@@ -116,8 +117,8 @@ impl Servers<'_> {
         let given = (l.given(s, component) as usize).checked_sub(1);
         let mut tracked = tracker::NONE;
         match given {
-            Some(it) if refused => self.make_void(s, it),
-            Some(it) => tracked = tracker::SLOT + it as u16,
+            Some(difference) if refused => self.make_void(s, difference),
+            Some(difference) => tracked = tracker::SLOT + difference as u16,
             None if refused => {}
             None => {
                 if !self.system.services[service].activity {
@@ -159,13 +160,13 @@ impl Servers<'_> {
     /// still run.
     fn interrupt(&self, s: &mut State, service: usize, itself: usize) -> bool {
         let l = &self.layout;
-        let it = &self.system.services[service];
+        let service = &self.system.services[service];
         let mut delay = false;
-        for &task in &self.system.components[it.component].tasks {
+        for &task in &self.system.components[service.component].tasks {
             for other in l.slots(task) {
                 let listed = || {
                     let of = self.service(s, other);
-                    of.is_some_and(|of| it.interrupts.contains(&of))
+                    of.is_some_and(|of| service.interrupts.contains(&of))
                 };
                 if other == itself || l.status(s, other) == slot::VOID || !listed() {
                     continue;
@@ -177,13 +178,13 @@ impl Servers<'_> {
     }
 
     /// Marks an instance of a task as interrupted. Returns true if the instance still runs.
-    pub(super) fn mark(&self, s: &mut State, task: usize, it: usize) -> bool {
+    pub(super) fn mark(&self, s: &mut State, task: usize, path: usize) -> bool {
         let l = &self.layout;
-        let mode = l.mode(s, it);
+        let mode = l.mode(s, path);
         match mode & slot::STATUS {
-            slot::INIT => l.set_mode(s, it, mode | slot::MARK),
+            slot::INIT => l.set_mode(s, path, mode | slot::MARK),
             slot::RUN => {
-                l.set_mode(s, it, mode | slot::MARK);
+                l.set_mode(s, path, mode | slot::MARK);
                 self.make_runnable(s, task);
                 return true;
             }
@@ -198,23 +199,24 @@ impl Servers<'_> {
         let l = &self.layout;
         l.set_signal(s, component, 0);
         for &task in &self.system.components[component].tasks {
-            for it in l.slots(task) {
-                let mode = l.mode(s, it);
+            for slot in l.slots(task) {
+                let mode = l.mode(s, slot);
                 match mode & slot::STATUS {
                     slot::INIT if mode & slot::START == 0 => {
-                        let service = self.service(s, it);
-                        let delay = service.is_some_and(|of| self.interrupt(s, of, it));
+                        let service = self.service(s, slot);
+                        let delay = service.is_some_and(|of| self.interrupt(s, of, slot));
                         if !delay {
-                            let mode = l.mode(s, it);
-                            l.set_mode(s, it, mode | slot::START);
+                            let mode = l.mode(s, slot);
+                            l.set_mode(s, slot, mode | slot::START);
                             self.make_runnable(s, task);
                         }
                     }
                     slot::ETHER => {
-                        if let (Some(of), true) = (self.service(s, it), mode & slot::SUCCESS != 0) {
+                        if let (Some(of), true) = (self.service(s, slot), mode & slot::SUCCESS != 0)
+                        {
                             self.has_succeeded(s, of);
                         }
-                        self.make_void(s, it);
+                        self.make_void(s, slot);
                     }
                     _ => {}
                 }
@@ -226,18 +228,18 @@ impl Servers<'_> {
     /// Records services that interrupt themselves, if two interrupted instances wait: both end.
     fn note_restarts(&self, s: &State, task: usize) {
         let l = &self.layout;
-        let waits_marked = |it: usize| {
-            let mode = l.mode(s, it);
+        let waits_marked = |path: usize| {
+            let mode = l.mode(s, path);
             (mode & slot::STATUS == slot::INIT && mode & slot::MARK != 0)
-                .then(|| self.service(s, it))
+                .then(|| self.service(s, path))
                 .flatten()
-                .filter(|&it| self.system.services[it].interrupts.contains(&it))
+                .filter(|&service| self.system.services[service].interrupts.contains(&service))
         };
-        for it in l.slots(task) {
-            let Some(service) = waits_marked(it) else {
+        for slot in l.slots(task) {
+            let Some(service) = waits_marked(slot) else {
                 continue;
             };
-            let mut others = l.slots(task).filter(|&other| other < it);
+            let mut others = l.slots(task).filter(|&other| other < slot);
             if others.any(|other| waits_marked(other) == Some(service)) {
                 self.restarts[service].set(true);
             }
@@ -245,16 +247,16 @@ impl Servers<'_> {
     }
 
     /// Frees a slot, and ends all waits for its activity.
-    fn make_void(&self, s: &mut State, it: usize) {
+    fn make_void(&self, s: &mut State, automaton: usize) {
         let l = &self.layout;
-        self.clear_visits(s, it);
-        let success = l.mode(s, it) & slot::SUCCESS != 0;
-        l.set_mode(s, it, slot::VOID);
-        l.set_automaton(s, it, 0);
-        l.set_at(s, it, 0);
+        self.clear_visits(s, automaton);
+        let success = l.mode(s, automaton) & slot::SUCCESS != 0;
+        l.set_mode(s, automaton, slot::VOID);
+        l.set_automaton(s, automaton, 0);
+        l.set_at(s, automaton, 0);
         for (k, client) in self.system.clients.iter().enumerate() {
             for t in 0..client.trackers {
-                if l.tracker(s, k, t) == tracker::SLOT + it as u16 {
+                if l.tracker(s, k, t) == tracker::SLOT + automaton as u16 {
                     let failed = !success && l.outcomes[k][t];
                     let value = if failed {
                         tracker::FAILED

@@ -26,7 +26,7 @@ impl Servers<'_> {
         for task in 0..l.tasks {
             // A pass without codels begins and ends in one step.
             let begun = self.in_cycle(before, task)
-                || (matches!(action, Some(Action::Begin { task: it }) if it == task)
+                || (matches!(action, Some(Action::Begin { task: begun }) if begun == task)
                     && self.is_periodic(task));
             if begun && !self.in_cycle(after, task) {
                 let what = match l.has(before, task, flag::FIRST) {
@@ -185,9 +185,9 @@ impl Servers<'_> {
                 self.reported(before, after, component, time, out);
             }
             Action::Preempt { executor, by } => {
-                let name = |it: usize| match it < l.tasks {
-                    true => self.system.task_path(it),
-                    false => self.system.components[it - l.tasks].name.clone(),
+                let name = |task: usize| match task < l.tasks {
+                    true => self.system.task_path(task),
+                    false => self.system.components[task - l.tasks].name.clone(),
                 };
                 let what = format!("takes the core of {}", name(executor));
                 let moment = match by < l.tasks {
@@ -219,8 +219,8 @@ impl Servers<'_> {
         }
     }
 
-    fn slot_name(&self, s: &State, task: usize, it: usize) -> String {
-        match self.machine(s, it) {
+    fn slot_name(&self, s: &State, task: usize, index: usize) -> String {
+        match self.machine(s, index) {
             Some(machine) => machine.name.clone(),
             None => self.system.task_path(task),
         }
@@ -236,16 +236,16 @@ impl Servers<'_> {
         out: &mut Vec<Moment>,
     ) {
         let l = &self.layout;
-        for it in l.slots(task) {
-            let (was, now) = (l.status(before, it), l.status(after, it));
-            let marked = l.mode(before, it) & slot::MARK != 0;
+        for slot in l.slots(task) {
+            let (was, now) = (l.status(before, slot), l.status(after, slot));
+            let marked = l.mode(before, slot) & slot::MARK != 0;
             let what = match (was, now) {
                 (slot::INIT, slot::ETHER) if marked => "ends before its first codel: interrupted",
                 (slot::RUN, slot::STOP) => "notices the interruption",
                 (slot::RUN, slot::ETHER) if marked => "ends: interrupted",
                 _ => continue,
             };
-            let what = format!("{} {what}", self.slot_name(before, task, it));
+            let what = format!("{} {what}", self.slot_name(before, task, slot));
             out.push(self.of_task(task, MomentKind::Release, time, what));
         }
     }
@@ -261,10 +261,10 @@ impl Servers<'_> {
     ) {
         let l = &self.layout;
         for &task in &self.system.components[component].tasks {
-            for it in l.slots(task) {
-                let (was, now) = (l.mode(before, it), l.mode(after, it));
+            for slot in l.slots(task) {
+                let (was, now) = (l.mode(before, slot), l.mode(after, slot));
                 let new = now & !was;
-                let name = || self.slot_name(before, task, it);
+                let name = || self.slot_name(before, task, slot);
                 if new & slot::MARK != 0 && now & slot::STATUS != slot::VOID {
                     out.push(self.of_component(component, time, format!("interrupts {}", name())));
                 }
@@ -316,8 +316,8 @@ impl Servers<'_> {
             let component = executor - l.tasks;
             let service = l
                 .handled(before, component)
-                .map(|it| &self.system.services[it]);
-            let validates = service.is_some_and(|it| it.validate == Some(codel));
+                .map(|service| &self.system.services[service]);
+            let validates = service.is_some_and(|service| service.validate == Some(codel));
             match (validates, outcome) {
                 (true, 0) => format!("{path} accepts"),
                 (true, _) => format!("{path} refuses"),
@@ -352,31 +352,33 @@ impl Servers<'_> {
         }
         // An executor without a wait leaves the queue in a step of its own at the same moment, which needs no
         // line.
-        let blocker = |it: usize, ahead: bool| {
+        let blocker = |index: usize, ahead: bool| {
             Some(Blocker {
-                codel: self.codel(after, it)?,
-                by: self.executing(it),
+                codel: self.codel(after, index)?,
+                by: self.executing(index),
                 ahead,
             })
         };
-        let holders =
-            (l.executing(after)).filter(|&it| self.blocks(after, &self.system.codels[codel], it));
-        let mut blockers: Vec<Blocker> = holders.filter_map(|it| blocker(it, false)).collect();
+        let holders = (l.executing(after))
+            .filter(|&executor| self.blocks(after, &self.system.codels[codel], executor));
+        let mut blockers: Vec<Blocker> = holders
+            .filter_map(|holder| blocker(holder, false))
+            .collect();
         if let Some(component) = self.component_of(executor) {
             let queue = l.lock_queue(after, component).iter();
             let queue = queue
-                .map(|&it| it as usize)
-                .take_while(|&it| it != executor);
-            blockers.extend(queue.filter_map(|it| blocker(it, true)));
+                .map(|&queue| queue as usize)
+                .take_while(|&queue| queue != executor);
+            blockers.extend(queue.filter_map(|queue| blocker(queue, true)));
         }
         if !blockers.is_empty() {
-            let named = blockers.iter().map(|it| {
-                let queued = if it.ahead {
+            let named = blockers.iter().map(|blocker| {
+                let queued = if blocker.ahead {
                     " (ahead in the queue)"
                 } else {
                     ""
                 };
-                format!("{}{queued}", self.system.codels[it.codel].path)
+                format!("{}{queued}", self.system.codels[blocker.codel].path)
             });
             let named: Vec<String> = named.collect();
             let what = format!("{path} waits for {}", named.join(", "));

@@ -108,12 +108,14 @@ impl Exchangeable for Servers<'_> {
     fn complete(&self, parts: &mut Parts) {
         let l = &self.layout;
         parts[Part::Place] = (parts[Part::Task].iter())
-            .flat_map(|&it| l.slots(it))
+            .flat_map(|&task| l.slots(task))
             .collect();
         let controls = parts[Part::Component]
             .iter()
-            .map(|&it| l.control_executor(it));
-        let clients = parts[Part::Client].iter().map(|&it| l.client_executor(it));
+            .map(|&component| l.control_executor(component));
+        let clients = parts[Part::Client]
+            .iter()
+            .map(|&index| l.client_executor(index));
         let executors = parts[Part::Task]
             .iter()
             .copied()
@@ -145,7 +147,11 @@ impl Exchangeable for Servers<'_> {
             let (visits, most) = l.visits[slot];
             d.extend(visits..visits + most);
         }
-        d.extend(parts[Part::Service].iter().filter_map(|&it| l.success[it]));
+        d.extend(
+            parts[Part::Service]
+                .iter()
+                .filter_map(|&index| l.success[index]),
+        );
         for &component in &parts[Part::Component] {
             let base = l.component_base + OF_COMPONENT * component;
             d.extend(base..base + OF_COMPONENT);
@@ -187,7 +193,7 @@ impl Exchangeable for Servers<'_> {
         for (client, &base) in l.client_base.iter().enumerate() {
             let trackers = base + 2..base + 2 + self.system.clients[client].trackers;
             out.single
-                .extend(trackers.map(|it| (it, Part::Place, tracker::SLOT)));
+                .extend(trackers.map(|tracker| (tracker, Part::Place, tracker::SLOT)));
         }
         for (component, base) in l.lock_queue.iter().enumerate() {
             let capacity = 1 + self.system.components[component].tasks.len();
@@ -267,47 +273,54 @@ impl Layout {
         let slot_base = places.discrete(OF_SLOT * slots);
         let mut visits = Vec::new();
         for task in 0..tasks {
-            let it = &system.tasks[task];
-            let automata = it.permanent.iter().chain(&it.slots);
+            let definition = &system.tasks[task];
+            let automata = definition.permanent.iter().chain(&definition.slots);
             let counted = automata.map(|&a| system.machine_of(a));
-            let counted = counted.filter(|it| it.loop_limit.is_some());
-            let most = counted.map(|it| it.states.len()).max().unwrap_or(0);
+            let counted = counted.filter(|machine| machine.loop_limit.is_some());
+            let most = counted
+                .map(|machine| machine.states.len())
+                .max()
+                .unwrap_or(0);
             for _ in first_slot[task]..first_slot[task + 1] {
                 visits.push((places.discrete(most), most));
             }
         }
         let component_base = places.discrete(OF_COMPONENT * components);
         let client_base = (system.clients.iter())
-            .map(|it| places.discrete(2 + it.trackers))
+            .map(|client| places.discrete(2 + client.trackers))
             .collect();
         let core_queue = (system.platform.cores).map(|_| places.discrete(1 + tasks + components));
         let lock_queue = (system.components.iter())
-            .map(|it| {
+            .map(|component| {
                 let queued = semantics.locks != LockRule::Free;
-                queued.then(|| places.discrete(2 + it.tasks.len()))
+                queued.then(|| places.discrete(2 + component.tasks.len()))
             })
             .collect();
         let requested = system.requested();
         let success = (0..system.services.len())
             .map(|service| {
                 let lists = system.services.iter().zip(&requested);
-                let mut lists = lists.filter(|it| *it.1).map(|it| it.0);
-                let matters =
-                    lists.any(|it| it.after.contains(&service) || it.before.contains(&service));
+                let mut lists = lists.filter(|pair| *pair.1).map(|pair| pair.0);
+                let matters = lists
+                    .any(|other| other.after.contains(&service) || other.before.contains(&service));
                 (matters && requested[service]).then(|| places.discrete(1))
             })
             .collect();
         let shutdown = (system.components.iter())
-            .map(|it| {
+            .map(|component| {
                 let kill = |&of: &usize| system.services[of].builtin == Some(Builtin::Kill);
-                it.services.iter().any(kill).then(|| places.discrete(1))
+                component
+                    .services
+                    .iter()
+                    .any(kill)
+                    .then(|| places.discrete(1))
             })
             .collect();
         let timers = places.times(tasks);
         debug_assert_eq!(timers, 0, "timers come first");
         let edf = system.platform.cores.is_some() && system.platform.policy == Policy::Edf;
         let ages = edf.then(|| places.times(2 * tasks));
-        let measured = clocks.response.iter().filter(|it| **it).count();
+        let measured = clocks.response.iter().filter(|response| **response).count();
         let (frame, first_kept) = places.frame_with(clocks, measured);
         let mut next = first_kept;
         let kept = (clocks.response.iter())
@@ -333,7 +346,11 @@ impl Layout {
             shutdown,
             follows: system.clients.iter().map(follows).collect(),
             outcomes: (system.clients.iter())
-                .map(|it| (0..it.trackers).map(|t| it.asks_outcome(t)).collect())
+                .map(|client| {
+                    (0..client.trackers)
+                        .map(|t| client.asks_outcome(t))
+                        .collect()
+                })
                 .collect(),
             success,
             ages,
@@ -448,7 +465,7 @@ impl Layout {
 
 /// Returns true if a client can abort instances that it has requested.
 fn follows(client: &Client) -> bool {
-    client.steps.iter().any(|it| match &it.action {
+    client.steps.iter().any(|step| match &step.action {
         ClientAction::Send {
             accepted, aborts, ..
         } => aborts.is_some() || !accepted.is_empty(),
@@ -486,20 +503,20 @@ fn list(s: &State, base: usize) -> &[u16] {
 }
 
 /// Adds to a list, at its end or in order of number.
-fn push(s: &mut State, base: usize, it: u16, sorted: bool) {
+fn push(s: &mut State, base: usize, number: u16, sorted: bool) {
     let length = s.d[base] as usize;
     let at = match sorted {
-        true => list(s, base).partition_point(|&other| other < it),
+        true => list(s, base).partition_point(|&other| other < number),
         false => length,
     };
     s.d[base + 1..=base + 1 + length][at..].rotate_right(1);
-    s.d[base + 1 + at] = it;
+    s.d[base + 1 + at] = number;
     s.d[base] += 1;
 }
 
-fn remove(s: &mut State, base: usize, it: u16) {
+fn remove(s: &mut State, base: usize, number: u16) {
     let length = s.d[base] as usize;
-    let Some(at) = list(s, base).iter().position(|&other| other == it) else {
+    let Some(at) = list(s, base).iter().position(|&other| other == number) else {
         return;
     };
     s.d[base + 1..base + 1 + length][at..].rotate_left(1);

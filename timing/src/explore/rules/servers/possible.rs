@@ -51,7 +51,7 @@ impl Servers<'_> {
         let l = &self.layout;
         let running = self.running(s);
         let has_core = |executor: usize| running >> executor & 1 == 1;
-        out.actions.retain(|it| match *it {
+        out.actions.retain(|action| match *action {
             Action::Begin { task } | Action::Wake { task } => has_core(task),
             Action::Ticket { executor } | Action::Acquire { executor } => has_core(executor),
             Action::Finish { executor, .. } => {
@@ -73,7 +73,7 @@ impl Servers<'_> {
             }
             _ => true,
         });
-        let takes_time = |it: &Action| matches!(it, Action::Finish { .. });
+        let takes_time = |action: &Action| matches!(action, Action::Finish { .. });
         out.urgent = !out.actions.iter().all(takes_time);
         self.swaps(s, running, out);
     }
@@ -97,7 +97,8 @@ impl Servers<'_> {
                     ClientAction::AwaitAny => {
                         // The client proceeds to a step that has nothing to wait for.
                         let steps = &client.steps;
-                        let over = |next: &&usize| match steps.get(**next).map(|it| &it.action) {
+                        let over = |next: &&usize| match steps.get(**next).map(|step| &step.action)
+                        {
                             Some(&ClientAction::AwaitOutcome(t, success)) => {
                                 self.has_outcome(s, k, t, success)
                             }
@@ -146,8 +147,8 @@ impl Servers<'_> {
         let l = &self.layout;
         // A task with a timer of its own starts without a core.
         let start_up = self.semantics.ticks == TickRule::Task && l.has(s, task, flag::FIRST);
-        let could_run = |it: usize| {
-            let mode = l.mode(s, it);
+        let could_run = |path: usize| {
+            let mode = l.mode(s, path);
             match mode & slot::STATUS {
                 slot::INIT => mode & (slot::START | slot::MARK) != 0,
                 slot::RUN | slot::STOP => true,
@@ -170,15 +171,15 @@ impl Servers<'_> {
             task: task as usize,
         };
         match self.system.platform.policy {
-            Policy::Any => out.actions.extend(queue.iter().map(|&it| grant(it))),
+            Policy::Any => out.actions.extend(queue.iter().map(|&queue| grant(queue))),
             Policy::Edf => {
                 let deadline = |task: usize| {
                     let age = l.ages.map_or(0, |base| s.t[base + task]);
                     let period = self.system.tasks[task].period;
-                    period.map_or(i64::MAX, |it| i64::from(it) - i64::from(age))
+                    period.map_or(i64::MAX, |period| i64::from(period) - i64::from(age))
                 };
-                let first = queue.iter().min_by_key(|&&it| deadline(it as usize));
-                out.actions.extend(first.map(|&it| grant(it)));
+                let first = queue.iter().min_by_key(|&&queue| deadline(queue as usize));
+                out.actions.extend(first.map(|&queue| grant(queue)));
             }
             Policy::Fifo => out.actions.push(grant(queue[0])),
             // Preemptive policies grant cores in another way.
@@ -191,19 +192,19 @@ impl Servers<'_> {
             return true;
         };
         let l = &self.layout;
-        let busy = (0..l.tasks).filter(|&it| l.has(s, it, flag::CORE));
+        let busy = (0..l.tasks).filter(|&task| l.has(s, task, flag::CORE));
         busy.count() < cores as usize
     }
 
     fn ordinary(&self, s: &State, out: &mut Enabled) {
         let l = &self.layout;
-        for (task, it) in self.system.tasks.iter().enumerate() {
+        for (task, entry) in self.system.tasks.iter().enumerate() {
             let ticks = match self.semantics.ticks {
                 _ if l.thread_of(s, task) == thread::ENDED => false,
                 TickRule::Component => true,
                 TickRule::Task => l.thread_of(s, task) != thread::OFF,
             };
-            if it.period.is_some() && ticks && l.timer(s, task) == 0 {
+            if entry.period.is_some() && ticks && l.timer(s, task) == 0 {
                 out.actions.push(Action::Tick { task });
             }
             let thread = l.thread_of(s, task);
@@ -249,8 +250,11 @@ impl Servers<'_> {
         }
         match self.semantics.locks {
             LockRule::Queue => {
-                let head = l.lock_queue(s, component).first().map(|&it| it as usize);
-                let head = head.filter(|&it| self.is_free(s, it));
+                let head = l
+                    .lock_queue(s, component)
+                    .first()
+                    .map(|&lock_queue| lock_queue as usize);
+                let head = head.filter(|&head| self.is_free(s, head));
                 let acquire = head.map(|executor| Action::Acquire { executor });
                 out.actions.extend(acquire);
             }
@@ -280,13 +284,15 @@ impl Servers<'_> {
         };
         let queue = self.layout.lock_queue(s, component);
         let mut ahead = (queue.iter())
-            .map(|&it| it as usize)
-            .take_while(|&it| it != executor);
+            .map(|&queue| queue as usize)
+            .take_while(|&queue| queue != executor);
         let turn = match self.semantics.locks {
             LockRule::Queue => ahead.next().is_none(),
             LockRule::Fifo => {
-                let codel = self.codel(s, executor).map(|it| &self.system.codels[it]);
-                !codel.is_some_and(|codel| ahead.any(|it| self.blocks(s, codel, it)))
+                let codel = self
+                    .codel(s, executor)
+                    .map(|codel| &self.system.codels[codel]);
+                !codel.is_some_and(|codel| ahead.any(|queue| self.blocks(s, codel, queue)))
             }
             LockRule::Free => true,
         };
@@ -330,15 +336,15 @@ impl Servers<'_> {
                 return;
             };
             let mut any = false;
-            for (outcome, it) in state.yields.iter().enumerate() {
-                if self.within_limit(s, slot, it) {
+            for (outcome, transition) in state.yields.iter().enumerate() {
+                if self.within_limit(s, slot, transition) {
                     push(outcome);
                     any = true;
                 }
             }
             if !any && machine.rounds {
-                for (outcome, it) in state.yields.iter().enumerate() {
-                    if *it != Yield::Next(l.at(s, slot) as usize) {
+                for (outcome, transition) in state.yields.iter().enumerate() {
+                    if *transition != Yield::Next(l.at(s, slot) as usize) {
                         push(outcome);
                     }
                 }
@@ -350,11 +356,15 @@ impl Servers<'_> {
         } else if executor < l.tasks + l.components {
             let component = executor - l.tasks;
             push(0);
-            let service = l.handled(s, component).map(|it| &self.system.services[it]);
-            let validates = service.is_some_and(|it| it.validate.is_some())
+            let service = l
+                .handled(s, component)
+                .map(|service| &self.system.services[service]);
+            let validates = service.is_some_and(|service| service.validate.is_some())
                 && l.codel_number(s, component) == 0;
-            let codel = self.codel(s, executor).map(|it| &self.system.codels[it]);
-            if validates || codel.is_some_and(|it| it.throws) {
+            let codel = self
+                .codel(s, executor)
+                .map(|codel| &self.system.codels[codel]);
+            if validates || codel.is_some_and(|codel| codel.throws) {
                 push(1);
             }
         } else {
@@ -367,7 +377,13 @@ impl Servers<'_> {
     /// Returns true if an exception makes a difference: not if the activity may end as well and no client
     /// depends on the outcome.
     fn tells_throwing(&self, s: &State, slot: usize, yields: &[Yield]) -> bool {
-        let outcomes = || self.layout.outcomes.iter().flatten().any(|it| *it);
+        let outcomes = || {
+            self.layout
+                .outcomes
+                .iter()
+                .flatten()
+                .any(|outcome| *outcome)
+        };
         match self.service(s, slot) {
             Some(service) => {
                 !yields.contains(&Yield::End)
@@ -378,9 +394,9 @@ impl Servers<'_> {
         }
     }
 
-    pub(super) fn within_limit(&self, s: &State, slot: usize, it: &Yield) -> bool {
-        let limit = self.machine(s, slot).and_then(|it| it.loop_limit);
-        match (it, limit) {
+    pub(super) fn within_limit(&self, s: &State, slot: usize, transition: &Yield) -> bool {
+        let limit = self.machine(s, slot).and_then(|machine| machine.loop_limit);
+        match (transition, limit) {
             (&Yield::Next(state), Some(limit)) => s.d[self.layout.visits[slot].0 + state] < limit,
             _ => true,
         }

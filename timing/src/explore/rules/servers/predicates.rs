@@ -35,8 +35,9 @@ impl Servers<'_> {
                 };
                 let slot = l.turn(s, task);
                 let automaton = l.automaton(s, slot).checked_sub(1);
-                let same = automaton
-                    .is_some_and(|it| self.system.automata[it as usize].machine == machine);
+                let same = automaton.is_some_and(|automaton| {
+                    self.system.automata[automaton as usize].machine == machine
+                });
                 same && l.at(s, slot) as usize == state
                     && (phase == StatePhase::Any || phase == now)
             }),
@@ -45,13 +46,13 @@ impl Servers<'_> {
                 let mut modes = tasks
                     .iter()
                     .flat_map(|&task| l.slots(task))
-                    .filter(|&it| self.service(s, it) == Some(service))
-                    .map(|it| l.mode(s, it) & slot::STATUS);
+                    .filter(|&slot| self.service(s, slot) == Some(service))
+                    .map(|slot| l.mode(s, slot) & slot::STATUS);
                 match status {
                     SlotStatus::Void => modes.next().is_none(),
-                    SlotStatus::Wait => modes.any(|it| it == slot::INIT),
-                    SlotStatus::Run => modes.any(|it| it == slot::RUN),
-                    SlotStatus::Stop => modes.any(|it| it == slot::STOP),
+                    SlotStatus::Wait => modes.any(|mode| mode == slot::INIT),
+                    SlotStatus::Run => modes.any(|mode| mode == slot::RUN),
+                    SlotStatus::Stop => modes.any(|mode| mode == slot::STOP),
                     SlotStatus::Active => modes.next().is_some(),
                 }
             }
@@ -67,8 +68,9 @@ impl Servers<'_> {
                     _ => return false,
                 };
                 l.handled(s, component) == Some(service)
-                    && codel
-                        .is_none_or(|it| self.codel(s, l.control_executor(component)) == Some(it))
+                    && codel.is_none_or(|codel| {
+                        self.codel(s, l.control_executor(component)) == Some(codel)
+                    })
                     && (phase == StatePhase::Any || phase == now)
             }
             Atom::ControlBusy(component) => l.control(s, component) != control::READY,

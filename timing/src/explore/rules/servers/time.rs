@@ -30,12 +30,12 @@ impl Servers<'_> {
         if self.may_swap(s, running) {
             least = 1;
         }
-        for task in (0..l.tasks).filter(|&it| self.counts(s, it)) {
+        for task in (0..l.tasks).filter(|&task| self.counts(s, task)) {
             least = least.min(l.timer(s, task));
         }
         for executor in l
             .executing(s)
-            .filter(|&it| self.executes_on(s, running, it))
+            .filter(|&executor| self.executes_on(s, running, executor))
         {
             let (a, b) = l.window(s, executor);
             least = least.min(if can_be_deferred(executor) {
@@ -50,13 +50,13 @@ impl Servers<'_> {
     /// Lets time pass.
     pub(super) fn pass_time(&self, s: &mut State, time: Ticks) {
         let l = &self.layout;
-        for (task, it) in self.system.tasks.iter().enumerate() {
+        for (task, entry) in self.system.tasks.iter().enumerate() {
             if self.counts(s, task) {
                 l.set_timer(s, task, l.timer(s, task) - time);
             }
             let job = self.job(s, task);
             let tick = l.has(s, task, flag::TICK);
-            if let (Some(base), Some(period)) = (l.ages, it.period) {
+            if let (Some(base), Some(period)) = (l.ages, entry.period) {
                 // Deadlines that are this long past need not be distinguished.
                 let most = period.saturating_mul(16);
                 let waits = l.thread_of(s, task) == thread::WAITING;
@@ -79,8 +79,8 @@ impl Servers<'_> {
         }
         let running = self.running(s);
         let stays: Vec<_> = (l.executing(s))
-            .filter(|&it| !self.executes_on(s, running, it))
-            .map(|it| (it, l.window(s, it)))
+            .filter(|&executor| !self.executes_on(s, running, executor))
+            .map(|executor| (executor, l.window(s, executor)))
             .collect();
         for &(executor, _) in &stays {
             l.set_window(s, executor, (0, FOREVER));
