@@ -90,22 +90,22 @@ impl AstNode for Item {
     }
     fn syntax(&self) -> &SyntaxNode {
         match self {
-            Item::Directive(directive) => directive.syntax(),
-            Item::Module(module) => module.syntax(),
-            Item::ConstDecl(constant) => constant.syntax(),
-            Item::TypedefDecl(typedef) => typedef.syntax(),
-            Item::NativeDecl(native) => native.syntax(),
-            Item::ExceptionDecl(exception) => exception.syntax(),
-            Item::TypeDecl(ty) => ty.syntax(),
-            Item::ForwardDecl(declaration) => declaration.syntax(),
-            Item::Component(component) => component.syntax(),
-            Item::Ids(id) => id.syntax(),
-            Item::Task(task) => task.syntax(),
-            Item::Port(port) => port.syntax(),
-            Item::Service(service) => service.syntax(),
-            Item::Member(member) => member.syntax(),
-            Item::Case(case) => case.syntax(),
-            Item::Property(property) => property.syntax(),
+            Item::Directive(node) => node.syntax(),
+            Item::Module(node) => node.syntax(),
+            Item::ConstDecl(node) => node.syntax(),
+            Item::TypedefDecl(node) => node.syntax(),
+            Item::NativeDecl(node) => node.syntax(),
+            Item::ExceptionDecl(node) => node.syntax(),
+            Item::TypeDecl(node) => node.syntax(),
+            Item::ForwardDecl(node) => node.syntax(),
+            Item::Component(node) => node.syntax(),
+            Item::Ids(node) => node.syntax(),
+            Item::Task(node) => node.syntax(),
+            Item::Port(node) => node.syntax(),
+            Item::Service(node) => node.syntax(),
+            Item::Member(node) => node.syntax(),
+            Item::Case(node) => node.syntax(),
+            Item::Property(node) => node.syntax(),
         }
     }
 }
@@ -753,19 +753,19 @@ impl AstNode for Property {
     }
     fn syntax(&self) -> &SyntaxNode {
         match self {
-            Property::StringProperty(property) => property.syntax(),
-            Property::RequiresProperty(property) => property.syntax(),
-            Property::DurationProperty(property) => property.syntax(),
-            Property::InterfacesProperty(property) => property.syntax(),
-            Property::ThrowsProperty(property) => property.syntax(),
-            Property::PriorityProperty(property) => property.syntax(),
-            Property::SchedulingProperty(property) => property.syntax(),
-            Property::StackProperty(property) => property.syntax(),
-            Property::TaskProperty(property) => property.syntax(),
-            Property::ServicesProperty(property) => property.syntax(),
-            Property::ValidateProperty(property) => property.syntax(),
-            Property::LocalProperty(property) => property.syntax(),
-            Property::CodelProperty(property) => property.syntax(),
+            Property::StringProperty(node) => node.syntax(),
+            Property::RequiresProperty(node) => node.syntax(),
+            Property::DurationProperty(node) => node.syntax(),
+            Property::InterfacesProperty(node) => node.syntax(),
+            Property::ThrowsProperty(node) => node.syntax(),
+            Property::PriorityProperty(node) => node.syntax(),
+            Property::SchedulingProperty(node) => node.syntax(),
+            Property::StackProperty(node) => node.syntax(),
+            Property::TaskProperty(node) => node.syntax(),
+            Property::ServicesProperty(node) => node.syntax(),
+            Property::ValidateProperty(node) => node.syntax(),
+            Property::LocalProperty(node) => node.syntax(),
+            Property::CodelProperty(node) => node.syntax(),
         }
     }
 }
@@ -941,15 +941,15 @@ impl AstNode for TypeSpec {
     }
     fn syntax(&self) -> &SyntaxNode {
         match self {
-            TypeSpec::BaseType(ty) => ty.syntax(),
-            TypeSpec::StringType(ty) => ty.syntax(),
-            TypeSpec::SequenceType(ty) => ty.syntax(),
-            TypeSpec::OptionalType(ty) => ty.syntax(),
-            TypeSpec::FixedType(ty) => ty.syntax(),
-            TypeSpec::NamedType(ty) => ty.syntax(),
-            TypeSpec::Struct(structure) => structure.syntax(),
-            TypeSpec::Union(union) => union.syntax(),
-            TypeSpec::Enum(enumeration) => enumeration.syntax(),
+            TypeSpec::BaseType(node) => node.syntax(),
+            TypeSpec::StringType(node) => node.syntax(),
+            TypeSpec::SequenceType(node) => node.syntax(),
+            TypeSpec::OptionalType(node) => node.syntax(),
+            TypeSpec::FixedType(node) => node.syntax(),
+            TypeSpec::NamedType(node) => node.syntax(),
+            TypeSpec::Struct(node) => node.syntax(),
+            TypeSpec::Union(node) => node.syntax(),
+            TypeSpec::Enum(node) => node.syntax(),
         }
     }
 }
@@ -1027,11 +1027,11 @@ impl AstNode for Expr {
     }
     fn syntax(&self) -> &SyntaxNode {
         match self {
-            Expr::Literal(literal) => literal.syntax(),
-            Expr::PathExpr(expression) => expression.syntax(),
-            Expr::ParenExpr(expression) => expression.syntax(),
-            Expr::PrefixExpr(expression) => expression.syntax(),
-            Expr::BinaryExpr(expression) => expression.syntax(),
+            Expr::Literal(node) => node.syntax(),
+            Expr::PathExpr(node) => node.syntax(),
+            Expr::ParenExpr(node) => node.syntax(),
+            Expr::PrefixExpr(node) => node.syntax(),
+            Expr::BinaryExpr(node) => node.syntax(),
         }
     }
 }
@@ -2234,8 +2234,8 @@ impl AstNode for Param {
     }
     fn syntax(&self) -> &SyntaxNode {
         match self {
-            Param::TypedParam(param) => param.syntax(),
-            Param::PathParam(param) => param.syntax(),
+            Param::TypedParam(node) => node.syntax(),
+            Param::PathParam(node) => node.syntax(),
         }
     }
 }
@@ -2436,8 +2436,8 @@ impl AstNode for PathStep {
     }
     fn syntax(&self) -> &SyntaxNode {
         match self {
-            PathStep::MemberStep(step) => step.syntax(),
-            PathStep::IndexStep(step) => step.syntax(),
+            PathStep::MemberStep(node) => node.syntax(),
+            PathStep::IndexStep(node) => node.syntax(),
         }
     }
 }
@@ -2521,8 +2521,8 @@ impl AstNode for Designator {
     }
     fn syntax(&self) -> &SyntaxNode {
         match self {
-            Designator::MemberDesignator(designator) => designator.syntax(),
-            Designator::IndexDesignator(designator) => designator.syntax(),
+            Designator::MemberDesignator(node) => node.syntax(),
+            Designator::IndexDesignator(node) => node.syntax(),
         }
     }
 }

@@ -249,7 +249,7 @@ fn generate_enum(
     }
     out.push_str("_ => None,\n} }\nfn syntax(&self) -> &SyntaxNode { match self {\n");
     for variant in variants {
-        let _ = writeln!(out, "{name}::{variant}(it) => it.syntax(),");
+        let _ = writeln!(out, "{name}::{variant}(node) => node.syntax(),");
     }
     out.push_str("} }\n}\n");
     for variant in variants {
